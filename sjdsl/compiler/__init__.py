@@ -1,0 +1,1 @@
+"""The compiler: one `.sj` text becomes one readable Python module, stage by stage."""

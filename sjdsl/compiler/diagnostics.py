@@ -1,0 +1,99 @@
+"""Diagnostics as data: what is wrong, where, and what to write instead."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from sjdsl.compiler.source import Span
+
+Severity = Literal["error", "warning"]
+
+
+@dataclass(frozen=True)
+class Code:
+    """One kind of mistake. `message` and `hint` are templates over the facts of a diagnostic."""
+
+    code: str
+    title: str
+    message: str
+    hint: str = ""
+    severity: Severity = "error"
+
+
+@dataclass(frozen=True)
+class Label:
+    """A secondary place, with what there is to say about it."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True)
+class Fix:
+    """An edit that would repair the mistake: replace the characters of `span` by `text`."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One mistake of one file."""
+
+    code: Code
+    span: Span
+    facts: Mapping[str, object] = field(default_factory=dict)
+    labels: tuple[Label, ...] = ()
+    fix: Fix | None = None
+
+    @property
+    def message(self) -> str:
+        return self.code.message.format(**self.facts)
+
+    @property
+    def hint(self) -> str:
+        """The help line; empty if a fact it needs is missing or empty (no near name, say)."""
+        try:
+            if any(self.facts[name] == "" for name in _fields(self.code.hint)):
+                return ""
+            return self.code.hint.format(**self.facts)
+        except KeyError:
+            return ""
+
+
+def _fields(template: str) -> list[str]:
+    import string
+
+    return [name for _, name, _, _ in string.Formatter().parse(template) if name]
+
+
+class CompileError(Exception):
+    """Carries every diagnostic of the phase that failed; `diagnostics` holds errors and warnings in file order."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]):
+        self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span.file, d.span.start, d.code.code)))
+        super().__init__("; ".join(f"{d.code.code} {d.span.line}:{d.span.column} {d.message}" for d in self.diagnostics))
+
+
+def nearest(name: str, candidates: Iterable[str]) -> str:
+    """Returns the candidate closest to `name` by edit distance, or `""` if none is close enough to be meant."""
+    best, best_distance = "", max(1, len(name) // 3) + 1
+    for candidate in sorted(set(candidates)):
+        distance = _distance(name, candidate)
+        if distance < best_distance:
+            best, best_distance = candidate, distance
+    return best
+
+
+def _distance(a: str, b: str) -> int:
+    """Returns the optimal string alignment distance: insert, delete, replace, swap neighbours."""
+    rows = [list(range(len(b) + 1))]
+    for i, x in enumerate(a, 1):
+        row = [i]
+        for j, y in enumerate(b, 1):
+            cost = min(rows[-1][j] + 1, row[j - 1] + 1, rows[-1][j - 1] + (x != y))
+            if i > 1 and j > 1 and x == b[j - 2] and a[i - 2] == y:
+                cost = min(cost, rows[-2][j - 2] + 1)
+            row.append(cost)
+        rows.append(row)
+    return rows[-1][-1]

@@ -1,0 +1,35 @@
+"""Where text comes from and which part of it a node or a message is about."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Span:
+    """A half-open part `start .. end` of one file, in characters; `line` and `column` (from 1) of its start."""
+
+    file: str
+    start: int
+    end: int
+    line: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Source:
+    """One file as read: `name` is what messages call it, `folder` is where its maps and bases are looked up."""
+
+    name: str
+    text: str
+    folder: Path | None = field(default=None, compare=False)
+
+    def span(self, start: int, end: int) -> Span:
+        """Returns the span of the characters `start .. end`."""
+        line = self.text.count("\n", 0, start) + 1
+        column = start - (self.text.rfind("\n", 0, start) + 1) + 1
+        return Span(self.name, start, end, line, column)
+
+    def line(self, number: int) -> str:
+        """Returns line `number` (from 1) without its end, empty past the last line."""
+        lines = self.text.split("\n")
+        return lines[number - 1].rstrip("\r") if 0 < number <= len(lines) else ""

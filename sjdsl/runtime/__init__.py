@@ -1,0 +1,1 @@
+"""Kernels that generated code calls, and the environment interface."""
