@@ -1,0 +1,32 @@
+"""Trainers for any compiled game: PPO with shared parameters, evaluation, and the files of a run."""
+
+from .config import Config, ConfigError, load_config
+from .evaluate import Estimate, Evaluation, estimate, evaluate, summarise
+from .policies import Policy, PolicyError, load_policy, random_policy, trained_policy
+from .ppo import Train, TrainState, make_train
+from .presets import Preset, load_preset
+from .run import Result, RunError, train
+
+__all__ = [
+    "Config",
+    "ConfigError",
+    "Estimate",
+    "Evaluation",
+    "Policy",
+    "PolicyError",
+    "Preset",
+    "Result",
+    "RunError",
+    "Train",
+    "TrainState",
+    "estimate",
+    "evaluate",
+    "load_config",
+    "load_policy",
+    "load_preset",
+    "make_train",
+    "random_policy",
+    "summarise",
+    "train",
+    "trained_policy",
+]

@@ -180,9 +180,7 @@ class Within:
     high: "Expr | None"
 
 
-Expr = (
-    Int | Decimal | Nobody | Path | Call | Count | Total | Case | Unary | Binary | Chose | Standing | Within
-)
+Expr = Int | Decimal | Nobody | Path | Call | Count | Total | Case | Unary | Binary | Chose | Standing | Within
 
 
 @dataclass(frozen=True)
@@ -400,7 +398,23 @@ class End:
 
 
 Stmt = (
-    Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move | Mark | End
+    Let
+    | Draw
+    | Each
+    | Pick
+    | First
+    | Match
+    | When
+    | Chance
+    | Set
+    | Add
+    | Give
+    | Tally
+    | Send
+    | Remove
+    | Move
+    | Mark
+    | End
 )
 
 

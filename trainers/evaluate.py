@@ -1,0 +1,128 @@
+"""Evaluation: whole episodes of any policy, and what can be said from them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from scipy import stats
+
+from .policies import Policy
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What E episodes came to, episode by episode."""
+
+    returns: np.ndarray  # [E, N] raw return of each agent
+    lengths: np.ndarray  # [E] steps
+    events: Mapping[str, np.ndarray]  # name -> [E, N] or [E] count
+    metric_means: Mapping[str, np.ndarray]  # name -> [E] mean over the episode's steps
+    metric_finals: Mapping[str, np.ndarray]  # name -> [E] value at its last step
+
+    @property
+    def collective_returns(self) -> np.ndarray:
+        """`[E]` raw return summed over agents."""
+        return self.returns.sum(axis=1)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean over episodes and its 95 % confidence interval."""
+
+    mean: float
+    low: float
+    high: float
+
+
+def evaluate(env: Any, policy: Policy, key: Array, num_episodes: int = 30) -> Evaluation:
+    """Plays `num_episodes` episodes side by side, each to its end.
+
+    Args:
+      env: one environment.
+      policy: `(key, observation [N, V, V, P]) -> actions [N]`; `random_policy(env)`, `load_policy(run_dir, env)`, or
+        any function that can be jitted.
+      key: typed key, consumed; the same key gives the same episodes.
+      num_episodes: E.
+    """
+    played = jax.jit(lambda key: _play(env, policy, key, num_episodes))(key)
+    sums = jax.device_get(played)
+    lengths = sums["length"]
+    return Evaluation(
+        returns=sums["returns"],
+        lengths=lengths,
+        events=sums["events"],
+        metric_means={name: total / lengths for name, total in sums["metric_sums"].items()},
+        metric_finals=sums["metric_finals"],
+    )
+
+
+def _play(env: Any, policy: Policy, key: Array, num_episodes: int) -> dict[str, Any]:
+    """Steps all episodes until the last one is over; what comes after an episode's end is not counted."""
+    reset_key, loop_key = jax.random.split(key)
+    observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
+
+    def play_step(key: Array, state: Any, observation: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
+        action_key, env_key = jax.random.split(key)
+        return env.step_env(env_key, state, policy(action_key, observation))
+
+    def advance(carry: dict[str, Any]) -> dict[str, Any]:
+        key, step_key = jax.random.split(carry["key"])
+        keys = jax.random.split(step_key, num_episodes)
+        observation, state, reward, done, info = jax.vmap(play_step)(keys, carry["state"], carry["observation"])
+        sums = carry["sums"]
+        counted = {
+            "returns": sums["returns"] + reward,
+            "length": sums["length"] + 1,
+            "events": jax.tree.map(jnp.add, sums["events"], info["events"]),
+            "metric_sums": jax.tree.map(jnp.add, sums["metric_sums"], info["metrics"]),
+            "metric_finals": info["metrics"],
+        }
+        over = carry["over"]
+        kept = jax.tree.map(lambda new, old: jnp.where(over.reshape(-1, *[1] * (new.ndim - 1)), old, new), counted, sums)
+        return {"key": key, "state": state, "observation": observation, "sums": kept, "over": over | done}
+
+    keys = jax.eval_shape(lambda: jax.random.split(jax.random.key(0), num_episodes))
+    reward, _, info = jax.eval_shape(jax.vmap(play_step), keys, state, observation)[2:]
+    zeros = {
+        "returns": reward,
+        "length": jax.ShapeDtypeStruct((num_episodes,), jnp.int32),
+        "events": info["events"],
+        "metric_sums": info["metrics"],
+        "metric_finals": info["metrics"],
+    }
+    start = {
+        "key": loop_key,
+        "state": state,
+        "observation": observation,
+        "sums": jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), zeros),
+        "over": jnp.zeros(num_episodes, bool),
+    }
+    return jax.lax.while_loop(lambda carry: ~carry["over"].all(), advance, start)["sums"]
+
+
+def estimate(samples: np.ndarray) -> Estimate:
+    """Returns the mean of `[E]` samples and its 95 % interval by Student's t; infinitely wide for one sample."""
+    samples = np.asarray(samples, np.float64)
+    mean = samples.mean()
+    if len(samples) < 2:
+        return Estimate(mean, -np.inf, np.inf)
+    margin = stats.t.ppf(0.975, len(samples) - 1) * samples.std(ddof=1) / np.sqrt(len(samples))
+    return Estimate(mean, mean - margin, mean + margin)
+
+
+def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
+    """Returns an estimate for each figure: collective return, each agent's return, lengths, events and metrics."""
+    figures = {"collective return": evaluation.collective_returns}
+    figures |= {f"return of agent {index}": column for index, column in enumerate(evaluation.returns.T)}
+    figures["episode length"] = evaluation.lengths
+    for name, counts in evaluation.events.items():
+        figures[f"event {name}"] = counts if counts.ndim == 1 else counts.sum(axis=1)
+        if counts.ndim == 2:
+            figures |= {f"event {name} of agent {index}": column for index, column in enumerate(counts.T)}
+    figures |= {f"mean {name}": values for name, values in evaluation.metric_means.items()}
+    figures |= {f"final {name}": values for name, values in evaluation.metric_finals.items()}
+    return {name: estimate(samples) for name, samples in figures.items()}
