@@ -4,7 +4,7 @@ from .config import Config, ConfigError, load_config
 from .evaluate import Estimate, Evaluation, estimate, evaluate, summarise
 from .policies import Policy, PolicyError, load_policy, random_policy, trained_policy
 from .ppo import Train, TrainState, make_train
-from .presets import Preset, load_preset
+from .preset import Preset, load_preset
 from .run import Result, RunError, train
 
 __all__ = [

@@ -5,9 +5,7 @@ import jax.numpy as jnp
 from jax import Array
 
 
-def successor_values(
-    values: Array, last_value: Array, terminal_values: Array, done: Array, truncated: Array
-) -> Array:
+def successor_values(values: Array, last_value: Array, terminal_values: Array, done: Array, truncated: Array) -> Array:
     """Returns the value of what follows each step.
 
     Inside an episode it is the value of the next observation; after a time limit the value of the observation the

@@ -114,7 +114,7 @@ def _sentence(fault: Mapping[str, Any]) -> str:
 def nearest_key(key: str, known: Mapping[str, Any]) -> str:
     """Returns `; did you mean …?`, or the list of known keys when none is near."""
     near = difflib.get_close_matches(key, known, n=1)
-    return f"; did you mean `{near[0]}`?" if near else f"; known keys: {', '.join(known)}"
+    return f"; did you mean `{near[0]}`?" if near else f"; known: {', '.join(known)}"
 
 
 def load_config(path: Path | str, changes: Mapping[str, Any] | None = None) -> Config:

@@ -28,6 +28,15 @@ class Evaluation:
         """`[E]` raw return summed over agents."""
         return self.returns.sum(axis=1)
 
+    @property
+    def equalities(self) -> np.ndarray:
+        """`[E]` one minus the Gini coefficient of the agents' returns; NaN unless none is negative and one positive."""
+        total = self.collective_returns
+        gaps = np.abs(self.returns[:, :, None] - self.returns[:, None, :]).sum(axis=(1, 2))
+        is_defined = (self.returns >= 0).all(axis=1) & (total > 0)
+        num_agents = self.returns.shape[1]
+        return np.where(is_defined, 1.0 - gaps / (2 * num_agents * np.where(is_defined, total, 1.0)), np.nan)
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -82,7 +91,11 @@ def _play(env: Any, policy: Policy, key: Array, num_episodes: int) -> dict[str, 
             "metric_finals": info["metrics"],
         }
         over = carry["over"]
-        kept = jax.tree.map(lambda new, old: jnp.where(over.reshape(-1, *[1] * (new.ndim - 1)), old, new), counted, sums)
+
+        def keep(new: Array, old: Array) -> Array:
+            return jnp.where(over.reshape(-1, *[1] * (new.ndim - 1)), old, new)
+
+        kept = jax.tree.map(keep, counted, sums)
         return {"key": key, "state": state, "observation": observation, "sums": kept, "over": over | done}
 
     keys = jax.eval_shape(lambda: jax.random.split(jax.random.key(0), num_episodes))
@@ -118,6 +131,7 @@ def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
     """Returns an estimate for each figure: collective return, each agent's return, lengths, events and metrics."""
     figures = {"collective return": evaluation.collective_returns}
     figures |= {f"return of agent {index}": column for index, column in enumerate(evaluation.returns.T)}
+    figures["equality"] = evaluation.equalities
     figures["episode length"] = evaluation.lengths
     for name, counts in evaluation.events.items():
         figures[f"event {name}"] = counts if counts.ndim == 1 else counts.sum(axis=1)

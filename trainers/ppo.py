@@ -131,9 +131,7 @@ def make_optimiser(config: Config) -> optax.GradientTransformation:
 
 def flatten_rollout(rollout: Rollout, last_value: Array, config: Config) -> Batch:
     """Returns the rollout's T * B * N samples with their advantages; `last_value` is `[B, N]`."""
-    successors = successor_values(
-        rollout.value, last_value, rollout.terminal_value, rollout.done, rollout.truncated
-    )
+    successors = successor_values(rollout.value, last_value, rollout.terminal_value, rollout.done, rollout.truncated)
     advantage = generalised_advantages(
         rollout.shaped_reward, rollout.value, successors, rollout.done, config.gamma, config.gae_lambda
     )
@@ -155,7 +153,7 @@ def take_epochs(learner: Learner, batch: Batch, key: Array, config: Config) -> t
         minibatch = jax.tree.map(lambda leaf: leaf[indices], batch)
         loss = jax.value_and_grad(ppo_loss, has_aux=True)
         (_, losses), gradients = loss(learner.params, learner.apply_fn, minibatch, config)
-        losses["gradient_norm"] = optax.global_norm(gradients)
+        losses["gradient_norm"] = jnp.sqrt(sum(jnp.square(leaf).sum() for leaf in jax.tree.leaves(gradients)))
         return learner.apply_gradients(grads=gradients), losses
 
     def take_epoch(learner: Learner, key: Array) -> tuple[Learner, Metrics]:

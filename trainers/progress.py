@@ -1,6 +1,5 @@
 """How a run reports its progress: a live bar on a terminal, plain lines elsewhere."""
 
-import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from .run_folder import Row
 
 ProgressStyle = Literal["auto", "bar", "lines", "none"]
 SECONDS_BETWEEN_LINES = 5.0
+NO_EPISODE = "no episode finished yet"
 
 
 @contextmanager
@@ -27,7 +27,7 @@ def show_progress(style: ProgressStyle, num_updates: int, title: str) -> Iterato
         case "lines":
             yield _lines(num_updates)
         case "none":
-            yield lambda row: None
+            yield lambda _: None
         case _:
             raise ValueError(f"progress must be auto, bar, lines or none, not {style!r}")
 
@@ -42,24 +42,26 @@ def _bar(num_updates: int, title: str) -> Iterator[Callable[[Row], None]]:
         TimeRemainingColumn(compact=True),
         TextColumn("{task.fields[outcome]}"),
     )
-    recent = _RecentReturn()
+    outcome = NO_EPISODE
     with Progress(*columns) as display:
-        task = display.add_task(title, total=num_updates, speed="", outcome="")
+        task = display.add_task(title, total=num_updates, speed="", outcome=outcome)
 
         def show(row: Row) -> None:
+            nonlocal outcome
+            outcome = _outcome(row) or outcome
             speed = f"{row['steps_per_second']:,.0f} steps/s"
-            display.update(task, completed=row["update"], speed=speed, outcome=recent.read(row))
+            display.update(task, completed=row["update"], speed=speed, outcome=outcome)
 
         yield show
 
 
 def _lines(num_updates: int) -> Callable[[Row], None]:
-    recent = _RecentReturn()
+    outcome = NO_EPISODE
     printed = 0.0
 
     def show(row: Row) -> None:
-        nonlocal printed
-        outcome = recent.read(row)
+        nonlocal printed, outcome
+        outcome = _outcome(row) or outcome
         now = time.monotonic()
         if now - printed < SECONDS_BETWEEN_LINES and row["update"] not in (1, num_updates):
             return
@@ -74,13 +76,6 @@ def _lines(num_updates: int) -> Callable[[Row], None]:
     return show
 
 
-class _RecentReturn:
-    """The collective return of the last update in which an episode finished."""
-
-    def __init__(self) -> None:
-        self.value = math.nan
-
-    def read(self, row: Row) -> str:
-        if row["episodes"] > 0:
-            self.value = row["collective_return"]
-        return "no episode finished yet" if math.isnan(self.value) else f"collective return {self.value:.1f}"
+def _outcome(row: Row) -> str:
+    """Returns the return of the episodes that finished in an update, or "" if none did."""
+    return f"collective return {row['collective_return']:.1f}" if row["episodes"] > 0 else ""

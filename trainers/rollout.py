@@ -75,7 +75,10 @@ def collect_rollout(
         shaped_reward = shape_reward(reward, reward_mode)
         truncated = info["truncated"]
         terminal_value = jax.lax.cond(  # most steps end no episode: then the second forward pass is skipped
-            truncated.any(), lambda seen: network(seen)[1], lambda _: jnp.zeros_like(value), info["terminal_observation"]
+            truncated.any(),
+            lambda seen: network(seen)[1],
+            lambda _: jnp.zeros_like(value),
+            info["terminal_observation"],
         )
         running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info["events"]), done)
         step = Rollout(

@@ -109,7 +109,7 @@ def _run_updates(
                 if not math.isfinite(row["loss"]):
                     raise RunError(
                         f"the loss became {row['loss']} in update {number}; try a smaller learning_rate than "
-                        f"{config.learning_rate:g}. {run_dir} keeps the last good parameters"
+                        f"{config.learning_rate:g}"
                     )
                 state = advanced
                 rows.append(row)

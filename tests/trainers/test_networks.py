@@ -1,0 +1,47 @@
+"""The network: shapes, initial scale, and that it sees every plane."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from sjdsl.trainers.networks import ActorCritic
+
+from sjdsl.runtime.tokens import TokenPlane
+
+PLANES = (
+    TokenPlane("content", "word", ("outside", "none", "mine")),
+    TokenPlane("marks", "bits", ("zapped", "cleaned")),
+    TokenPlane("bag", "number", high=200),
+)
+
+
+@pytest.fixture(scope="module", params=["mlp", "cnn"])
+def network(request: pytest.FixtureRequest) -> ActorCritic:
+    return ActorCritic(7, PLANES, request.param, 64)
+
+
+def _observations(key: jax.Array) -> jax.Array:
+    return jax.random.randint(key, (5, 2, 11, 11, 3), 0, 3).astype(jnp.uint8)
+
+
+def test_shapes_and_initial_scale(network: ActorCritic) -> None:
+    observation_key, network_key = jax.random.split(jax.random.key(0))
+    observation = _observations(observation_key)
+    parameters = jax.jit(network.init)(network_key, observation)
+    logits, value = network.apply(parameters, observation)
+    assert logits.shape == (5, 2, 7)
+    assert value.shape == (5, 2)
+    assert jax.nn.softmax(logits).max() < 1 / 7 + 0.02
+    actor, critic = (parameters["params"][head]["kernel"] for head in ("actor", "critic"))
+    np.testing.assert_allclose(actor.T @ actor, 0.01**2 * np.eye(7), atol=1e-6)
+    np.testing.assert_allclose(critic.T @ critic, [[1.0]], atol=1e-5)
+
+
+def test_every_plane_reaches_the_outputs(network: ActorCritic) -> None:
+    observation_key, network_key = jax.random.split(jax.random.key(0))
+    observation = _observations(observation_key)
+    parameters = jax.jit(network.init)(network_key, observation)
+    _, value = network.apply(parameters, observation)
+    for plane in range(3):
+        _, changed = network.apply(parameters, observation.at[..., 4, 6, plane].set(0))
+        assert not np.allclose(value, changed)
