@@ -1,0 +1,103 @@
+"""What never changes in a game: the kind of every cell, the cells of every kind, declarations by name."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from sjdsl.compiler import ir, print_ir
+from sjdsl.interpreter.state import Cell, Value, World, field_value
+
+
+@dataclass(frozen=True, eq=False)
+class Board:
+    """A game with its map read.
+
+    kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
+    pools: the first `send` written for each pool of sends.
+    """
+
+    game: ir.Game
+    kind_of: dict[Cell, str]
+    cells: dict[str, tuple[Cell, ...]]
+    number: dict[Cell, int]
+    kinds: dict[str, ir.Kind]
+    shapes: dict[str, ir.Shape]
+    agent_fields: dict[str, ir.VarField]
+    world_fields: dict[str, ir.VarField]
+    cell_fields: dict[tuple[str, str], ir.VarField]
+    pools: dict[int, ir.Send]
+
+    @property
+    def agents(self) -> int:
+        return self.game.agents.number
+
+
+@lru_cache(maxsize=256)
+def cells_of(board: Board, kinds: tuple[str, ...]) -> tuple[Cell, ...]:
+    """Returns the cells of all these kinds together, in reading order."""
+    return tuple(sorted(cell for kind in set(kinds) for cell in board.cells[kind]))
+
+
+_latest: list[Board] = []
+
+
+def board_of(game: ir.Game) -> Board:
+    """Returns the board of a game; the one asked for last is kept."""
+    if not _latest or _latest[0].game is not game:
+        _latest[:] = [_build(game)]
+    return _latest[0]
+
+
+def _build(game: ir.Game) -> Board:
+    meaning = _glyph_kinds(game)
+    kind_of = {Cell(r, c): meaning[glyph] for r, row in enumerate(game.rows) for c, glyph in enumerate(row)}
+    cells = {k.name: tuple(cell for cell in kind_of if kind_of[cell] == k.name) for k in game.kinds}
+    return Board(
+        game=game,
+        kind_of=kind_of,
+        cells=cells,
+        number={cell: number for members in cells.values() for number, cell in enumerate(members)},
+        kinds={k.name: k for k in game.kinds},
+        shapes={s.name: s for s in game.shapes},
+        agent_fields={f.name: f for f in game.agents.fields},
+        world_fields={f.name: f for f in game.fields},
+        cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},
+        pools=_pools(game),
+    )
+
+
+def _glyph_kinds(game: ir.Game) -> dict[str, str]:
+    return {k.glyph: k.name for k in game.kinds} | {g.glyph: g.kind for g in game.glyphs}
+
+
+def _pools(game: ir.Game) -> dict[int, ir.Send]:
+    pools: dict[int, ir.Send] = {}
+    for turn in (game.start, *game.schedule):
+        for node in ir.walk(turn):
+            if isinstance(node, ir.Send):
+                first = pools.setdefault(node.pool, node)
+                assert print_ir.domain(first.domain) == print_ir.domain(node.domain), f"pool {node.pool} is split"
+                assert first.order_stream == node.order_stream, f"pool {node.pool} is split"
+                assert first.heading_stream == node.heading_stream, f"pool {node.pool} is split"
+    return pools
+
+
+def declared_world(board: Board, params: dict[str, Value]) -> World:
+    """Returns the state before the phase `start`: declared values, the map's own, nobody placed yet."""
+    game, agents = board.game, range(board.agents)
+    starts = {g.glyph: dict(g.starts) for g in game.glyphs}
+    cells = {
+        (kind, name): [field_value(f, starts.get(game.rows[r][c], {}).get(name, f.start)) for r, c in board.cells[kind]]
+        for (kind, name), f in board.cell_fields.items()
+    }
+    return World(
+        step=0,
+        cells=cells,
+        agents={f.name: [field_value(f, f.start) for _ in agents] for f in game.agents.fields},
+        fields={f.name: field_value(f, f.start) for f in game.fields},
+        position=[None for _ in agents],
+        heading=[0 for _ in agents],
+        moved=[False for _ in agents],
+        away=[None for _ in agents],
+        marks=[],
+        params=dict(params),
+    )

@@ -1,0 +1,95 @@
+"""Sentences that draw: which branch a chance takes, what a draw gives, who is picked, who is matched."""
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter import members
+from sjdsl.interpreter.draws import note_if_near
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.members import Found
+from sjdsl.interpreter.state import Value
+
+HALF = 2**31
+_COMPUTING = (ir.Arithmetic, ir.Ramp, ir.Mix, ir.Sum, ir.SumRow, ir.Local)
+
+
+def chance(sentence: ir.Chance, here: Instance) -> tuple[ir.Stmt, ...]:
+    """Returns the sentences that happen: one word for the whole chain, each branch its share of what is left."""
+    assert here.draws is not None
+    word = here.word(sentence.stream, here.number)
+    threshold, computed = 0, False
+    for branch in sentence.branches:
+        threshold += int(np.float32(HALF - threshold) * np.float32(evaluate(branch.test, here)))
+        computed = computed or _is_computed(branch.test)
+        if computed:
+            note_if_near(here.draws, sentence.stream, here.number, word, threshold)
+        if word >> 1 < threshold:
+            return branch.body
+    return sentence.otherwise
+
+
+def draw(sentence: ir.Draw, here: Instance) -> Value:
+    """Returns the number or word drawn."""
+    word = here.word(sentence.stream, here.number)
+    if sentence.low is not None and sentence.high is not None:
+        low, high = evaluate(sentence.low, here), evaluate(sentence.high, here)
+        assert 1 <= high - low + 1 <= 65535, (low, high)
+        return low + (word * (high - low + 1) >> 32)
+    if sentence.weights:
+        return _weighted(sentence, word, here)
+    return sentence.words[word * len(sentence.words) >> 32]
+
+
+def _weighted(sentence: ir.Draw, word: int, here: Instance) -> str:
+    assert here.draws is not None
+    running, computed = np.float32(0), any(_is_computed(w) for w in sentence.weights)
+    for name, weight in zip(sentence.words[:-1], sentence.weights[:-1], strict=True):
+        running = np.float32(running + np.float32(evaluate(weight, here)))
+        threshold = int(running * np.float32(HALF))
+        if computed:
+            note_if_near(here.draws, sentence.stream, here.number, word, threshold)
+        if word >> 1 < threshold:
+            return name
+    return sentence.words[-1]
+
+
+def _is_computed(share: ir.Expr) -> bool:
+    """Returns whether float32 arithmetic goes into a probability, so that two programs may differ in its last bit."""
+    return any(isinstance(node, _COMPUTING) and node.type.kind == "real" for node in ir.walk(share))
+
+
+def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[Found]:
+    """Returns the members that come first in a uniformly random order."""
+    radix = members.radix(sentence.domain, here.board)
+    ranks = {m.number: here.word(sentence.stream, here.number * radix + m.number) >> 1 for m in all_members}
+    order = sorted(all_members, key=lambda m: (-ranks[m.number], m.number))
+    return order[: max(0, evaluate(sentence.number, here))]
+
+
+def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found]]:
+    """Returns the pairs: all possible ones in a random order, each taken if both of its members are still free."""
+    rights = members.radix(sentence.right, here.board)
+    pairs_in_all = members.radix(sentence.left, here.board) * rights
+    ranked: list[tuple[int, int, Found, Found]] = []
+    for left in members.found(sentence.left, here):
+        for right in _partners(sentence, left, here):
+            number = left.number * rights + right.number
+            word = here.word(sentence.stream, here.number * pairs_in_all + number)
+            ranked.append((-(word >> 1), number, left, right))
+    taken: set[object] = set()
+    pairs: list[tuple[Found, Found]] = []
+    for _, _, left, right in sorted(ranked, key=lambda pair: pair[:2]):
+        if left.member not in taken and right.member not in taken:
+            taken |= {left.member, right.member}
+            pairs.append((left, right))
+    return pairs
+
+
+def _partners(sentence: ir.Match, left: Found, here: Instance) -> list[Found]:
+    inside = here.binding(left.names)
+    if sentence.first:
+        found = [m for m in members.nearest(sentence.right, inside) if m is not None]
+    else:
+        found = members.found(sentence.right, inside)
+    return list({m.member: m for m in found if m.member != left.member}.values())

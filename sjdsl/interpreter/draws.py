@@ -1,0 +1,88 @@
+"""Words of randomness: threefry-2x32 in plain integers, and a wrapper that remembers which words were used."""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+WORD = 0xFFFFFFFF
+_PARITY = 0x1BD11BDA
+_ROTATIONS = ((13, 15, 26, 6), (17, 29, 16, 24))
+_RETURN = 0x52455455
+
+
+class Draws(Protocol):
+    """An endless table of 32-bit words, one row for each stream."""
+
+    def word(self, stream: int, number: int) -> int:
+        """Returns word `number` of `stream`."""
+        ...
+
+
+def threefry(key: tuple[int, int], counter: tuple[int, int]) -> tuple[int, int]:
+    """Returns threefry-2x32 of 20 rounds.
+
+    Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
+    """
+    schedule = (*key, key[0] ^ key[1] ^ _PARITY)
+    x0, x1 = (counter[0] + key[0]) & WORD, (counter[1] + key[1]) & WORD
+    for group in range(5):
+        for distance in _ROTATIONS[group % 2]:
+            x0 = (x0 + x1) & WORD
+            x1 = ((x1 << distance | x1 >> (32 - distance)) & WORD) ^ x0
+        x0 = (x0 + schedule[(group + 1) % 3]) & WORD
+        x1 = (x1 + schedule[(group + 2) % 3] + group + 1) & WORD
+    return x0, x1
+
+
+@dataclass(frozen=True)
+class Threefry:
+    """The words of one step's key."""
+
+    k0: int
+    k1: int
+
+    def word(self, stream: int, number: int) -> int:
+        assert 0 <= stream <= WORD, stream
+        assert 0 <= number <= WORD, number
+        return threefry((self.k0, self.k1), (stream, number))[0]
+
+
+class Used(NamedTuple):
+    """One word that was looked at."""
+
+    stream: int
+    number: int
+    word: int
+
+
+class Near(NamedTuple):
+    """A draw so close to a computed threshold that float32 rounding may decide it. `threshold` is of 2^31."""
+
+    stream: int
+    number: int
+    word: int
+    threshold: int
+
+
+@dataclass
+class Recorded:
+    """Another source of words, with a record of what was used."""
+
+    source: Draws
+    used: list[Used] = field(default_factory=list)
+    near: list[Near] = field(default_factory=list)
+
+    def word(self, stream: int, number: int) -> int:
+        word = self.source.word(stream, number)
+        self.used.append(Used(stream, number, word))
+        return word
+
+
+def note_if_near(draws: Draws, stream: int, number: int, word: int, threshold: int) -> None:
+    """Records that a word was compared with a computed threshold and lies within 1e-6 of it (relative, at least 1)."""
+    if isinstance(draws, Recorded) and abs((word >> 1) - threshold) <= max(1.0, 1e-6 * threshold):
+        draws.near.append(Near(stream, number, word, threshold))
+
+
+def return_stream(stream: int) -> int:
+    """Returns the stream that agents coming back at a `tick` use in place of the sentence's own."""
+    return (stream ^ _RETURN) & WORD

@@ -1,0 +1,43 @@
+"""One instance of a sentence: the state it reads, the variables around it, and its number among all instances."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.draws import Draws
+from sjdsl.interpreter.state import Value, World
+
+
+@dataclass(frozen=True)
+class Instance:
+    """Where reading and writing happens.
+
+    world: the snapshot. actions: one for each agent, after `forbid`. draws: None where nothing may be drawn.
+    totals: for checks, (event, word or None) -> how often it was counted so far.
+    """
+
+    board: Board
+    world: World
+    actions: tuple[int, ...] = ()
+    draws: Draws | None = None
+    names: Mapping[str, Value] = field(default_factory=dict)
+    number: int = 0
+    totals: Mapping[tuple[str, str | None], int] = field(default_factory=dict)
+
+    def binding(self, names: Mapping[str, Value]) -> "Instance":
+        """Returns this instance with more variables and the same number."""
+        return replace(self, names={**self.names, **names})
+
+    def inside(self, names: Mapping[str, Value], digit: int, radix: int) -> "Instance":
+        """Returns the instance for one member of a quantifier written inside this one."""
+        assert 0 <= digit < radix, (digit, radix)
+        return replace(self, names={**self.names, **names}, number=self.number * radix + digit)
+
+    def only(self, names: Mapping[str, Value]) -> "Instance":
+        """Returns an instance on the same state in which only these variables exist."""
+        return replace(self, names=dict(names), number=0)
+
+    def word(self, stream: int, number: int) -> int:
+        """Returns word `number` of a stream of this step."""
+        assert self.draws is not None, "a draw where nothing may be drawn"
+        return self.draws.word(stream, number)

@@ -1,0 +1,104 @@
+"""Numbers as the language has them: integers of 32 bits, float32 reals, and rows of them taken entry by entry."""
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler import ir
+
+_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "%": operator.mod,
+}
+_COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
+
+
+def real(value: Any) -> Any:
+    """Returns a number, or every entry of a row or table, as float32."""
+    return tuple(real(v) for v in value) if isinstance(value, tuple) else np.float32(value)
+
+
+def entrywise(fn: Callable[..., Any], *values: Any) -> Any:
+    """Returns `fn` of the values; of rows entry by entry, a single number beside a row counting for each entry."""
+    lengths = {len(v) for v in values if isinstance(v, tuple)}
+    if not lengths:
+        return fn(*values)
+    assert len(lengths) == 1, "rows of different lengths"
+    length = lengths.pop()
+    columns = [v if isinstance(v, tuple) else (v,) * length for v in values]
+    return tuple(entrywise(fn, *entries) for entries in zip(*columns, strict=True))
+
+
+def arithmetic(fn: str, values: list[Any], is_real: bool) -> Any:
+    """Returns `fn` of the values, all of them turned into float32 first if the result is a real."""
+    if is_real:
+        values = [real(v) for v in values]
+    match fn:
+        case "neg":
+            return entrywise(operator.neg, *values)
+        case "min" | "max":
+            return entrywise(min if fn == "min" else max, *values)
+        case "/":
+            assert is_real, "a quotient is a real"
+            return entrywise(_quotient, *values)
+        case _:
+            return entrywise(_OPERATORS[fn], *values)
+
+
+def _quotient(dividend: np.float32, divisor: np.float32) -> np.float32:
+    assert divisor != 0, "division by 0"
+    return np.float32(dividend / divisor)
+
+
+def compare(fn: str, left: Any, right: Any) -> bool:
+    """Returns whether the comparison holds; an integer beside a real is a float32."""
+    if isinstance(left, np.float32) or isinstance(right, np.float32):
+        left, right = np.float32(left), np.float32(right)
+    return bool(_COMPARISONS[fn](left, right))
+
+
+def total(values: list[Any], is_real: bool) -> Any:
+    """Returns the sum: of reals in float32 from left to right, of integers exactly. Rows are summed entry by entry."""
+    result: Any = np.float32(0) if is_real else 0
+    for value in values:
+        result = entrywise(operator.add, result, real(value) if is_real else value)
+    return result
+
+
+def shares(row: tuple[Any, ...]) -> tuple[np.float32, ...]:
+    """Returns entry / sum for every entry of a row."""
+    whole = np.float32(sum(row))
+    assert whole > 0, "shares of an empty row"
+    return tuple(np.float32(np.float32(entry) / whole) for entry in row)
+
+
+def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
+    """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
+    x, zero, one = np.float32(value), np.float32(zero_at), np.float32(one_at)
+    return min(max(_quotient(x - zero, one - zero), np.float32(0)), np.float32(1))
+
+
+def check_interval(value: Any, type_: ir.Type, what: object) -> None:
+    """Asserts that a number lies in the interval the compiler proved for it; reals up to rounding."""
+    if isinstance(value, tuple):
+        for entry in value:
+            check_interval(entry, type_, what)
+    elif type_.kind == "int":
+        assert isinstance(value, int), (value, what)
+        assert -(2**31) <= value < 2**31, (value, what)
+        assert type_.low <= value <= type_.high, (value, type_, what)
+    else:
+        slack = 1e-5 * max(1.0, abs(float(value)))
+        assert type_.low - slack <= value <= type_.high + slack, (value, type_, what)

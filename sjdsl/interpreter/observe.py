@@ -1,0 +1,155 @@
+"""What each agent sees: the cells around it, turned so that its own heading is up."""
+
+from functools import lru_cache
+from typing import assert_never
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter import planes
+from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.members import agent_on, is_here
+from sjdsl.interpreter.shapes import cell_at
+from sjdsl.interpreter.state import Cell, World
+
+_OTHER_HIDDEN = 6
+
+
+def observe(game: ir.Game, world: World) -> np.ndarray:
+    """Returns uint8 `[agents, rows, columns, planes]`; who is away sees zeros."""
+    board, window, all_planes = board_of(game), game.window, planes.planes(game)
+    rows, columns = window.ahead + 1 + window.behind, window.left + 1 + window.right
+    picture = np.zeros((board.agents, rows, columns, len(all_planes)), np.uint8)
+    for agent, place in enumerate(world.position):
+        if place is None:
+            continue
+        here = Instance(board, world, names={"agent": agent})
+        for row in range(rows):
+            for column in range(columns):
+                cell = cell_at(place, world.heading[agent], window.ahead - row, column - window.left)
+                picture[agent, row, column] = [_value(plane, cell, agent, here) for plane in all_planes]
+    return picture
+
+
+def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
+    """Returns what one plane shows at one cell, on the map or off it."""
+    match plane.what:
+        case "content":
+            return _content(cell, here)
+        case "agent":
+            return _agent(cell, agent, here)
+        case "marks":
+            names = _marking_names(here.board)
+            return sum(1 << bit for bit, name in enumerate(names) if (name, *cell) in here.world.marks)
+        case "cell":
+            if here.board.kind_of.get(cell) != _sight(plane).kind:
+                return 0
+            return _shown(_sight(plane), _at_cell(cell, here), 0)
+        case "other":
+            other = _other(cell, agent, here)
+            return 0 if other is None else _shown(_sight(plane), here.binding({"other": other}), bool(plane.labels))
+        case "own" | "world":
+            return _shown(_sight(plane), here, 0)
+        case _:
+            assert_never(plane.what)
+
+
+def _content(cell: Cell, here: Instance) -> int:
+    kind = here.board.kind_of.get(cell)
+    if kind is None:
+        return 0
+    label = kind
+    for sight in planes.content_sights(here.board.game, kind):
+        inside = _at_cell(cell, here)
+        word = planes.HIDDEN if _is_hidden(sight, inside) else _word(sight, inside)
+        label += f" {planes.field_name(sight)}={word}"
+    return _content_codes(here.board)[label]
+
+
+@lru_cache(maxsize=4)
+def _content_codes(board: Board) -> dict[str, int]:
+    return {label: code for code, label in enumerate(planes.content_labels(board.game)) if code > 0}
+
+
+@lru_cache(maxsize=4)
+def _marking_names(board: Board) -> tuple[str, ...]:
+    return tuple(phase.name for phase in planes.marking(board.game))
+
+
+def _agent(cell: Cell, agent: int, here: Instance) -> int:
+    if cell == here.world.position[agent]:
+        return 1
+    other = _other(cell, agent, here)
+    if other is None:
+        return 0
+    headings = [s for s in here.board.game.sights if s.what == "heading"]
+    if not headings:
+        return 2
+    if _is_hidden(headings[0], here.binding({"other": other})):
+        return _OTHER_HIDDEN
+    return 2 + (here.world.heading[other] - here.world.heading[agent]) % 4
+
+
+def _shown(sight: ir.Sight, here: Instance, first: int) -> int:
+    """Returns the index of the sight's word, counted from `first`, or its number; 0 if it is hidden."""
+    if _is_hidden(sight, here):
+        return 0
+    if planes.sight_words(sight):
+        return first + planes.sight_words(sight).index(_word(sight, here))
+    value = evaluate(_read(sight, here.board), here)
+    if sight.type.kind == "agent":
+        value = 0 if value is None else value + 1
+    return min(max(int(value), 0), 255)
+
+
+def _word(sight: ir.Sight, here: Instance) -> str:
+    for label in sight.labels:
+        if label.condition is None or evaluate(label.condition, here):
+            return label.name
+    return evaluate(_read(sight, here.board), here)
+
+
+def _is_hidden(sight: ir.Sight, here: Instance) -> bool:
+    return sight.hidden_when is not None and evaluate(sight.hidden_when, here)
+
+
+def _read(sight: ir.Sight, board: Board) -> ir.Expr:
+    """Returns the expression a sight shows."""
+    owner: ir.Member | None
+    match sight.what:
+        case "cell":
+            owner, declared = (
+                ir.Member(name=sight.kind, who="cell", kinds=(sight.kind,)),
+                board.cell_fields[sight.kind, sight.field],
+            )
+        case "own" | "other":
+            name = "agent" if sight.what == "own" else "other"
+            owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[sight.field]
+        case "world":
+            owner, declared = None, board.world_fields[sight.field]
+        case "heading":
+            raise AssertionError(sight)
+        case _:
+            assert_never(sight.what)
+    field = ir.FieldRead(type=declared.type, owner=owner, place=declared.place, name=sight.field)
+    if sight.word is None:
+        return field
+    inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
+    key = ir.Word(type=ir.Type(kind="word", words=declared.type.by[0]), value=sight.word)
+    return ir.At(type=inner, row=field, key=key)
+
+
+def _at_cell(cell: Cell, here: Instance) -> Instance:
+    return here.binding({here.board.kind_of[cell]: cell})
+
+
+def _other(cell: Cell, agent: int, here: Instance) -> int | None:
+    other = agent_on(cell, here)
+    return None if other is None or other == agent or not is_here(other, here) else other
+
+
+def _sight(plane: planes.Plane) -> ir.Sight:
+    assert plane.sight is not None, plane
+    return plane.sight

@@ -1,0 +1,133 @@
+"""Sentences: what each one adds to the writes of its phase, in one instance of what surrounds it."""
+
+from typing import assert_never
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter import chances, members, shapes
+from sjdsl.interpreter.evaluate import agents_in, evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.writes import Counted, Sending, Writes, slots
+
+
+def perform(body: tuple[ir.Stmt, ...], here: Instance, writes: Writes) -> None:
+    """Collects the writes of a block; a name bound by `let` or `draw` holds to the end of it."""
+    for sentence in body:
+        match sentence:
+            case ir.Let():
+                here = here.binding({sentence.name: evaluate(sentence.value, here)})
+            case ir.Draw():
+                here = here.binding({sentence.name: chances.draw(sentence, here)})
+            case _:
+                _sentence(sentence, here, writes)
+
+
+def _sentence(
+    sentence: "ir.Each | ir.Pick | ir.First | ir.Match | ir.When | ir.Chance | ir.Set | ir.Add | ir.Give | ir.Tally"
+    " | ir.Send | ir.Remove | ir.Move | ir.Mark | ir.End",
+    here: Instance,
+    writes: Writes,
+) -> None:
+    match sentence:
+        case ir.Each():
+            for member in members.found(sentence.domain, here):
+                _inside(sentence.body, sentence.domain, member, here, writes)
+        case ir.Pick():
+            _pick(sentence, here, writes)
+        case ir.First():
+            _first(sentence, here, writes)
+        case ir.Match():
+            for left, right in chances.matched(sentence, here):
+                pair = here.binding(right.names)
+                _inside(sentence.body, sentence.left, left, pair, writes)
+        case ir.When():
+            holding = [b.body for b in sentence.branches if evaluate(b.test, here)][:1]
+            perform(holding[0] if holding else sentence.otherwise, here, writes)
+        case ir.Chance():
+            perform(chances.chance(sentence, here), here, writes)
+        case ir.Set():
+            writes.sets += slots(sentence.target, evaluate(sentence.value, here), here)
+        case ir.Add():
+            writes.adds += slots(sentence.target, evaluate(sentence.value, here), here)
+        case ir.Give():
+            _give(sentence, here, writes)
+        case ir.Tally():
+            _tally(sentence, here, writes)
+        case ir.Send():
+            _send(sentence, here, writes)
+        case ir.Remove():
+            writes.removes |= set(agents_in(evaluate(sentence.who, here)))
+        case ir.Move():
+            _move(sentence, here, writes)
+        case ir.Mark():
+            near = ir.Near(shape=sentence.shape, anchor=sentence.anchor)
+            writes.marks |= set(shapes.cells_in(near, here))
+        case ir.End():
+            writes.end = True
+        case _:
+            assert_never(sentence)
+
+
+def _inside(
+    body: tuple[ir.Stmt, ...], domain: ir.Domain, member: members.Found, here: Instance, writes: Writes
+) -> None:
+    perform(body, here.inside(member.names, member.number, members.radix(domain, here.board)), writes)
+
+
+def _pick(sentence: ir.Pick, here: Instance, writes: Writes) -> None:
+    all_members = members.found(sentence.domain, here)
+    if not all_members:
+        perform(sentence.otherwise, here, writes)
+    for member in chances.picked(sentence, all_members, here):
+        _inside(sentence.body, sentence.domain, member, here, writes)
+
+
+def _first(sentence: ir.First, here: Instance, writes: Writes) -> None:
+    by_lane = members.nearest(sentence.domain, here)
+    for lane, member in enumerate(by_lane):
+        if member is None:
+            perform(sentence.otherwise, here.inside({}, lane, len(by_lane)), writes)
+        else:
+            perform(sentence.body, here.inside(member.names, lane, len(by_lane)), writes)
+
+
+def _give(sentence: ir.Give, here: Instance, writes: Writes) -> None:
+    value = np.float32(evaluate(sentence.value, here))
+    if sentence.receiver is None:
+        receivers = set(range(here.board.agents))
+    else:
+        receivers = set(agents_in(evaluate(sentence.receiver, here)))
+    if sentence.but is not None:
+        receivers -= {here.names[sentence.but.name]}
+    writes.gives += [(agent, value) for agent in sorted(receivers)]
+
+
+def _tally(sentence: ir.Tally, here: Instance, writes: Writes) -> None:
+    word = None if sentence.word is None else evaluate(sentence.word, here)
+    amount = 1 if sentence.amount is None else evaluate(sentence.amount, here)
+    receivers = [None] if sentence.receiver is None else sorted(agents_in(evaluate(sentence.receiver, here)))
+    writes.tallies += [Counted(sentence.event, word, agent, amount) for agent in receivers]
+
+
+def _send(sentence: ir.Send, here: Instance, writes: Writes) -> None:
+    ticks = 0 if sentence.after is None else evaluate(sentence.after, here)
+    for agent in agents_in(evaluate(sentence.who, here)):
+        sending = Sending(agent, sentence, ticks)
+        others = [s for s in writes.sends if s.agent == agent]
+        assert all(_is_same(sending, s) for s in others), f"agent {agent} is sent to two places"
+        if not others:
+            writes.sends.append(sending)
+
+
+def _is_same(a: Sending, b: Sending) -> bool:
+    return (a.ticks, a.send.pool, a.send.facing, a.send.stay) == (b.ticks, b.send.pool, b.send.facing, b.send.stay)
+
+
+def _move(sentence: ir.Move, here: Instance, writes: Writes) -> None:
+    assert writes.movers is None, "two `move` in one phase"
+    writes.movers = {}
+    radix = members.radix(sentence.domain, here.board)
+    for member in members.found(sentence.domain, here):
+        word = here.word(sentence.stream, here.number * radix + member.number)
+        writes.movers[member.number] = (word & ~0xFF) | member.number

@@ -1,0 +1,92 @@
+"""What an observation is made of: the planes of a game's windows, in order, with what their values stand for."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from sjdsl.compiler import ir
+
+HIDDEN = "hidden"
+AGENT_WORDS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
+
+
+@dataclass(frozen=True)
+class Plane:
+    """One value for each cell of a window.
+
+    encoding: `word`: an index into `labels`; `bits`: bit k stands for label k; `number`.
+    what: `content`, `agent`, `marks`, or what the sight is of. sight: what is shown, for planes of one field.
+    """
+
+    name: str
+    encoding: Literal["word", "bits", "number"]
+    labels: tuple[str, ...]
+    what: Literal["content", "agent", "marks", "cell", "other", "own", "world"]
+    sight: ir.Sight | None = None
+
+
+def planes(game: ir.Game) -> tuple[Plane, ...]:
+    """Returns the planes of a game in the order of the last axis of an observation."""
+    result = [
+        Plane("content", "word", content_labels(game), "content"),
+        Plane("agent", "word", _agent_labels(game), "agent"),
+    ]
+    if marking(game):
+        result.append(Plane("marks", "bits", tuple(phase.label for phase in marking(game)), "marks"))
+    for what in ("cell", "other", "own", "world"):
+        for sight in game.sights:
+            if sight.what == what and not (what == "cell" and sight_words(sight)):
+                result.append(_field_plane(sight))
+    return tuple(result)
+
+
+def marking(game: ir.Game) -> tuple[ir.Phase, ...]:
+    """Returns the phases that mark cells, `start` first, then as scheduled."""
+    phases = {t.name: t for t in (game.start, *game.schedule) if isinstance(t, ir.Phase)}
+    return tuple(p for p in phases.values() if any(isinstance(node, ir.Mark) for node in ir.walk(p)))
+
+
+def sight_words(sight: ir.Sight) -> tuple[str, ...]:
+    """Returns the words a sight can show: its labels if it has some, else the field's; none for a number."""
+    return tuple(dict.fromkeys(label.name for label in sight.labels)) or sight.type.words
+
+
+def content_sights(game: ir.Game, kind: str) -> tuple[ir.Sight, ...]:
+    """Returns the word fields that are seen of a kind's cells."""
+    return tuple(s for s in game.sights if s.what == "cell" and s.kind == kind and sight_words(s))
+
+
+def content_words(sight: ir.Sight) -> tuple[str, ...]:
+    """Returns the words of a cell's field as they are seen: one more if it can be hidden."""
+    return (*sight_words(sight), HIDDEN) if sight.hidden_when is not None else sight_words(sight)
+
+
+def content_labels(game: ir.Game) -> tuple[str, ...]:
+    """Returns the labels of the content plane: nothing, then every visible state of every kind, first field slowest."""
+    labels = ["outside"]
+    for kind in game.kinds:
+        states = [kind.name]
+        for sight in content_sights(game, kind.name):
+            states = [f"{state} {field_name(sight)}={word}" for state in states for word in content_words(sight)]
+        labels += states
+    return tuple(labels)
+
+
+def field_name(sight: ir.Sight) -> str:
+    """Returns the field as an author writes it after its owner."""
+    return sight.field if sight.word is None else f"{sight.field}[{sight.word}]"
+
+
+def _agent_labels(game: ir.Game) -> tuple[str, ...]:
+    headings = [s for s in game.sights if s.what == "heading"]
+    if not headings:
+        return ("none", "self", "other")
+    return AGENT_WORDS if headings[0].hidden_when is None else (*AGENT_WORDS, "other")
+
+
+def _field_plane(sight: ir.Sight) -> Plane:
+    owner = {"other": "other.", "own": "agent.", "world": "", "cell": f"{sight.kind}."}[sight.what]
+    words = sight_words(sight)
+    if sight.what == "other" and words:
+        words = ("none", *words)
+    assert sight.what != "heading"
+    return Plane(owner + field_name(sight), "word" if words else "number", words, sight.what, sight)

@@ -1,0 +1,159 @@
+"""One step, one reset: forbidden actions, the turns of the schedule, what is counted, measured and ended."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, assert_never
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.board import Board, board_of, declared_world
+from sjdsl.interpreter.draws import Draws
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.movement import has_move, move
+from sjdsl.interpreter.perform import perform
+from sjdsl.interpreter.sending import bring_back, remove, send
+from sjdsl.interpreter.state import Outcome, Value, World, copied
+from sjdsl.interpreter.writes import Counted, Writes, write_fields
+
+
+def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws) -> World:
+    """Returns the state an episode starts from."""
+    board = board_of(game)
+    world = declared_world(board, dict(params))
+    stays = (game.agents.actions.index("stay"),) * board.agents
+    world = _phase(game.start, Instance(board, world, stays, draws), _nothing_yet(board))
+    assert all(place is not None or away is not None for place, away in zip(world.position, world.away, strict=True)), (
+        "an agent has no place"
+    )
+    return world
+
+
+def step(
+    game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
+) -> tuple[World, Outcome]:
+    """Returns the next state and what happened on the way. `world` is left as it was."""
+    board = board_of(game)
+    world = copied(world)
+    world.params = dict(params)
+    allowed = _allowed(board, world, actions)
+    world.marks = []
+    outcome = _nothing_yet(board)
+    for turn in game.schedule:
+        here = Instance(board, world, allowed, draws)
+        match turn:
+            case ir.Phase():
+                world = _phase(turn, here, outcome)
+            case ir.Tick():
+                world = _tick(here)
+            case _:
+                assert_never(turn)
+    outcome.measures = {m.name: evaluate(m.value, Instance(board, world, allowed)) for m in game.measures}
+    world.step += 1
+    outcome.truncated = world.step >= evaluate(game.episode, Instance(board, world))
+    return world, outcome
+
+
+def action_mask(game: ir.Game, world: World) -> list[list[bool]]:
+    """Returns for each agent which actions would not be forbidden now."""
+    board = board_of(game)
+    numbers = range(len(game.agents.actions))
+    return [[number not in _forbidden(board, world, agent) for number in numbers] for agent in range(board.agents)]
+
+
+def read(game: ir.Game, world: World, e: ir.Expr, totals: Mapping[tuple[str, str | None], int] | None = None) -> Value:
+    """Returns the value of an expression of `checks`. `totals`: (event, word or None) -> its count so far."""
+    return evaluate(e, Instance(board_of(game), world, totals=totals or {}))
+
+
+def _forbidden(board: Board, world: World, agent: int) -> set[int]:
+    here = Instance(board, world, names={"agent": agent})
+    return {
+        action for forbid in board.game.agents.forbids if evaluate(forbid.condition, here) for action in forbid.actions
+    }
+
+
+def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, ...]:
+    """Returns the actions taken; unknown and forbidden ones have become `stay`."""
+    names = board.game.agents.actions
+    stay = names.index("stay")
+    return tuple(
+        int(action) if 0 <= action < len(names) and action not in _forbidden(board, world, agent) else stay
+        for agent, action in enumerate(actions)
+    )
+
+
+def _phase(phase: ir.Phase, here: Instance, outcome: Outcome) -> World:
+    """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
+    writes = Writes()
+    perform(phase.body, here, writes)
+    world = copied(here.world)
+    write_fields(writes, here.board, world)
+    if has_move(phase):
+        assert not writes.sends, f"`{phase.label}` moves and sends"
+        move(writes.movers or {}, here, world)
+    send(writes.sends, here, world)
+    for agent in writes.removes:
+        assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"
+        remove(agent, world)
+    world.marks += [(phase.name, *cell) for cell in sorted(writes.marks)]
+    for agent, value in writes.gives:
+        outcome.reward[agent] = np.float32(outcome.reward[agent] + value)
+    for counted in writes.tallies:
+        _count(counted, here.board, outcome)
+    outcome.terminated = outcome.terminated or writes.end
+    _check_places(here.board, world)
+    return world
+
+
+def _tick(here: Instance) -> World:
+    """Returns the state after `tick`: timers first, then the agents that come back see the new ones."""
+    world = copied(here.world)
+    board = here.board
+    for name, declared in board.agent_fields.items():
+        if declared.timer:
+            world.agents[name] = [_fallen(v) for v in world.agents[name]]
+    for name, declared in board.world_fields.items():
+        if declared.timer:
+            world.fields[name] = _fallen(world.fields[name])
+    for key, declared in board.cell_fields.items():
+        if declared.timer:
+            world.cells[key] = [_fallen(v) for v in world.cells[key]]
+    bring_back(Instance(board, copied(world), here.actions, here.draws), world)
+    _check_places(board, world)
+    return world
+
+
+def _fallen(value: Value) -> Value:
+    return tuple(_fallen(v) for v in value) if isinstance(value, tuple) else max(0, value - 1)
+
+
+def _nothing_yet(board: Board) -> Outcome:
+    events: dict[str, Any] = {}
+    for event in board.game.events:
+        agents = range(board.agents)
+        count = [0 for _ in event.by]
+        events[event.name] = [list(count) if event.by else 0 for _ in agents] if event.per_agent else (count or 0)
+    return Outcome(reward=[np.float32(0) for _ in range(board.agents)], events=events)
+
+
+def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
+    event = next(e for e in board.game.events if e.name == counted.event)
+    path: list[int | str] = [event.name]
+    if event.per_agent:
+        assert counted.agent is not None, event.name
+        path.append(counted.agent)
+    if event.by:
+        assert counted.word is not None, event.name
+        path.append(event.by.index(counted.word))
+    holder: Any = outcome.events
+    for key in path[:-1]:
+        holder = holder[key]
+    holder[path[-1]] += counted.amount
+
+
+def _check_places(board: Board, world: World) -> None:
+    places = [place for place in world.position if place is not None]
+    assert len(set(places)) == len(places), f"two agents on one cell: {world.position}"
+    assert all(place in board.kind_of for place in places), world.position
+    assert all(place is None or away is None for place, away in zip(world.position, world.away, strict=True))

@@ -1,0 +1,178 @@
+"""What a phase writes: collected while it runs, applied all at once at its end, with the promises of the compiler asserted."""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.evaluate import agents_in, evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.numbers import check_interval
+from sjdsl.interpreter.state import Cell, Value, World
+
+
+class Slot(NamedTuple):
+    """One entry of one field. `owner`: (kind, number of the cell), ("agent", id) or None; `entries`: one index a `by` level."""
+
+    name: str
+    owner: tuple[str, int] | None
+    entries: tuple[int, ...]
+
+
+class Sending(NamedTuple):
+    """An agent on its way by this sentence, `ticks` from now (0: at once)."""
+
+    agent: int
+    send: ir.Send
+    ticks: int
+
+
+class Counted(NamedTuple):
+    """One tally. `word` for an event with words, `agent` None for the game."""
+
+    event: str
+    word: str | None
+    agent: int | None
+    amount: int
+
+
+@dataclass
+class Writes:
+    """Everything the sentences of one phase wrote. `movers`: rank of each agent of a `move`, None without one."""
+
+    sets: list[tuple[Slot, Value]] = field(default_factory=list)
+    adds: list[tuple[Slot, Value]] = field(default_factory=list)
+    gives: list[tuple[int, np.float32]] = field(default_factory=list)
+    tallies: list[Counted] = field(default_factory=list)
+    sends: list[Sending] = field(default_factory=list)
+    removes: set[int] = field(default_factory=set)
+    movers: dict[int, int] | None = None
+    marks: set[Cell] = field(default_factory=set)
+    end: bool = False
+
+
+def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:
+    """Returns the entries a target names, each with its value: a row gets a row entry by entry, or one value everywhere."""
+    keys: list[int] = []
+    while isinstance(target, ir.At):
+        keys.append(target.row.type.by[0].index(evaluate(target.key, here)))
+        target = target.row
+    assert isinstance(target, ir.FieldRead), target
+    slot = Slot(target.name, _owner(target, here), tuple(reversed(keys)))
+    return _spread(slot, value, declaration(slot, here.board).type.by[len(keys) :])
+
+
+def declaration(slot: Slot, board: Board) -> ir.VarField:
+    """Returns the field a slot belongs to."""
+    if slot.owner is None:
+        return board.world_fields[slot.name]
+    if slot.owner[0] == "agent":
+        return board.agent_fields[slot.name]
+    return board.cell_fields[slot.owner[0], slot.name]
+
+
+def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
+    if target.owner is None:
+        return None
+    owner = evaluate(target.owner, here)
+    assert owner is not None, f"`{target.name}` of nobody is written"
+    if target.place == "agent":
+        return "agent", owner
+    return here.board.kind_of[owner], here.board.number[owner]
+
+
+def _spread(slot: Slot, value: Value, levels: tuple[tuple[str, ...], ...]) -> list[tuple[Slot, Value]]:
+    if not levels:
+        return [(slot, value)]
+    values = value if isinstance(value, tuple) else (value,) * len(levels[0])
+    assert len(values) == len(levels[0]), slot
+    inner = [_spread(slot._replace(entries=(*slot.entries, i)), v, levels[1:]) for i, v in enumerate(values)]
+    return [pair for pairs in inner for pair in pairs]
+
+
+def write_fields(writes: Writes, board: Board, world: World) -> None:
+    """Changes the fields of `world`, which holds the snapshot's values: what is set, then all that is added, summed."""
+    sets: dict[Slot, Value] = {}
+    for slot, value in writes.sets:
+        value = _fitting(declaration(slot, board), value)
+        assert sets.setdefault(slot, value) == value, f"{slot} is set to {sets[slot]} and to {value}"
+    adds: dict[Slot, list[Value]] = {}
+    for slot, value in writes.adds:
+        adds.setdefault(slot, []).append(_fitting(declaration(slot, board), value))
+    for slot, value in sets.items():
+        _put(slot, value, world)
+    for slot, values in adds.items():
+        declared = declaration(slot, board)
+        assert slot not in sets or declared.type.kind == "agents", f"{slot} is set and added to"
+        _put(slot, _added(declared, _get(slot, world), values), world)
+    for slot in (*sets, *adds):
+        _check(declaration(slot, board), _get(slot, world), board)
+
+
+def _fitting(declared: ir.VarField, value: Value) -> Value:
+    """Returns a value as a field of this type holds it."""
+    match declared.type.kind:
+        case "agents":
+            return frozenset(agents_in(value))
+        case "real":
+            return np.float32(value)
+        case _:
+            return value
+
+
+def _added(declared: ir.VarField, before: Value, values: list[Value]) -> Value:
+    if declared.type.kind == "agents":
+        return before.union(*values)
+    after = before + sum(values)
+    if declared.capped:
+        after = min(max(after, declared.type.low), declared.type.high)
+    return np.float32(after) if declared.type.kind == "real" else int(after)
+
+
+def _check(declared: ir.VarField, value: Value, board: Board) -> None:
+    match declared.type.kind:
+        case "int" | "real":
+            check_interval(value, declared.type, declared.name)
+        case "word":
+            assert value in declared.type.words, (declared.name, value)
+        case "agent" | "agents":
+            assert all(agent in range(board.agents) for agent in agents_in(value)), (declared.name, value)
+        case _:
+            raise AssertionError(declared)
+
+
+def _get(slot: Slot, world: World) -> Value:
+    value = _holder(slot, world)
+    for entry in slot.entries:
+        value = value[entry]
+    return value
+
+
+def _put(slot: Slot, value: Value, world: World) -> None:
+    whole = _replaced(_holder(slot, world), slot.entries, value)
+    match slot.owner:
+        case None:
+            world.fields[slot.name] = whole
+        case ("agent", agent):
+            world.agents[slot.name][agent] = whole
+        case (kind, number):
+            world.cells[kind, slot.name][number] = whole
+
+
+def _holder(slot: Slot, world: World) -> Value:
+    match slot.owner:
+        case None:
+            return world.fields[slot.name]
+        case ("agent", agent):
+            return world.agents[slot.name][agent]
+        case (kind, number):
+            return world.cells[kind, slot.name][number]
+
+
+def _replaced(whole: Value, entries: tuple[int, ...], value: Value) -> Value:
+    if not entries:
+        return value
+    first, *rest = entries
+    return (*whole[:first], _replaced(whole[first], tuple(rest), value), *whole[first + 1 :])
