@@ -35,7 +35,7 @@ class Rollout:
     shaped_reward: Array  # [T, B, N] float32, learnt from
     done: Array  # [T, B] bool, the episode ended with this step
     truncated: Array  # [T, B] bool, by the time limit
-    terminal_value: Array  # [T, B, N] float32, of the terminal observation where truncated, else 0
+    terminal_value: Array  # [T, B, N] float32, of the terminal observation; read only where truncated
 
 
 def start_worlds(env: Any, num_envs: int, key: Array) -> Worlds:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from probes import QUICK, constant, dilemma, matching
 from sjdsl.trainers import Config, PolicyError, Result, RunError, evaluate, load_policy, run, train
+from sjdsl.trainers.progress import show_progress
 from sjdsl.trainers.run_folder import read_parameters
 
 CONFIG = Config(**{**QUICK, "total_timesteps": 16 * 16 * 40, "checkpoint_every": 15, "seed": 5})
@@ -132,12 +133,20 @@ def test_a_diverged_run_stops_with_its_last_good_parameters(tmp_path: Path) -> N
     assert "the loss became nan" in str(_manifest(tmp_path / "run")["status"])
 
 
-def test_progress_in_plain_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    train(dilemma(), LEARNS_LITTLE, tmp_path / "run", "lines")
-    first, last = capsys.readouterr().out.splitlines()
-    assert first.startswith("update 1/4")
-    assert last.startswith("update 4/4")
-    assert "1,024 steps" in last
-    assert "steps/s" in last
-    assert "s left" in last
-    assert "collective return" in last
+def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    with show_progress("lines", 3, "a run") as show:
+        for update, episodes in ((1, 0), (2, 4), (3, 0)):
+            show(
+                {
+                    "update": update,
+                    "env_steps": 1000 * update,
+                    "seconds": 1.5 * update,
+                    "steps_per_second": 5e4,
+                    "episodes": episodes,
+                    "collective_return": 7.25 if episodes else float("nan"),
+                }
+            )
+    printed = capsys.readouterr().out.splitlines()  # the second update comes too soon after the first
+    first, last = (" ".join(line.split()) for line in printed)
+    assert first == "update 1/3 1,000 steps 50,000 steps/s 3 s left no episode finished yet"
+    assert last == "update 3/3 3,000 steps 50,000 steps/s 0 s left collective return 7.2"
