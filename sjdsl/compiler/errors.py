@@ -55,6 +55,7 @@ BAD_NAME = Code(
     "choose another name",
 )
 ARGUMENTS = Code("SJ118", "Wrong number of arguments", "`{name}` takes {wanted}, not {given}", "{help}")
+DEFINE_CYCLE = Code("SJ119", "A define that uses itself", "`{name}` is used inside its own definition", "break the circle")
 
 # ---- 2xx types and units
 
@@ -188,6 +189,7 @@ MOVE_ALONE = Code(
     "`move` stands alone in its phase",
     "put the other sentences into a phase of their own",
 )
+OVERLAPPING_SENDS = Code("SJ406", "Two destinations that overlap", "two different destinations of one phase share cells of `{kind}`", "send to one destination, or write two phases")
 
 # ---- 5xx time and use
 

@@ -50,10 +50,16 @@ def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype,
         value = tokens[..., index, None]
         match plane.encoding:
             case "word":
-                columns.append((value == jnp.arange(len(plane.labels), dtype=tokens.dtype)).astype(dtype))
+                columns.append((value == _numbers(plane, tokens)).astype(dtype))
             case "bits":
-                columns.append(((value >> jnp.arange(len(plane.labels), dtype=tokens.dtype)) & jnp.uint8(1)).astype(dtype))
+                columns.append(((value >> _numbers(plane, tokens)) & jnp.uint8(1)).astype(dtype))
             case "number":
                 scaled = value.astype(dtype)
                 columns.append(scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled)
     return jnp.concatenate(columns, axis=-1)
+
+
+def _numbers(plane: TokenPlane, tokens: Array) -> Array:
+    """Returns 0, 1, … for the labels of a plane, shaped to stand beside the tokens."""
+    numbers = jnp.arange(len(plane.labels), dtype=tokens.dtype)
+    return numbers.reshape((1,) * (tokens.ndim - 1) + (-1,))

@@ -1,0 +1,288 @@
+"""Puts a game together: its base (`extends`), its own sections, and the chosen variants, by one law.
+
+    ast.File + variants -> Composition
+
+A repeated name replaces, inside `agents` and `observe` entry by entry; a new name is added; `set` changes a number or one
+table entry; `drop` removes.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+from sjdsl.compiler import ast, errors
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic, nearest
+from sjdsl.compiler.source import Source, Span
+
+
+@dataclass
+class Composition:
+    """The declarations of one game in one variant, by name, in order of first appearance."""
+
+    name: str
+    title: str
+    span: Span
+    cites: list[str] = field(default_factory=list)
+    constants: dict[str, ast.Constant] = field(default_factory=dict)
+    episode: ast.Episode | None = None
+    kinds: dict[str, ast.Kind] = field(default_factory=dict)
+    groups: dict[str, ast.Group] = field(default_factory=dict)
+    fields: dict[str, ast.Field | ast.Timer] = field(default_factory=dict)
+    map: ast.Map | None = None
+    agents_span: Span | None = None
+    number: ast.Expr | None = None
+    acts: ast.Acts | None = None
+    moves: ast.Moves | None = None
+    agent_fields: dict[str, ast.Field | ast.Timer] = field(default_factory=dict)
+    forbids: dict[str, ast.Forbid] = field(default_factory=dict)
+    shapes: dict[str, ast.Shape] = field(default_factory=dict)
+    defines: dict[str, ast.Define] = field(default_factory=dict)
+    schedule: ast.Schedule | None = None
+    phases: dict[str, ast.Phase] = field(default_factory=dict)
+    window: ast.Window | None = None
+    sights: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
+    metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
+    checks: list[ast.Check] = field(default_factory=list)
+    variants: dict[str, ast.Variant] = field(default_factory=dict)
+    sources: dict[str, Source] = field(default_factory=dict)
+    problems: list[Diagnostic] = field(default_factory=list)
+
+    TABLES = ("constants", "kinds", "groups", "fields", "shapes", "defines", "phases", "metrics")
+
+    def names(self) -> list[str]:
+        """Returns every name a variant may change."""
+        return [name for table in self.TABLES for name in getattr(self, table)] + list(self.agent_fields)
+
+
+Load = Callable[[str, Span, Source], tuple[Source, ast.File]]
+
+
+def compose(source: Source, file: ast.File, variants: tuple[str, ...], load: Load) -> Composition:
+    """Returns the game `file` with `variants` applied left to right. `load` reads and parses a base file.
+
+    Raises CompileError: a circle of `extends`, an unknown variant, a change to what is not there, two variants that disagree.
+    """
+    game = _chain(source, file, load, ())
+    touched: dict[str, tuple[str, object]] = {}
+    for name in variants:
+        variant = game.variants.get(name)
+        if variant is None:
+            facts = {"name": name, "nearest": nearest(name, game.variants)}
+            raise CompileError([Diagnostic(errors.NO_VARIANT, game.span, facts)])
+        _check_clashes(game, name, variant, touched)
+        _apply(game, variant.changes)
+    if game.problems:
+        raise CompileError(game.problems)
+    return game
+
+
+def _chain(source: Source, file: ast.File, load: Load, seen: tuple[str, ...]) -> Composition:
+    """Returns the composition of a file on its bases, outermost base first."""
+    title = file.game.title.text if file.game.title else ""
+    if file.game.extends is None:
+        game = Composition(file.game.name.text, title, file.game.name.span)
+    else:
+        base_name = file.game.extends
+        if source.name in seen:
+            raise CompileError([Diagnostic(errors.EXTENDS_CYCLE, base_name.span, {"name": source.name})])
+        base_source, base = load(base_name.text, base_name.span, source)
+        if base_source.name == source.name or base_source.name in seen:
+            raise CompileError([Diagnostic(errors.EXTENDS_CYCLE, base_name.span, {"name": base_source.name})])
+        game = _chain(base_source, base, load, (*seen, source.name))
+        game.name, game.span = file.game.name.text, file.game.name.span
+        game.title = title or game.title
+    game.sources[source.name] = source
+    _check_duplicates(game, file.game.sections)
+    _apply(game, file.game.sections)
+    return game
+
+
+def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, object]]:
+    """Returns what a section declares or changes: (key, span, node)."""
+    match section:
+        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Shape() | ast.Define() | ast.Phase():
+            return [(section.name.text, section.name.span, section)]
+        case ast.Variant():
+            return [(f"variant {section.name.text}", section.name.span, section)]
+        case ast.Map() | ast.Episode() | ast.Schedule():
+            return [(type(section).__name__.lower(), section.span, section)]
+        case ast.Agents():
+            return [(f"agents {key}", node.span, node) for key, node in _agent_entries(section)]
+        case ast.Observe():
+            return [(f"observe {key}", node.span, node) for key, node in _sight_entries(section)]
+        case ast.Metrics():
+            return [(m.name.text, m.name.span, m) for m in section.metrics]
+        case ast.Override():
+            return [(path_text(section.path), section.path.span, section)]
+        case ast.Drop():
+            return [(section.name.text, section.name.span, section)]
+        case _:
+            return []
+
+
+def _check_duplicates(game: Composition, sections: tuple[ast.Section, ...]) -> None:
+    seen: dict[str, Span] = {}
+    for section in sections:
+        for key, span, node in section_names(section):
+            if key in seen:
+                if isinstance(node, ast.Map | ast.Episode | ast.Schedule) or key.startswith(("agents ", "observe ", "variant ")):
+                    game.problems.append(Diagnostic(errors.TWICE, span, {"what": f"`{key}`"}))
+                else:
+                    what = f"something declared in line {seen[key].line}"
+                    game.problems.append(Diagnostic(errors.NAME_TAKEN, span, {"name": key, "what": what}))
+            seen.setdefault(key, span)
+
+
+def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: dict[str, tuple[str, object]]) -> None:
+    for section in variant.changes:
+        for key, span, node in section_names(section):
+            before = touched.setdefault(key, (name, _content(game, node)))
+            if before[0] != name and before[1] != _content(game, node):
+                facts = {"first": before[0], "second": name, "name": key}
+                game.problems.append(Diagnostic(errors.CHANGE_CLASH, span, facts))
+
+
+def _content(game: Composition, node: object) -> str:
+    """Returns the text of a node without layout, to compare two changes."""
+    span: Span = node.span  # type: ignore[attr-defined]
+    return " ".join(game.sources[span.file].text[span.start : span.end].split())
+
+
+def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.Drop, ...]) -> None:
+    for section in sections:
+        match section:
+            case ast.Cite():
+                game.cites.append(section.text.text)
+            case ast.Constant():
+                game.constants[section.name.text] = section
+            case ast.Episode():
+                game.episode = section
+            case ast.Kind():
+                game.kinds[section.name.text] = section
+            case ast.Group():
+                game.groups[section.name.text] = section
+            case ast.Field() | ast.Timer():
+                game.fields[section.name.text] = section
+            case ast.Map():
+                game.map = section
+            case ast.Agents():
+                _apply_agents(game, section)
+            case ast.Shape():
+                game.shapes[section.name.text] = section
+            case ast.Define():
+                game.defines[section.name.text] = section
+            case ast.Schedule():
+                game.schedule = section
+            case ast.Phase():
+                game.phases[section.name.text] = section
+            case ast.Observe():
+                _apply_observe(game, section)
+            case ast.Metrics():
+                game.metrics |= {m.name.text: m for m in section.metrics}
+            case ast.Checks():
+                game.checks += section.checks
+            case ast.Variant():
+                game.variants[section.name.text] = section
+            case ast.Override():
+                _override(game, section)
+            case ast.Drop():
+                _drop(game, section.name)
+
+
+def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid]]:
+    entries = []
+    for attribute in agents.attributes:
+        match attribute:
+            case ast.Acts():
+                entries.append(("acts", attribute))
+            case ast.Moves():
+                entries.append(("moves", attribute))
+            case ast.Forbid():
+                entries.append((forbid_key(attribute), attribute))
+            case ast.Field() | ast.Timer():
+                entries.append((attribute.name.text, attribute))
+    return entries
+
+
+def forbid_key(forbid: ast.Forbid) -> str:
+    return "forbid " + (", ".join(a.text for a in forbid.actions) or "all")
+
+
+def _apply_agents(game: Composition, agents: ast.Agents) -> None:
+    game.agents_span = game.agents_span or agents.span
+    if agents.number is not None:
+        game.number = agents.number
+    for key, attribute in _agent_entries(agents):
+        match attribute:
+            case ast.Acts():
+                game.acts = attribute
+            case ast.Moves():
+                game.moves = attribute
+            case ast.Forbid():
+                game.forbids[key] = attribute
+            case ast.Field() | ast.Timer():
+                game.agent_fields[key] = attribute
+
+
+def _sight_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
+    return [("window" if isinstance(s, ast.Window) else path_text(s.what), s) for s in observe.sights]
+
+
+def _apply_observe(game: Composition, observe: ast.Observe) -> None:
+    for key, sight in _sight_entries(observe):
+        if isinstance(sight, ast.Window):
+            game.window = sight
+        else:
+            game.sights[key] = sight
+
+
+def path_text(path: ast.Path) -> str:
+    """Returns a path as written, without layout; keys other than names show as `..`."""
+    steps = []
+    for step in path.steps:
+        if isinstance(step, ast.Member):
+            steps.append("." + step.name.text)
+        else:
+            key = step.key
+            steps.append(f"[{key.name.text}]" if isinstance(key, ast.Path) else "[..]")
+    return path.name.text + "".join(steps)
+
+
+def _override(game: Composition, change: ast.Override) -> None:
+    name = change.path.name.text
+    constant = game.constants.get(name)
+    if constant is None:
+        _unknown(game, change.path.name)
+        return
+    value = _replace_entry(game, constant.value, change.path.steps, change)
+    game.constants[name] = replace(constant, value=value)
+
+
+def _replace_entry(
+    game: Composition, value: ast.Expr | ast.Table, steps: tuple[ast.Member | ast.Index, ...], change: ast.Override
+) -> ast.Expr | ast.Table:
+    if not steps:
+        return change.value
+    step = steps[0]
+    key = step.key.name if isinstance(step, ast.Index) and isinstance(step.key, ast.Path) else None
+    if key is None or not isinstance(value, ast.Table) or key.text not in {e.key.text for e in value.entries}:
+        _unknown(game, ast.Name(change.path.span, path_text(change.path)))
+        return value
+    entries = tuple(
+        replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e
+        for e in value.entries
+    )
+    return replace(value, entries=entries)
+
+
+def _drop(game: Composition, name: ast.Name) -> None:
+    for table in (*Composition.TABLES, "agent_fields", "sights"):
+        entries: dict[str, object] = getattr(game, table)
+        if name.text in entries:
+            del entries[name.text]
+            return
+    _unknown(game, name)
+
+
+def _unknown(game: Composition, name: ast.Name) -> None:
+    facts: Mapping[str, object] = {"name": name.text, "nearest": nearest(name.text, game.names())}
+    game.problems.append(Diagnostic(errors.CHANGE_UNKNOWN, name.span, facts))

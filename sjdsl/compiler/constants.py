@@ -1,0 +1,163 @@
+"""`size` and `param`: units, values, tables and limits."""
+
+from collections.abc import Mapping
+from math import inf, isfinite
+
+from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.expressions import build, fixed
+from sjdsl.compiler.scope import Scope
+from sjdsl.compiler.types import INTEGER_UNITS, UNIT_LIMITS, describe
+
+UNITS = (*UNIT_LIMITS, "word")
+
+
+def constant(declared: ast.Constant, scope: Scope, override: object = None) -> None:
+    """Adds one `size` or `param` to the static tables; a size may take another value than the written one."""
+    unit = declared.unit.text
+    if unit not in UNITS:
+        near = nearest(unit, UNITS)
+        raise scope.problems.fail(errors.UNKNOWN_NAME, declared.unit.span, name=unit, nearest=near)
+    if unit == "word":
+        _word(declared, scope)
+        return
+    low, high = _limits(declared, unit, scope)
+    by, value = _value(declared.value, unit, scope)
+    if override is not None and declared.is_size:
+        value = _overridden(declared, override, by, scope)
+    for entry in _flat(value):
+        if not low - 1e-9 <= entry <= high + 1e-9:
+            raise scope.problems.fail(
+                errors.OUT_OF_LIMITS, declared.value.span, name=declared.name.text, value=f"{entry:g}", low=f"{low:g}", high=f"{high:g}"
+            )
+    kind = "int" if unit in INTEGER_UNITS else "real"
+    type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
+    name = declared.name.text
+    if declared.is_size:
+        if not by:
+            type_ = type_.model_copy(update={"low": value, "high": value})
+        scope.static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
+    else:
+        scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+
+
+def _overridden(declared: ast.Constant, override: object, by: tuple, scope: Scope) -> int | float:
+    whole = declared.unit.text in INTEGER_UNITS
+    if by or isinstance(override, bool) or not isinstance(override, int | float) or (whole and override != int(override)):
+        wanted = "a whole number" if whole else "a number"
+        raise scope.problems.fail(
+            errors.WRONG_TYPE, declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override), help=""
+        )
+    return int(override) if whole else float(override)
+
+
+def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, float]:
+    low, high = UNIT_LIMITS[unit]
+    if declared.low is None or declared.high is None:
+        return low, high
+    own_low, own_high = (fixed(e, scope, "the limits of a number") for e in (declared.low, declared.high))
+    if own_low > own_high or own_low < low or own_high > high:
+        raise scope.problems.fail(
+            errors.OUT_OF_LIMITS,
+            declared.low.span,
+            name=f"the limits of `{declared.name.text}`",
+            value=f"{own_low:g} .. {own_high:g}",
+            low=f"{low:g}",
+            high=f"{high:g}",
+        )
+    return own_low, own_high
+
+
+def _value(tree: ast.Expr | ast.Table, unit: str, scope: Scope) -> tuple[tuple[tuple[str, ...], ...], int | float | tuple]:
+    """Returns the levels of words and the value (nested as the levels) of a number or table."""
+    if not isinstance(tree, ast.Table):
+        return (), _number(tree, unit, scope)
+    names = tuple(e.key.text for e in tree.entries)
+    for i, entry in enumerate(tree.entries):
+        if entry.key.text in names[:i]:
+            raise scope.problems.fail(errors.TABLE_GAP, entry.key.span, problem=f"the table has `{entry.key.text}` twice")
+    words = _table_words(tree, names, scope)
+    inner = [_value(e.value, unit, scope) for e in tree.entries]
+    if any(i[0] != inner[0][0] for i in inner):
+        raise scope.problems.fail(errors.TABLE_GAP, tree.span, problem="the rows of this table differ in their words")
+    order = [names.index(w) for w in words]
+    return (words, *inner[0][0]), tuple(inner[i][1] for i in order)
+
+
+def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
+    """Returns the declared set of words a table is over; every word of it exactly once."""
+    sets = scope.static.word_sets
+    exact = next((s for s in sets if set(s) == set(names)), None)
+    if exact is not None:
+        return exact
+    closest = max(sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=())
+    unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
+    if unknown is not None:
+        known = [w for s in sets for w in s]
+        raise scope.problems.fail(
+            errors.UNKNOWN_NAME, unknown.span, name=unknown.text, nearest=nearest(unknown.text, known)
+        )
+    if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
+        return tuple(w for w in closest if w in names)
+    missing = [w for w in closest if w not in names]
+    problem = f"the table lacks `{'`, `'.join(missing)}`" if missing else "no set of words has just these words"
+    raise scope.problems.fail(errors.TABLE_GAP, table.span, problem=problem)
+
+
+def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
+    built = build(tree, scope)
+    if not isinstance(built, ir.Number):
+        fixed(tree, scope, "the value of a number")
+        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a number", given=describe(built.type), help="")
+    value = built.value
+    whole = unit in INTEGER_UNITS
+    if not isfinite(value) or abs(value) > 2**30 or (whole and value != int(value)):
+        wanted = "a whole number" if whole else "a number of reasonable size"
+        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted=wanted, given=f"{value:g}", help="")
+    if built.type.unit not in ("number", unit) and not (unit == "reward" and built.type.unit == "count"):
+        raise scope.problems.fail(
+            errors.UNIT_MISMATCH, tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`", help=""
+        )
+    return int(value) if whole else float(value)
+
+
+def _word(declared: ast.Constant, scope: Scope) -> None:
+    """A parameter whose entries are words: over the table's own words if they serve, else the first set that has them all."""
+    if declared.is_size:
+        raise scope.problems.fail(errors.WRONG_TYPE, declared.span, wanted="a number for a `size`", given="a word", help="")
+    by: tuple[tuple[str, ...], ...] = ()
+    entries: list[ast.Expr | ast.Table] = [declared.value]
+    if isinstance(declared.value, ast.Table):
+        names = tuple(e.key.text for e in declared.value.entries)
+        if len(set(names)) != len(names):
+            raise scope.problems.fail(errors.TABLE_GAP, declared.value.span, problem="the table has a word twice")
+        by = (_table_words(declared.value, names, scope),)
+        order = {e.key.text: e.value for e in declared.value.entries}
+        entries = [order[w] for w in by[0]]
+    values = [_one_word(e, scope) for e in entries]
+    sets = [*by, *scope.static.word_sets]
+    words = next((s for s in sets if set(values) <= set(s)), None)
+    if words is None:
+        raise scope.problems.fail(errors.NEVER_EQUAL, declared.value.span)
+    type_ = ir.Type(kind="word", words=words, by=by)
+    value = tuple(values) if by else values[0]
+    name = declared.name.text
+    scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+
+
+def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
+    built = None if isinstance(tree, ast.Table) else build(tree, scope)
+    if not isinstance(built, ir.Word):
+        given = "a table" if built is None else describe(built.type)
+        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a word", given=given, help="")
+    return built.value
+
+
+def _flat(value: object) -> list[float]:
+    if isinstance(value, tuple):
+        return [x for v in value for x in _flat(v)]
+    assert isinstance(value, int | float)
+    return [value]
+
+
+__all__: list[str] = ["Mapping", "constant", "inf"]

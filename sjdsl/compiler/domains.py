@@ -1,0 +1,116 @@
+"""Domains: who a sentence is about, the variables that binds, and what is then known."""
+
+from sjdsl.compiler import ast, errors, ir, shapes
+from sjdsl.compiler.expressions import as_agent, build, condition, kinds_named, wrong_type
+from sjdsl.compiler.scope import Poisoned, Scope
+
+
+def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
+    """Returns a domain and the scope inside it."""
+    if d.kind.text == "agent":
+        var = ir.Member(name=(d.bind or d.kind).text, who="agent", origin=d.kind.span)
+    else:
+        kinds = kinds_named(d.kind, scope)
+        var = ir.Member(name=(d.bind or d.kind).text, who="cell", kinds=kinds, origin=d.kind.span)
+    check_free(d.bind or d.kind, scope, d.bind is not None)
+    place = None if d.place is None else _place(d.place, var, scope)
+    inner = scope.bind(var.name, var)
+    on = None
+    if d.on is not None:
+        on, inner = _on(d, var, inner)
+    where = None
+    if d.where is not None:
+        where = condition(d.where, inner)
+        inner = inner.knowing([where])
+    return ir.Domain(var=var, on=on, place=place, where=where, origin=d.span), inner
+
+
+def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
+    """Says so if a variable's name is in use already (`chosen`: written after `as`, `let` or `draw`)."""
+    static = scope.static
+    what = ""
+    if name.text in scope.variables:
+        what = "a variable around this sentence"
+    elif chosen:
+        tables = {
+            "a size": static.sizes,
+            "a parameter": static.params,
+            "a define": static.defines,
+            "a field of the world": static.fields,
+            "a kind": static.kinds,
+            "a group": static.groups,
+        }
+        what = next((w for w, table in tables.items() if name.text in table), "")
+        what = what or ("a word" if static.is_word(name.text) else "")
+        what = what or ("the agents' own name" if name.text == "agent" else "a number of the language" if name.text == "step" else "")
+    if what:
+        raise scope.problems.fail(errors.NAME_TAKEN, name.span, name=name.text, what=what)
+
+
+def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
+    assert d.on is not None
+    if var.who != "agent":
+        raise scope.problems.fail(
+            errors.NOT_A, d.kind.span, name=d.kind.text, what="a kind of cell", wanted="an agent (`agent on KIND`)", nearest=""
+        )
+    name = d.on.bind or d.on.kind
+    check_free(name, scope, d.on.bind is not None)
+    on = ir.Member(name=name.text, who="cell", kinds=kinds_named(d.on.kind, scope), origin=d.on.span)
+    return on, scope.bind(on.name, on)
+
+
+def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Place:
+    match place:
+        case ast.Near():
+            return near(place.shape, place.anchor, scope)
+        case ast.Members():
+            members = tuple(_variable(name, scope) for name in place.names)
+            if any(m.who != var.who for m in members):
+                raise scope.problems.fail(
+                    errors.WRONG_TYPE, place.span, wanted="variables of the same sort", given="a mixture", help=""
+                )
+            return ir.Among(members=members, origin=place.span)
+        case ast.Path():
+            value = build(place, scope)
+            if var.who != "agent" or (value.type.kind != "agents" and not as_agent(value)):
+                raise wrong_type(scope, place, "a shape of something, or a field that holds agents", value.type)
+            return ir.InAgents(value=value, origin=place.span)
+
+
+def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
+    """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
+    shape = shapes.used(ref, scope)
+    member = _variable(anchor, scope)
+    if shape.directed and member.who == "cell":
+        raise scope.problems.fail(errors.DIRECTED_SHAPE, ref.span, name=shape.name, anchor=anchor.text)
+    return ir.Near(shape=shape.name, anchor=member, origin=ref.span)
+
+
+def _variable(name: ast.Name, scope: Scope) -> ir.Member:
+    if name.text in scope.variables:
+        bound = scope.variables[name.text]
+        if bound is None:
+            raise Poisoned
+        if isinstance(bound, ir.Member):
+            return bound.model_copy(update={"origin": name.span})
+        raise scope.problems.fail(
+            errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell", nearest=""
+        )
+    from sjdsl.compiler.names import unknown
+
+    raise unknown(name, scope)
+
+
+def most_members(d: ir.Domain, scope: Scope) -> int:
+    """Returns the most members a domain can have."""
+    static = scope.static
+    everywhere = static.num_agents if d.var.who == "agent" else sum(static.cells.get(k, 0) for k in d.var.kinds)
+    match d.place:
+        case ir.Near():
+            return min(everywhere, sum(map(len, static.shapes[d.place.shape].lanes)))
+        case ir.Among():
+            return min(everywhere, len(d.place.members))
+        case ir.InAgents() if d.place.value.type.kind == "agent":
+            return 1
+        case _:
+            return everywhere

@@ -1,0 +1,123 @@
+"""From a composed game to the typed IR: declarations, then the map, then everything that reads them.
+
+    Composition -> ir.Game, with every mistake of the game reported at once
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sjdsl.compiler import errors, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.conflicts import check_conflicts
+from sjdsl.compiler.declare import Declarations, blocks, declare_numbers, declare_world, forbids
+from sjdsl.compiler.diagnostics import Diagnostic
+from sjdsl.compiler.expressions import number
+from sjdsl.compiler.phases import schedule, start
+from sjdsl.compiler.placing import check_placing
+from sjdsl.compiler.promises import check_requires, checks, events, measures, requires
+from sjdsl.compiler.scope import Poisoned, Problems, Scope
+from sjdsl.compiler.sights import sights, window
+from sjdsl.compiler.upkeep import check_time, check_use
+from sjdsl.compiler.worldmap import check_rows, count_cells, glyph_table, read_rows
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows."""
+
+    sizes: Mapping[str, Any] | None = None
+    num_agents: int | None = None
+    rows: tuple[str, ...] | None = None
+
+
+def elaborate(game: Composition, overrides: Overrides) -> tuple[ir.Game | None, list[Diagnostic]]:
+    """Returns the typed game (None if there are errors) and all errors and warnings."""
+    problems = Problems()
+    static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
+    made = declare_world(game, static, problems)
+    rows = _map(game, made, overrides, problems)
+    blocks(game, static, problems)
+    built = _rules(game, made, rows, problems)
+    if not any(d.code.severity == "error" for d in problems.found):
+        check_use(game, static, problems)
+    failed = any(d.code.severity == "error" for d in problems.found)
+    return (None if failed else built), problems.found
+
+
+def _map(game: Composition, made: Declarations, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
+    static = made.static
+    glyphs = glyph_table(static, made.glyphs, problems)
+    if game.map is None and overrides.rows is None:
+        problems.add(errors.MISSING_PART, game.span, what="map", help='`map "maps/name.txt"` or `map { "…" }`')
+        return ()
+    span = game.map.span if game.map is not None else game.span
+    before = len(problems.found)
+    rows = overrides.rows if overrides.rows is not None else read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
+    if len(problems.found) > before or not check_rows(rows, glyphs, span, problems):
+        static.cells = {name: 1 for name in static.kinds}
+        static.map_rows = static.map_cols = 1
+        return ()
+    static.cells = count_cells(rows, glyphs)
+    static.map_rows, static.map_cols = len(rows), len(rows[0])
+    return rows
+
+
+def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
+    static = made.static
+    promised = Scope(static, problems, place="`checks`", events_readable=True)
+    static.requires = requires(game, promised)
+    check_requires(game, promised)
+    scope = Scope(static, problems)
+    agents = made.agents
+    if agents is not None:
+        agents = forbids(game, agents, static, problems)
+    begin = start(game, scope)
+    turns = schedule(game, scope)
+    episode = None
+    with problems.survive():
+        if game.episode is None:
+            raise problems.fail(errors.MISSING_PART, game.span, what="episode", help="`episode 1000`")
+        episode = number(game.episode.steps, scope, ("steps",), "a number of steps")
+    view = window(game, scope)
+    seen = sights(game, static, problems)
+    measured = measures(game, Scope(static, problems, place="`metrics`"))
+    promises = checks(game, promised)
+    counted: tuple[ir.Event, ...] = ()
+    with problems.survive():
+        counted = events(game, [p for p in (begin, *turns) if p is not None], scope)
+    if None in (agents, begin, episode) or game.schedule is None:
+        return None
+    built = ir.Game(
+        name=game.name,
+        title=game.title,
+        cites=tuple(game.cites),
+        variants=tuple(game.variants),
+        sizes=tuple(static.sizes.values()),
+        params=tuple(static.params.values()),
+        episode=episode,
+        kinds=tuple(static.kinds.values()),
+        groups=tuple(static.groups.items()),
+        rows=rows,
+        glyphs=tuple(glyph for _, glyph in made.glyphs),
+        fields=tuple(static.fields.values()),
+        agents=agents,
+        shapes=tuple(static.shapes.values()),
+        start=begin,
+        schedule=turns,
+        window=view,
+        sights=seen,
+        events=counted,
+        measures=measured,
+        checks=promises,
+    )
+    check_time(built, problems, game)
+    for phase in (built.start, *built.schedule):
+        if isinstance(phase, ir.Phase):
+            check_conflicts(phase, built, problems)
+    if rows and not any(d.code.severity == "error" for d in problems.found):
+        check_placing(built, problems)
+    return built
+
+
+__all__ = ["Overrides", "Poisoned", "elaborate"]

@@ -1,0 +1,110 @@
+"""What guards prove: conditions split into parts with a canonical text, and the intervals they leave to an expression."""
+
+from collections.abc import Iterator
+from math import inf
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.print_ir import expression
+
+_MIRROR = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
+_OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
+
+
+def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
+    """Yields conditions that all hold if `condition` holds (or, with `holds` False, if it does not)."""
+    match condition:
+        case ir.Named():
+            yield from conjuncts(condition.value, holds)
+        case ir.Not():
+            yield from conjuncts(condition.value, not holds)
+        case ir.Logic() if (condition.fn == "and") == holds:
+            for part in condition.args:
+                yield from conjuncts(part, holds)
+        case ir.Compare() if not holds:
+            yield condition.model_copy(update={"fn": _OPPOSITE[condition.fn]})
+        case _:
+            yield condition if holds else ir.Not(value=condition, origin=condition.origin)
+
+
+def fact_text(condition: ir.Expr) -> str:
+    """Returns the canonical text of one condition: comparisons point to the larger side on the left."""
+    if isinstance(condition, ir.Compare) and condition.fn in ("<", "<="):
+        return f"({expression(condition.right)} {_MIRROR[condition.fn]} {expression(condition.left)})"
+    return expression(condition)
+
+
+def contradict(a: ir.Expr, b: ir.Expr) -> bool:
+    """Returns whether two conditions can be seen never to hold together: opposite, other words, other ranges, other actions."""
+    if fact_text(a) in {fact_text(p) for p in conjuncts(b, holds=False)}:
+        return True
+    match a, b:
+        case ir.Chose(), ir.Chose():
+            return expression(a.agent) == expression(b.agent) and a.action != b.action
+        case (ir.Compare() | ir.InRange()), (ir.Compare() | ir.InRange()):
+            return _ranges_apart(a, b)
+        case _:
+            first, second = _words_allowed(a), _words_allowed(b)
+            return first is not None and second is not None and first[0] == second[0] and not first[1] & second[1]
+
+
+def _words_allowed(condition: ir.Expr) -> tuple[str, frozenset[str]] | None:
+    """Returns (what, words it may be) for `x is w`, `x is not w`, `x in { … }`, and their negations."""
+    negated = isinstance(condition, ir.Not)
+    inner = condition.value if isinstance(condition, ir.Not) else condition
+    match inner:
+        case ir.Same(left=left, right=ir.Word(value=value)):
+            words = frozenset({value})
+        case ir.Same(left=ir.Word(value=value), right=left):
+            words = frozenset({value})
+        case ir.InWords(value=left):
+            words = frozenset(inner.words)
+        case _:
+            return None
+    if left.type.kind != "word":
+        return None
+    return expression(left), frozenset(left.type.words) - words if negated else words
+
+
+def _bounds(condition: ir.Expr) -> tuple[str, float, float] | None:
+    """Returns (what, low, high) for a comparison of an expression with a number."""
+    match condition:
+        case ir.InRange(value=value, low=ir.Number(value=low), high=ir.Number(value=high)):
+            return expression(value), low, high
+        case ir.Compare(fn=fn, left=left, right=ir.Number(value=value)):
+            pass
+        case ir.Compare(fn=fn, left=ir.Number(value=value), right=left):
+            fn = _MIRROR[fn]
+        case _:
+            return None
+    unit = 1 if left.type.kind == "int" else 0
+    limits = {
+        "==": (value, value),
+        "<=": (-inf, value),
+        ">=": (value, inf),
+        "<": (-inf, value - unit),
+        ">": (value + unit, inf),
+    }
+    return (expression(left), *limits[fn]) if fn in limits else None
+
+
+def _ranges_apart(a: ir.Expr, b: ir.Expr) -> bool:
+    first, second = _bounds(a), _bounds(b)
+    if first is None or second is None or first[0] != second[0]:
+        return False
+    return first[2] < second[1] or second[2] < first[1]
+
+
+def narrowed(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> tuple[float, float]:
+    """Returns the interval of a number once the facts about that very expression are used."""
+    low, high = e.type.low, e.type.high
+    text = expression(e)
+    for fact in facts:
+        bounds = _bounds(fact)
+        if bounds is not None and bounds[0] == text:
+            low, high = max(low, bounds[1]), min(high, bounds[2])
+        match fact:
+            case ir.Compare(fn=("<" | "<=") as fn, left=left, right=right) if expression(left) == text and right.type.kind == "int":
+                high = min(high, right.type.high - (fn == "<"))
+            case ir.Compare(fn=(">" | ">=") as fn, left=left, right=right) if expression(left) == text and right.type.kind == "int":
+                low = max(low, right.type.low + (fn == ">"))
+    return low, high

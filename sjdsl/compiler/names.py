@@ -1,0 +1,176 @@
+"""Paths: what a name means where it stands, its members and its entries."""
+
+from collections.abc import Callable
+
+from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.print_ir import expression as text
+from sjdsl.compiler.scope import Poisoned, Scope
+from sjdsl.compiler.types import HEADINGS, describe, element, integer, words
+
+Build = Callable[[ast.Expr, Scope], ir.Expr]
+AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
+CELL_ATTRIBUTES = ("row", "col")
+
+
+def path(e: ast.Path, scope: Scope, build: Build) -> ir.Expr:
+    """Returns what a path stands for."""
+    value = head(e, scope)
+    for step in e.steps:
+        if isinstance(step, ast.Member):
+            value = member(value, step.name, scope)
+        else:
+            value = index(value, step, scope, build)
+    return value
+
+
+def head(e: ast.Path, scope: Scope) -> ir.Expr:
+    """Returns what the first name of a path stands for; variables come before all else."""
+    name, static = e.name.text, scope.static
+    if name in scope.variables:
+        bound = scope.variables[name]
+        if bound is None:
+            raise Poisoned
+        if isinstance(bound, str):
+            raise scope.problems.fail(
+                errors.NOT_A, e.name.span, name=name, what=f"the action `{bound}`", wanted="a value", nearest=""
+            )
+        return bound.model_copy(update={"origin": e.span})
+    if name == "step":
+        return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
+    if name in static.sizes:
+        static.used.add(name)
+        size = static.sizes[name]
+        if size.type.by:
+            raise scope.problems.fail(errors.NOT_SUPPORTED, e.span, what="a size that is a table")
+        return ir.Number(type=size.type, value=size.value, origin=e.span)  # type: ignore[arg-type]
+    if name in static.params:
+        static.used.add(name)
+        return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
+    if name in static.defines:
+        from sjdsl.compiler.expressions import define_use
+
+        return define_use(e.name, (), e.span, scope)
+    if name in static.fields:
+        static.used.add(f"field {name}")
+        return ir.FieldRead(type=static.fields[name].type, owner=None, place="world", name=name, origin=e.span)
+    if scope.events_readable and name in static.events:
+        return event_total(e, scope)
+    if static.is_word(name):
+        return ir.Word(type=words((name,)), value=name, origin=e.span)
+    raise unknown(e.name, scope)
+
+
+def unknown(name: ast.Name, scope: Scope) -> Poisoned:
+    """Reports a name that is no value: something else, or nothing at all."""
+    static = scope.static
+    if static.kinds_of(name.text) or name.text == "agent":
+        what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
+        wanted = f"a variable: there is no `each {name.text}` around this"
+        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, nearest="")
+    if name.text in static.events:
+        return scope.problems.fail(
+            errors.NOT_A, name.span, name=name.text, what="an event", wanted="a value (events are read in `checks`)", nearest=""
+        )
+    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=scope.near(name.text))
+
+
+def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
+    scope.static.used.add(f"event {e.name.text}")
+    type_ = integer(0, float("inf"), "count")
+    event = scope.static.events[e.name.text]
+    if event.by is not None and e.steps:
+        type_ = type_.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})
+    return ir.EventTotal(type=type_, name=e.name.text, origin=e.span)
+
+
+def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
+    """Returns `owner.name`: a field or a read-only attribute of an agent or a cell."""
+    if isinstance(owner, ir.Member) and owner.who == "cell":
+        return cell_member(owner, name, scope)
+    if (isinstance(owner, ir.Member) and owner.who == "agent") or owner.type.kind == "agent":
+        return agent_member(owner, name, scope)
+    raise scope.problems.fail(
+        errors.WRONG_TYPE, name.span, wanted="an agent or a cell before the point", given=describe(owner.type), help=""
+    )
+
+
+def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
+    static = scope.static
+    if not isinstance(owner, ir.Member) and f"(not ({text(owner)} is nobody))" not in scope.facts:
+        raise scope.problems.fail(errors.CAN_BE_NOBODY, name.span, path=text(owner))
+    if name.text in static.agent_fields:
+        static.used.add(f"agent.{name.text}")
+        type_ = static.agent_fields[name.text].type
+        return ir.FieldRead(type=type_, owner=owner, place="agent", name=name.text, origin=name.span)
+    types = {
+        "index": integer(0, static.num_agents - 1, "number"),
+        "heading": words(HEADINGS),
+        "moved": ir.CONDITION,
+        "away": ir.CONDITION,
+        "row": integer(0, max(static.map_rows - 1, 0), "cells"),
+        "col": integer(0, max(static.map_cols - 1, 0), "cells"),
+    }
+    if name.text in types:
+        return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
+    candidates = [*static.agent_fields, *AGENT_ATTRIBUTES]
+    raise scope.problems.fail(
+        errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=nearest(name.text, candidates)
+    )
+
+
+def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
+    static = scope.static
+    if name.text in CELL_ATTRIBUTES:
+        type_ = integer(0, max((static.map_rows if name.text == "row" else static.map_cols) - 1, 0), "cells")
+        return ir.Attribute(type=type_, owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
+    found = []
+    for kind in owner.kinds:
+        fields = {f.name: f for f in static.kinds[kind].fields}
+        if name.text not in fields:
+            what = f"the kind `{kind}`" if len(owner.kinds) == 1 else f"the kind `{kind}` of the group"
+            candidates = [*fields, *CELL_ATTRIBUTES]
+            raise scope.problems.fail(
+                errors.NO_FIELD, name.span, owner=what, name=name.text, nearest=nearest(name.text, candidates)
+            )
+        found.append(fields[name.text])
+        static.used.add(f"{kind}.{name.text}")
+    if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
+        raise scope.problems.fail(
+            errors.NO_FIELD, name.span, owner="the group: its kinds disagree on the type, so it", name=name.text, nearest=""
+        )
+    return ir.FieldRead(type=found[0].type, owner=owner, place="cell", kinds=owner.kinds, name=name.text, origin=name.span)
+
+
+def index(row: ir.Expr, step: ast.Index, scope: Scope, build: Build) -> ir.Expr:
+    """Returns `row[key]`, the key a word of the row's set or a mix over it."""
+    if not row.type.by:
+        raise scope.problems.fail(
+            errors.WRONG_TYPE, step.span, wanted="a row or table before `[`", given=describe(row.type), help=""
+        )
+    key = build(step.key, scope)
+    if key.type.kind not in ("word", "mix") or key.type.by:
+        raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="a word", given=describe(key.type), help="")
+    outside = [w for w in key.type.words if w not in row.type.by[0]]
+    if outside or (key.type.kind == "mix" and key.type.words != row.type.by[0]):
+        raise scope.problems.fail(
+            errors.WORD_OUTSIDE,
+            step.key.span,
+            word=outside[0] if outside else "mix",
+            name=text(row),
+            words=", ".join(row.type.by[0]),
+        )
+    if isinstance(row, ir.EventTotal):
+        if not isinstance(key, ir.Word):
+            raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="one word", given=describe(key.type), help="")
+        return row.model_copy(update={"word": key.value, "type": element(row.type)})
+    type_ = element(row.type)
+    if key.type.kind == "mix":
+        if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
+            raise scope.problems.fail(
+                errors.WRONG_TYPE, step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix", help=""
+            )
+        type_ = type_.model_copy(update={"kind": "real", "unit": type_.unit if type_.unit == "reward" else "number"})
+        if row.type.unit in ("probability", "fraction"):
+            type_ = type_.model_copy(update={"unit": row.type.unit})
+    return ir.At(type=type_, row=row, key=key, origin=step.span)

@@ -1,0 +1,108 @@
+"""What names mean: the static tables of a game, the variables in scope, and the problems found so far."""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label, nearest
+from sjdsl.compiler.source import Source, Span
+
+
+class Poisoned(Exception):
+    """An expression or sentence could not be built; the reason has been reported."""
+
+
+@dataclass
+class Problems:
+    """Collects diagnostics; each mistake once."""
+
+    found: list[Diagnostic] = field(default_factory=list)
+
+    def add(self, code: Code, span: Span, labels: tuple[Label, ...] = (), fix: Fix | None = None, **facts: object) -> None:
+        """Records one diagnostic."""
+        diagnostic = Diagnostic(code, span, facts, labels, fix)
+        if not any(d.code is code and d.span == span and d.message == diagnostic.message for d in self.found):
+            self.found.append(diagnostic)
+
+    def fail(self, code: Code, span: Span, labels: tuple[Label, ...] = (), **facts: object) -> Poisoned:
+        """Records one diagnostic and returns what to raise: `raise problems.fail(...)`."""
+        self.add(code, span, labels, **facts)
+        return Poisoned()
+
+    @contextmanager
+    def survive(self) -> Iterator[None]:
+        """Goes on after something that could not be built."""
+        try:
+            yield
+        except Poisoned:
+            pass
+
+
+@dataclass
+class Static:
+    """The declarations every scope sees."""
+
+    sources: dict[str, Source]
+    sizes: dict[str, ir.Size] = field(default_factory=dict)
+    params: dict[str, ir.Param] = field(default_factory=dict)
+    kinds: dict[str, ir.Kind] = field(default_factory=dict)
+    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    fields: dict[str, ir.VarField] = field(default_factory=dict)
+    agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
+    actions: tuple[str, ...] = ()
+    shapes: dict[str, ir.Shape] = field(default_factory=dict)
+    defines: dict[str, ast.Define] = field(default_factory=dict)
+    word_sets: list[tuple[str, ...]] = field(default_factory=list)
+    events: dict[str, ast.Event] = field(default_factory=dict)
+    cells: dict[str, int] = field(default_factory=dict)
+    num_agents: int = 1
+    map_rows: int = 0
+    map_cols: int = 0
+    used: set[str] = field(default_factory=set)
+    requires: tuple[ir.Expr, ...] = ()
+
+    def kinds_of(self, name: str) -> tuple[str, ...] | None:
+        """Returns the kinds a kind's or group's name stands for."""
+        return (name,) if name in self.kinds else self.groups.get(name)
+
+    def is_word(self, name: str) -> bool:
+        return any(name in words for words in self.word_sets)
+
+    def names(self) -> set[str]:
+        """Returns every name an expression may start with."""
+        named = {*self.sizes, *self.params, *self.fields, *self.defines, *self.kinds, *self.groups, "step", "agent"}
+        return named | {w for words in self.word_sets for w in words}
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Variables and known facts at one place of the text.
+
+    `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
+    `facts`: canonical texts of conditions that hold here. `place`: what this is, for messages about draws and events.
+    """
+
+    static: Static
+    problems: Problems
+    variables: "dict[str, ir.Expr | str | None]" = field(default_factory=dict)
+    facts: frozenset[str] = frozenset()
+    fact_nodes: tuple[ir.Expr, ...] = ()
+    place: str = "a phase"
+    events_readable: bool = False
+    defining: tuple[str, ...] = ()
+
+    def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
+        """Returns this scope with one more variable."""
+        return replace(self, variables={**self.variables, name: value})
+
+    def knowing(self, conditions: "Iterable[ir.Expr]") -> "Scope":
+        """Returns this scope in which the conditions are known to hold."""
+        from sjdsl.compiler.facts import conjuncts, fact_text
+
+        parts = tuple(part for condition in conditions for part in conjuncts(condition))
+        return replace(self, facts=self.facts | {fact_text(p) for p in parts}, fact_nodes=self.fact_nodes + parts)
+
+    def near(self, name: str) -> str:
+        """Returns the known name closest to `name`."""
+        return nearest(name, self.static.names() | set(self.variables))

@@ -1,0 +1,144 @@
+"""`observe`: what an agent sees, as a list of sights in a fixed order."""
+
+from sjdsl.compiler import ast, errors, ir, limits
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.expressions import condition, fixed
+from sjdsl.compiler.scope import Problems, Scope, Static
+from sjdsl.compiler.types import HEADINGS, element, words
+
+SIDES = ("ahead", "behind", "left", "right")
+Key = tuple[str, str, str]  # what, kind, field
+
+
+def window(game: Composition, scope: Scope) -> ir.Window:
+    """Returns the window; 9 ahead, 1 behind, 5 to each side unless the game says otherwise."""
+    sides = {"ahead": 9, "behind": 1, "left": 5, "right": 5}
+    if game.window is None:
+        return ir.Window(**sides)
+    for name, tree in game.window.sides:
+        if name.text not in SIDES:
+            scope.problems.add(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=nearest(name.text, SIDES))
+            continue
+        with scope.problems.survive():
+            value = fixed(tree, scope, "the window")
+            if value != int(value) or not 0 <= value <= limits.WINDOW:
+                raise scope.problems.fail(
+                    errors.OUT_OF_LIMITS, tree.span, name=f"the window {name.text}", value=value, low=0, high=limits.WINDOW
+                )
+            sides[name.text] = int(value)
+    return ir.Window(**sides, origin=game.window.span)
+
+
+def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Sight, ...]:
+    """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
+    seen: dict[Key, ir.Sight] = {}
+    for kind in static.kinds.values():
+        for field in kind.fields:
+            if field.type.kind == "word" and not field.type.by:
+                key = ("cell", kind.name, field.name)
+                seen[key] = ir.Sight(what="cell", kind=kind.name, field=field.name, type=field.type, origin=field.origin)
+    seen["heading", "", ""] = ir.Sight(what="heading", type=words(HEADINGS))
+    for sight in game.sights.values():
+        with problems.survive():
+            if isinstance(sight, ast.Show):
+                _show(sight, seen, static, problems)
+            else:
+                _hide(sight, seen, static, problems)
+    order = ("cell", "heading", "other", "own", "world")
+    return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
+
+
+def _entries(sight: ir.Sight) -> list[ir.Sight]:
+    """A `by` field is seen entry by entry."""
+    if not sight.type.by:
+        return [sight]
+    one = element(sight.type)
+    return [sight.model_copy(update={"type": one, "word": word}) for word in sight.type.by[0]]
+
+
+def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
+    """Returns which sight a path names: `agent.f`, `other.f`, `other.heading`, `kind.f`, or a world field."""
+    head = path.name.text
+    members = [s.name for s in path.steps if isinstance(s, ast.Member)]
+    if len(members) != len(path.steps) or len(members) > 1:
+        raise problems.fail(errors.WRONG_TYPE, path.span, wanted="`agent.field`, `other.field` or `kind.field`", given="another path", help="")
+    if not members:
+        if head not in static.fields:
+            near = nearest(head, [*static.fields, "agent", "other", *static.kinds])
+            raise problems.fail(errors.UNKNOWN_NAME, path.name.span, name=head, nearest=near)
+        static.used.add(f"field {head}")
+        return ("world", "", head), static.fields[head]
+    name = members[0]
+    if head in ("agent", "other"):
+        if head == "other" and name.text == "heading":
+            return ("heading", "", ""), None
+        if name.text not in static.agent_fields:
+            near = nearest(name.text, static.agent_fields)
+            raise problems.fail(errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=near)
+        return ("own" if head == "agent" else "other", "", name.text), static.agent_fields[name.text]
+    if head not in static.kinds:
+        near = nearest(head, ["agent", "other", *static.kinds])
+        raise problems.fail(errors.UNKNOWN_NAME, path.name.span, name=head, nearest=near)
+    fields = {f.name: f for f in static.kinds[head].fields}
+    if name.text not in fields:
+        near = nearest(name.text, fields)
+        raise problems.fail(errors.NO_FIELD, name.span, owner=f"the kind `{head}`", name=name.text, nearest=near)
+    return ("cell", head, name.text), fields[name.text]
+
+
+def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
+    key, field = _resolve(show.what, static, problems)
+    if field is None:
+        return
+    what, kind, name = key
+    prefix = {"own": "agent.", "other": "agent.", "world": "field "}.get(what, f"{kind}.")
+    static.used.add(prefix + name)
+    labels = _labels(show, what, kind, static, problems)
+    type_ = field.type
+    if not labels and type_.kind in ("agent", "agents"):
+        raise problems.fail(
+            errors.WRONG_TYPE,
+            show.span,
+            wanted="labels (`show p as { mine where …, none }`)",
+            given="a field that holds agents",
+            help="an agent's number means nothing to an observer",
+        )
+    if not labels and (type_.unit == "reward" or type_.low < 0):
+        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number that is not a count from 0 to 255")
+    if what == "cell" and not labels and type_.kind != "word":
+        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number of a cell without labels (`as { … }`)")
+    seen[key] = ir.Sight(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
+
+
+def _scope(what: str, kind: str, static: Static, problems: Problems) -> Scope:
+    scope = Scope(static, problems, place="`observe`").bind("agent", ir.Member(name="agent", who="agent"))
+    if what == "cell":
+        return scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
+    if what in ("other", "heading"):
+        return scope.bind("other", ir.Member(name="other", who="agent"))
+    return scope
+
+
+def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Problems) -> tuple[ir.Label, ...]:
+    found = []
+    for i, label in enumerate(show.labels):
+        last = i == len(show.labels) - 1
+        if last != (label.where is None):
+            problem = "the last label has no condition" if last else f"label `{label.label.text}` needs a condition (`where`)"
+            raise problems.fail(errors.TABLE_GAP, label.span, problem=problem)
+        test = None if label.where is None else condition(label.where, _scope(what, kind, static, problems))
+        found.append(ir.Label(name=label.label.text, condition=test, origin=label.span))
+    return tuple(found)
+
+
+def _hide(hide: ast.Hide, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
+    key, _ = _resolve(hide.what, static, problems)
+    if hide.condition is None:
+        seen.pop(key, None)
+        return
+    test = condition(hide.condition, _scope(key[0], key[1], static, problems))
+    if key not in seen:
+        problems.add(errors.NEVER_HAPPENS, hide.span, problem="it is not seen anyway")
+        return
+    seen[key] = seen[key].model_copy(update={"hidden_when": test})

@@ -1,0 +1,423 @@
+"""Sentences: from the tree as written to typed IR."""
+
+from dataclasses import dataclass, field
+from typing import assert_never
+
+from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.domains import check_free, domain, near
+from sjdsl.compiler.expressions import as_agent, build, condition, interval_text, number, wrong_type
+from sjdsl.compiler.facts import contradict, narrowed
+from sjdsl.compiler.print_ir import expression as text
+from sjdsl.compiler.scope import Poisoned, Scope
+from sjdsl.compiler.streams import Streams
+from sjdsl.compiler.types import integer, is_number, words
+from sjdsl.compiler.writes import add, set_
+
+FACINGS = ("north", "east", "south", "west", "same")
+
+
+@dataclass
+class PhaseUse:
+    """What is kept while one use of a phase is built: its streams, and its pools of sends by destination."""
+
+    streams: Streams
+    pools: dict[str, int] = field(default_factory=dict)
+
+
+def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+    """Returns the sentences of a block; `let` and `draw` bind to its end."""
+    built: list[ir.Stmt] = []
+    for statement in b.statements:
+        try:
+            sentence, scope = stmt(statement, scope, use)
+            built.append(sentence)
+        except Poisoned:
+            if isinstance(statement, ast.Let | ast.Draw):
+                scope = scope.bind(statement.name.text, None)
+    return tuple(built)
+
+
+def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
+    """Returns one sentence and the scope after it."""
+    match s:
+        case ast.Let():
+            return let(s, scope)
+        case ast.Draw():
+            return draw(s, scope, use)
+        case ast.Each() | ast.Pick() | ast.First():
+            return quantifier(s, scope, use), scope
+        case ast.Match():
+            return match_(s, scope, use), scope
+        case ast.When():
+            return when(s, scope, use), scope
+        case ast.Chance():
+            return chance(s, scope, use), scope
+        case ast.Set():
+            return set_(s, scope), scope
+        case ast.Add():
+            return add(s, scope), scope
+        case ast.Give():
+            return give(s, scope), scope
+        case ast.Tally():
+            return tally(s, scope), scope
+        case ast.Send():
+            return send(s, scope, use), scope
+        case ast.Remove():
+            return ir.Remove(who=agent(s.who, scope), origin=s.span), scope
+        case ast.Move():
+            return move(s, scope, use), scope
+        case ast.Mark():
+            place = near(s.shape, s.anchor, scope)
+            return ir.Mark(shape=place.shape, anchor=place.anchor, origin=s.span), scope
+        case ast.End():
+            return ir.End(origin=s.span), scope
+        case _:
+            assert_never(s)
+
+
+def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+    """Returns a block inside a sentence; the sentence's text becomes part of the inner streams' names."""
+    use.streams.around.append(header)
+    built = block(b, scope, use)
+    use.streams.around.pop()
+    return built
+
+
+def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
+    value = build(s.value, scope)
+    check_free(s.name, scope, chosen=True)
+    if isinstance(value, ir.Member):
+        raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
+    local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
+    return ir.Let(name=s.name.text, value=value, origin=s.span), scope.bind(s.name.text, local)
+
+
+def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
+    check_free(s.name, scope, chosen=True)
+    stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
+    name = s.name.text
+    match s.source:
+        case ast.Words():
+            names = tuple(n.text for n in s.source.names)
+            _check_declared(s.source.names, scope)
+            sentence = ir.Draw(name=name, type=words(names), words=names, stream=stream, origin=s.span)
+        case ast.Table():
+            sentence = _weighted(s, s.source, scope, stream)
+        case _:
+            assert s.high is not None
+            low = number(s.source, scope, ("count", "steps", "cells"), "a whole number")
+            high = number(s.high, scope, ("count", "steps", "cells"), "a whole number")
+            type_ = _draw_range(s, low, high, scope)
+            sentence = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
+    local = ir.Local(type=sentence.type, name=name, origin=s.name.span)
+    return sentence, scope.bind(name, local)
+
+
+def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
+    for name in names:
+        if not scope.static.is_word(name.text):
+            known = [w for ws in scope.static.word_sets for w in ws]
+            raise scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=nearest(name.text, known))
+
+
+def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
+    unit = low.type.unit if low.type.unit != "number" else high.type.unit
+    if "number" not in (low.type.unit, high.type.unit) and low.type.unit != high.type.unit:
+        raise scope.problems.fail(
+            errors.UNIT_MISMATCH, s.span, verb="draw between", left=low.type.unit, right=high.type.unit, help=""
+        )
+    known = scope.knowing(scope.static.requires)
+    if low.type.high > high.type.low and f"({text(high)} >= {text(low)})" not in known.facts | {_strict(low, high, known)}:
+        raise scope.problems.fail(errors.CROSSED, s.span, low=text(low), high=text(high))
+    return integer(low.type.low, high.type.high, unit)
+
+
+def _strict(low: ir.Expr, high: ir.Expr, known: Scope) -> str:
+    strict = f"({text(high)} > {text(low)})"
+    return f"({text(high)} >= {text(low)})" if strict in known.facts else ""
+
+
+def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:
+    names = tuple(e.key.text for e in table.entries)
+    _check_declared(tuple(e.key for e in table.entries), scope)
+    if len(set(names)) != len(names):
+        raise scope.problems.fail(errors.TABLE_GAP, table.span, problem="a word stands twice in these weights")
+    weights = []
+    for entry in table.entries:
+        if isinstance(entry.value, ast.Table):
+            raise scope.problems.fail(errors.WRONG_TYPE, entry.span, wanted="a probability", given="a table", help="")
+        weights.append(probability(entry.value, scope))
+    if all(isinstance(w, ir.Number) for w in weights):
+        total = sum(w.value for w in weights)  # type: ignore[union-attr]
+        if abs(total - 1) > 1e-6:
+            raise scope.problems.fail(errors.WEIGHTS, table.span, total=f"{total:g}")
+    elif not _required_one(weights, scope):
+        raise scope.problems.fail(errors.WEIGHTS, table.span, total="something known only when it runs")
+    return ir.Draw(name=s.name.text, type=words(names), words=names, weights=tuple(weights), stream=stream, origin=s.span)
+
+
+def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
+    """Weights from parameters need `require a + b + c == 1`, or the form p, q, 1 - p - q."""
+    total = "".join("(" * (len(weights) - 1)) + text(weights[0]) + "".join(f" + {text(w)})" for w in weights[1:])
+    rest = text(weights[-1])
+    spelt = "(" * (len(weights) - 1) + "1" + "".join(f" - {text(w)})" for w in weights[:-1])
+    return f"({total} == 1)" in scope.knowing(scope.static.requires).facts or rest == spelt
+
+
+def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    how_many = number(s.number, scope, ("count",), "a count") if isinstance(s, ast.Pick) else None
+    built, inner = domain(s.domain, scope)
+    stream = use.streams.of_sentence(header)
+    if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
+        raise scope.problems.fail(
+            errors.WRONG_TYPE, s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape", help=""
+        )
+    body = inside(s.block, header, inner, use)
+    otherwise: tuple[ir.Stmt, ...] = ()
+    if not isinstance(s, ast.Each) and s.otherwise is not None:
+        otherwise = other_branch(s.otherwise, header, scope, use)
+    match s:
+        case ast.Each():
+            return ir.Each(domain=built, body=body, origin=s.span)
+        case ast.First():
+            return ir.First(domain=built, body=body, otherwise=otherwise, origin=s.span)
+        case ast.Pick():
+            assert how_many is not None
+            return ir.Pick(number=how_many, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
+
+
+def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+    """Returns what happens otherwise: a block, or one more `when` or `chance`."""
+    header = f"{header} otherwise"
+    if isinstance(b, ast.Block):
+        return inside(b, header, scope, use)
+    use.streams.around.append(header)
+    sentence = when(b, scope, use) if isinstance(b, ast.When) else chance(b, scope, use)
+    use.streams.around.pop()
+    return (sentence,)
+
+
+def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    stream = use.streams.of_sentence(header)
+    left, inner = domain(s.left, scope)
+    right, inner = domain(s.right, inner)
+    if s.first and not isinstance(right.place, ir.Near):
+        raise scope.problems.fail(
+            errors.WRONG_TYPE, s.right.span, wanted="`in SHAPE of x` after `with first`", given="a domain without a shape", help=""
+        )
+    body = inside(s.block, header, inner, use)
+    return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
+
+
+def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    branches: list[ir.Branch] = []
+    otherwise: tuple[ir.Stmt, ...] = ()
+    outer, current = scope, s
+    while True:
+        try:
+            test = condition(current.condition, outer)
+            check_possible(test, outer)
+            body = inside(current.block, header, outer.knowing([test]), use)
+            branches.append(ir.Branch(test=test, body=body, origin=current.span))
+            outer = outer.knowing([ir.Not(value=test)])
+        except Poisoned:
+            pass
+        header = f"{header} otherwise"
+        if isinstance(current.otherwise, ast.When):
+            current = current.otherwise
+            header = f"{header} {use.streams.header(current.span, current.block.span.start)}"
+            continue
+        if current.otherwise is not None:
+            otherwise = other_branch(current.otherwise, header, outer, use)
+        break
+    if not branches:
+        raise Poisoned
+    return ir.When(branches=tuple(branches), otherwise=otherwise, origin=s.span)
+
+
+def check_possible(test: ir.Expr, scope: Scope) -> None:
+    """Warns if a condition contradicts what is known here, or the numbers it compares."""
+    from sjdsl.compiler.facts import conjuncts
+
+    for part in conjuncts(test):
+        clash = next((f for f in scope.fact_nodes if contradict(part, f)), None)
+        if clash is not None:
+            scope.problems.add(errors.NEVER_HAPPENS, part.origin or test.origin, problem=f"{text(clash)} holds here")  # type: ignore[arg-type]
+            continue
+        match part:
+            case ir.Compare(fn=fn, left=left, right=right):
+                low, high = narrowed(left, scope.fact_nodes)
+                never = {
+                    "<": low >= right.type.high,
+                    "<=": low > right.type.high,
+                    ">": high <= right.type.low,
+                    ">=": high < right.type.low,
+                    "==": low > right.type.high or high < right.type.low,
+                    "!=": False,
+                }[fn]
+                if never:
+                    reach = interval_text(left.type.model_copy(update={"low": low, "high": high}))
+                    scope.problems.add(
+                        errors.NEVER_HAPPENS, part.origin or test.origin, problem=f"{text(left)} is {reach}"  # type: ignore[arg-type]
+                    )
+            case ir.Truth(value=False):
+                scope.problems.add(errors.NEVER_HAPPENS, part.origin or test.origin, problem="the condition is no")  # type: ignore[arg-type]
+            case _:
+                pass
+
+
+def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    stream = use.streams.of_sentence(header)
+    branches: list[ir.Branch] = []
+    otherwise: tuple[ir.Stmt, ...] = ()
+    current = s
+    while True:
+        try:
+            p = probability(current.probability, scope)
+            if p.type.high <= 0:
+                scope.problems.add(errors.NEVER_HAPPENS, current.probability.span, problem="its probability is 0")
+            body = inside(current.block, header, scope, use)
+            branches.append(ir.Branch(test=p, body=body, origin=current.span))
+        except Poisoned:
+            pass
+        header = f"{header} otherwise"
+        if isinstance(current.otherwise, ast.Chance):
+            current = current.otherwise
+            header = f"{header} {use.streams.header(current.span, current.block.span.start)}"
+            continue
+        if current.otherwise is not None:
+            otherwise = other_branch(current.otherwise, header, scope, use)
+        break
+    if not branches:
+        raise Poisoned
+    return ir.Chance(branches=tuple(branches), otherwise=otherwise, stream=stream, origin=s.span)
+
+
+def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
+    """Returns a probability that provably stays in 0 .. 1."""
+    p = number(e, scope, ("probability",), "a probability")
+    low, high = narrowed(p, (*scope.fact_nodes, *scope.static.requires))
+    if high > 1 + 1e-9:
+        problem = f"reach {high:g}" if high < float("inf") else "exceed 1"
+        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, problem=problem)
+    if low < -1e-9:
+        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, problem="fall below 0")
+    return p
+
+
+def agent(e: ast.Path, scope: Scope) -> ir.Expr:
+    """Returns one agent."""
+    built = build(e, scope)
+    if not as_agent(built):
+        raise wrong_type(scope, e, "an agent", built.type)
+    check_somebody(e, built, scope)
+    return built
+
+
+def check_somebody(e: ast.Expr, built: ir.Expr, scope: Scope) -> None:
+    if not isinstance(built, ir.Member) and f"(not ({text(built)} is nobody))" not in scope.facts:
+        raise scope.problems.fail(errors.CAN_BE_NOBODY, e.span, path=text(built))
+
+
+def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
+    """Returns one agent or a set of agents."""
+    built = build(e, scope)
+    if built.type.kind == "agents" and not built.type.by:
+        return built
+    if not as_agent(built):
+        raise wrong_type(scope, e, "an agent or a set of agents", built.type)
+    check_somebody(e, built, scope)
+    return built
+
+
+def give(s: ast.Give, scope: Scope) -> ir.Stmt:
+    value = number(s.value, scope, ("reward",), "a reward")
+    if isinstance(s.receiver, ast.All):
+        but = None
+        if s.receiver.but is not None:
+            member = build(ast.Path(s.receiver.but.span, s.receiver.but, ()), scope)
+            if not (isinstance(member, ir.Member) and member.who == "agent"):
+                raise wrong_type(scope, ast.Path(s.receiver.but.span, s.receiver.but, ()), "an agent", member.type)
+            but = member
+        return ir.Give(value=value, receiver=None, but=but, origin=s.span)
+    return ir.Give(value=value, receiver=receiver(s.receiver, scope), origin=s.span)
+
+
+def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
+    static = scope.static
+    name = s.event.name
+    event = static.events.get(name.text)
+    if event is None:
+        raise scope.problems.fail(errors.NO_EVENT, name.span, name=name.text, nearest=nearest(name.text, static.events))
+    static.used.add(f"event {name.text}")
+    word = None
+    row = ir.EventTotal(type=integer(0, float("inf")), name=name.text)
+    if event.by is not None:
+        row = row.model_copy(update={"type": row.type.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})})
+        if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
+            raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted=f"`{name.text}[word]`", given="the whole row", help="")
+        key = build(s.event.steps[0].key, scope)
+        if key.type.kind != "word":
+            raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
+        outside = [w for w in key.type.words if w not in row.type.by[0]]
+        if outside:
+            raise scope.problems.fail(
+                errors.WORD_OUTSIDE, s.event.span, word=outside[0], name=name.text, words=", ".join(row.type.by[0])
+            )
+        word = key
+    elif s.event.steps:
+        raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
+    amount = None if s.by is None else number(s.by, scope, ("count",), "a count")
+    for_ = None if s.receiver is None else receiver(s.receiver, scope)
+    return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
+
+
+def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    who = agent(s.who, scope)
+    destination, _ = domain(s.domain, scope)
+    if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
+        raise scope.problems.fail(
+            errors.WRONG_TYPE, s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain", help=""
+        )
+    after = None if s.after is None else number(s.after, scope, ("steps",), "a number of steps")
+    if after is not None and after.type.low < 0:
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.after.span, name="the delay", value="negative", low=0, high="any")  # type: ignore[union-attr]
+    if isinstance(after, ir.Number) and after.value == 0:
+        after = None
+    facing = None if s.facing is None else s.facing.text
+    if facing is not None and facing not in FACINGS:
+        near_ = nearest(facing, FACINGS)
+        raise scope.problems.fail(errors.UNKNOWN_NAME, s.facing.span, name=facing, nearest=near_)  # type: ignore[union-attr]
+    if s.stay is not None and s.stay.text != "stay":
+        raise scope.problems.fail(errors.UNKNOWN_NAME, s.stay.span, name=s.stay.text, nearest="stay")
+    place = use.streams.header(s.domain.span, s.domain.span.end)
+    pool = use.pools.setdefault(place, len(use.pools))
+    return ir.Send(
+        who=who,
+        domain=destination,
+        after=after,
+        facing=facing,  # type: ignore[arg-type]
+        stay=s.stay is not None,
+        pool=pool,
+        order_stream=use.streams.shared("send to", place),
+        heading_stream=use.streams.shared("heading of those sent to", place),
+        origin=s.span,
+    )
+
+
+def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    movers, _ = domain(s.domain, scope)
+    if movers.var.who != "agent":
+        raise scope.problems.fail(
+            errors.NOT_A, s.domain.kind.span, name=s.domain.kind.text, what="a kind of cell", wanted="`agent`", nearest=""
+        )
+    stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
+    return ir.Move(domain=movers, stream=stream, origin=s.span)
+
+
+__all__ = ["PhaseUse", "block", "is_number"]

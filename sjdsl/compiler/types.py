@@ -1,0 +1,134 @@
+"""Types of the language as values: units, intervals, and what arithmetic does to them."""
+
+from math import inf
+
+from sjdsl.compiler import ir
+
+INTEGER_UNITS = ("count", "steps", "cells")
+REAL_UNITS = ("reward", "probability", "fraction")
+UNIT_LIMITS = {
+    "count": (0, inf),
+    "steps": (0, inf),
+    "cells": (0, inf),
+    "reward": (-inf, inf),
+    "probability": (0.0, 1.0),
+    "fraction": (0.0, 1.0),
+}
+HEADINGS = ("north", "east", "south", "west")
+
+
+def integer(low: float, high: float, unit: ir.Unit = "count") -> ir.Type:
+    """Returns the type of the integers `low` .. `high`."""
+    return ir.Type(kind="int", unit=unit, low=low, high=high)
+
+
+def real(low: float, high: float, unit: ir.Unit = "number") -> ir.Type:
+    """Returns the type of the reals `low` .. `high`."""
+    return ir.Type(kind="real", unit=unit, low=low, high=high)
+
+
+def words(names: tuple[str, ...]) -> ir.Type:
+    """Returns the type of one of the words."""
+    return ir.Type(kind="word", words=names)
+
+
+def element(row: ir.Type) -> ir.Type:
+    """Returns the type of one entry of a row or table."""
+    return row.model_copy(update={"by": row.by[1:]})
+
+
+def is_number(type_: ir.Type) -> bool:
+    return type_.kind in ("int", "real") and not type_.by
+
+
+def describe(type_: ir.Type) -> str:
+    """Returns what an author would call values of this type."""
+    if type_.by:
+        return f"a row of {describe_plural(type_)} by {{ {', '.join(type_.by[0])} }}"
+    match type_.kind:
+        case "word":
+            return f"a word of {{ {', '.join(type_.words)} }}" if len(type_.words) > 1 else f"the word `{type_.words[0]}`"
+        case "int" | "real":
+            return {"number": "a number", "fraction": "a fraction", "probability": "a probability"}.get(
+                type_.unit, f"a {type_.unit}" if type_.unit == "reward" else f"a number of {_plural(type_.unit)}"
+            )
+        case "condition":
+            return "a condition"
+        case "agent":
+            return "an agent"
+        case "agents":
+            return "a set of agents"
+        case "mix":
+            return "a mix of words"
+        case "member":
+            return "an agent or a cell"
+
+
+def describe_plural(type_: ir.Type) -> str:
+    return {"word": "words", "int": "numbers", "real": "numbers"}.get(type_.kind, "values")
+
+
+def _plural(unit: str) -> str:
+    return "counts" if unit == "count" else unit
+
+
+def join_units(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
+    """Returns the unit two numbers share when added or compared; a bare number takes the other's. None: they do not mix."""
+    if left == right or right == "number":
+        return left
+    if left == "number":
+        return right
+    return None
+
+
+def times_unit(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
+    """Returns the unit of a product: a number or a count scales anything; shares scale rewards and chances."""
+    for a, b in ((left, right), (right, left)):
+        if a == "number":
+            return b
+        if a == "count":
+            return b
+        if a == "fraction" and b in ("reward", "probability", "fraction"):
+            return b
+        if a == "probability" and b in ("reward", "probability"):
+            return b
+    return None
+
+
+def over_unit(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
+    """Returns the unit of a quotient: like over like is a bare number, anything over a number or a count keeps its unit."""
+    if left == right and right != "number":
+        return "number"
+    if right in ("number", "count"):
+        return left
+    return None
+
+
+def hull(types: list[ir.Type]) -> tuple[float, float]:
+    """Returns the smallest interval that holds all the types' intervals."""
+    return min(t.low for t in types), max(t.high for t in types)
+
+
+def interval(fn: str, a: ir.Type, b: ir.Type) -> tuple[float, float]:
+    """Returns the interval of `a fn b` by the corners of the operands' intervals."""
+    match fn:
+        case "+":
+            return a.low + b.low, a.high + b.high
+        case "-":
+            return a.low - b.high, a.high - b.low
+        case "*":
+            corners = [_times(x, y) for x in (a.low, a.high) for y in (b.low, b.high)]
+            return min(corners), max(corners)
+        case "/":
+            if b.low <= 0 <= b.high:
+                return -inf, inf
+            corners = [x / y if abs(y) != inf else 0.0 for x in (a.low, a.high) for y in (b.low, b.high)]
+            return min(corners), max(corners)
+        case "%":
+            return (0, b.high - 1) if b.low > 0 else (min(b.low + 1, 0), max(b.high - 1, 0))
+        case _:
+            raise AssertionError(fn)
+
+
+def _times(x: float, y: float) -> float:
+    return 0 if x == 0 or y == 0 else x * y

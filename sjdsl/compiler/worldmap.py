@@ -1,0 +1,125 @@
+"""Maps: text, inline or in a file beside the game, checked against the legend row by row."""
+
+import unicodedata
+from pathlib import Path
+
+from sjdsl.compiler import ast, errors, ir, limits
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.scope import Problems, Static
+from sjdsl.compiler.source import Source, Span
+
+
+def read_rows(map_: ast.Map, source: Source, problems: Problems) -> tuple[str, ...]:
+    """Returns the rows of a map as text; a map that cannot be read has none, and the reason is reported."""
+    if map_.file is None:
+        return tuple(row.text for row in map_.rows)
+    return read_file(map_.file.text, map_.file.span, source, problems)
+
+
+def read_file(name: str, span: Span, source: Source, problems: Problems) -> tuple[str, ...]:
+    """Returns the rows of a map file in the game's folder."""
+    path = inside_folder(name, span, source, problems)
+    if path is None:
+        return ()
+    if not path.is_file():
+        folder = path.parent
+        beside = [p.name for p in folder.iterdir()] if folder.is_dir() else []
+        near = nearest(path.name, beside)
+        problems.add(errors.NO_FILE, span, name=name, nearest=str(Path(name).with_name(near)) if near else "")
+        return ()
+    return parse_rows(path.read_bytes(), name, span, problems)
+
+
+def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
+    """Returns the path of a file named by a game; None, and reported, if it leaves the game's folder."""
+    given = Path(name)
+    if source.folder is None:
+        problems.add(errors.NO_FILE, span, name=name, nearest="")
+        return None
+    folder = source.folder.resolve()
+    if not name or "\0" in name or "\\" in name or given.is_absolute():
+        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        return None
+    path = (folder / given).resolve()
+    if not path.is_relative_to(folder):
+        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        return None
+    return path
+
+
+def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> tuple[str, ...]:
+    """Returns the rows of a map file's bytes."""
+    if len(data) > 4 * limits.MAP_CELLS:
+        problems.add(errors.MAP_FILE, span, name=name, problem=f"it has more than {limits.MAP_CELLS} cells")
+        return ()
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        problems.add(errors.MAP_FILE, span, name=name, problem="it is not text")
+        return ()
+    return tuple(line.rstrip("\r") for line in text.rstrip("\r\n").split("\n")) if text.strip() else ()
+
+
+def check_glyph(glyph: str) -> str:
+    """Returns what is wrong with a glyph, or nothing."""
+    if len(glyph) != 1:
+        return "it is not one character"
+    if not glyph.isascii() or not glyph.isprintable():
+        return f"it is {unicodedata.name(glyph, 'a control character').lower()}"
+    return "it is a blank" if glyph == " " else ""
+
+
+def check_rows(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems) -> bool:
+    """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound."""
+    if not rows or not rows[0]:
+        problems.add(errors.EMPTY_MAP, span)
+        return False
+    widths = [len(row) for row in rows]
+    wanted = max(set(widths), key=widths.count)
+    sound = True
+    if len(rows) > limits.MAP_SIDE or wanted > limits.MAP_SIDE:
+        what = f"a map of {len(rows)} x {wanted} cells (at most {limits.MAP_SIDE} x {limits.MAP_SIDE})"
+        problems.add(errors.NOT_SUPPORTED, span, what=what)
+        return False
+    for number, row in enumerate(rows):
+        if len(row) != wanted:
+            problems.add(errors.RAGGED_MAP, span, row=number, length=len(row), wanted=wanted)
+            sound = False
+    unknown: dict[str, tuple[int, int]] = {}
+    for number, row in enumerate(rows):
+        for column, glyph in enumerate(row):
+            if glyph not in glyphs:
+                unknown.setdefault(glyph, (number, column))
+    for glyph, (number, column) in list(unknown.items())[:20]:
+        other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
+        shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
+        problems.add(errors.UNKNOWN_GLYPH, span, glyph=shown, row=number, column=column, nearest=other_case)
+    return sound and not unknown
+
+
+def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> dict[str, int]:
+    """Returns the number of cells of each kind."""
+    cells: dict[str, int] = {}
+    for row in rows:
+        for glyph in row:
+            if glyph in glyphs:
+                kind = glyphs[glyph].kind
+                cells[kind] = cells.get(kind, 0) + 1
+    return cells
+
+
+def glyph_table(static: Static, meanings: list[tuple[Span, ir.GlyphMeaning]], problems: Problems) -> dict[str, ir.GlyphMeaning]:
+    """Returns the legend; a glyph of two kinds or that is no glyph is reported."""
+    table: dict[str, ir.GlyphMeaning] = {}
+    for span, meaning in meanings:
+        problem = check_glyph(meaning.glyph)
+        if problem:
+            shown = meaning.glyph.encode("unicode_escape").decode()
+            problems.add(errors.BAD_GLYPH, span, glyph=shown, problem=problem)
+        elif meaning.glyph in table:
+            first = table[meaning.glyph].kind
+            problems.add(errors.GLYPH_TWICE, span, glyph=meaning.glyph, first=first, second=meaning.kind)
+        else:
+            table[meaning.glyph] = meaning
+    assert all(m.kind in static.kinds for m in table.values())
+    return table

@@ -1,0 +1,80 @@
+"""Random words: a counter-based generator with one stream a rule, and what is made of a word.
+
+Word number i of a stream is the first output of threefry-2x32 with 20 rounds on the counter (stream, i) under the step's
+key: independent of every other rule, of the order of evaluation and of how many others draw.
+Source: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
+"""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+_ROTATIONS = ((13, 15, 26, 6), (17, 29, 16, 24))
+_PARITY = 0x1BD11BDA
+RETURN = 0x52455455  # streams of those who return from being away differ from the send's by this
+
+
+def key_words(key: Array) -> Array:
+    """Returns the `[2]` uint32 words of a key: typed or old style; a generator other than threefry is asked for two words."""
+    if jnp.issubdtype(key.dtype, jax.dtypes.prng_key):
+        if jax.random.key_impl(key) != "threefry2x32":
+            return jax.random.bits(key, (2,), jnp.uint32)
+        return jax.random.key_data(key)
+    if key.shape != (2,) or key.dtype != jnp.uint32:
+        raise ValueError(f"a key is a typed key (jax.random.key) or two uint32 words, not {key.dtype}{list(key.shape)}")
+    return key
+
+
+def words_at(key: Array, stream: int, numbers: Array) -> Array:
+    """Returns the words of a stream with the given numbers.
+
+    Args:
+      key: `[2]` uint32.
+      stream: the rule's stream, 0 .. 2^32 - 1.
+      numbers: any shape, uint32.
+    Returns:
+      uint32 of the shape of `numbers`.
+    """
+    shape = (1,) * numbers.ndim
+    k0, k1 = key[0].reshape(shape), key[1].reshape(shape)
+    keys = (k0, k1, k0 ^ k1 ^ jnp.uint32(_PARITY))
+    x0 = jnp.uint32(stream) + keys[0]
+    x1 = numbers + keys[1]
+    for group in range(5):
+        for rotation in _ROTATIONS[group % 2]:
+            x0 = x0 + x1
+            x1 = (x1 << jnp.uint32(rotation)) | (x1 >> jnp.uint32(32 - rotation))
+            x1 = x1 ^ x0
+        x0 = x0 + keys[(group + 1) % 3]
+        x1 = x1 + keys[(group + 2) % 3] + jnp.uint32(group + 1)
+    return x0
+
+
+def words(key: Array, stream: int, *shape: int) -> Array:
+    """Returns the first words of a stream, `shape` uint32, numbered in row-major order."""
+    return words_at(key, stream, jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape))
+
+
+def threshold(probability: Array) -> Array:
+    """Returns what the upper 31 bits of a word must be below to happen with this probability (float32 in 0 .. 1)."""
+    return (probability * jnp.float32(2**31)).astype(jnp.uint32)
+
+
+def next_threshold(before: Array, probability: Array) -> Array:
+    """Returns the threshold of the next branch of a chain: `probability` of what the branches before it left."""
+    left = (jnp.uint32(2**31) - before).astype(jnp.float32)
+    return before + (left * probability).astype(jnp.uint32)
+
+
+def below(word: Array, bound: Array | int) -> Array:
+    """Returns floor(word * bound / 2^32), int32: uniform on 0 .. bound - 1 for bounds up to 65,535."""
+    n = jnp.asarray(bound, jnp.uint32)
+    high, low = word >> jnp.uint32(16), word & jnp.uint32(0xFFFF)
+    return ((high * n + ((low * n) >> jnp.uint32(16))) >> jnp.uint32(16)).astype(jnp.int32)
+
+
+def ranks(word: Array, member: Array) -> Array:
+    """Returns keys that order members: larger first, 0 for those that are none. Same shape, uint32."""
+    return jnp.where(member, (word >> jnp.uint32(1)) + jnp.uint32(1), jnp.uint32(0))

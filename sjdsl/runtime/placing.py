@@ -1,0 +1,77 @@
+"""Sending agents to free cells, choosing members at random, pairing agents."""
+
+import jax.numpy as jnp
+from jax import Array, lax
+
+
+def place(cells: Array, ranks: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """Returns the cells after sending agents, in id order, to the free cells of largest rank.
+
+    Args:
+      cells: `[S]` int32, the destination.
+      ranks: `[S]` uint32, larger first, 0 for cells that are not free.
+      position: `[N]` int32; sent: `[N]` bool.
+    Returns:
+      `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
+    """
+    new, placed = [], []
+    for agent in range(position.shape[0]):
+        best = jnp.argmax(ranks)
+        taken = sent[agent] & (ranks[best] > 0)
+        new.append(jnp.where(taken, cells[best], position[agent]))
+        placed.append(taken)
+        ranks = ranks.at[best].set(jnp.where(taken, jnp.uint32(0), ranks[best]), mode="promise_in_bounds")
+    return jnp.stack(new), jnp.stack(placed)
+
+
+def choose(ranks: Array, number: Array) -> Array:
+    """Returns which members are among the `number` of largest rank.
+
+    Args:
+      ranks: `[..., S]` uint32, 0 for what is no member; equal ranks: the earlier first.
+      number: `[...]` int32.
+    Returns:
+      `[..., S]` bool.
+    """
+    index = jnp.arange(ranks.shape[-1]).reshape((1,) * (ranks.ndim - 1) + (-1,))
+
+    def more(state: tuple[Array, Array, Array]) -> Array:
+        turn, left, _ = state
+        return jnp.any((turn < number) & (jnp.max(left, axis=-1) > 0))
+
+    def take(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        turn, left, chosen = state
+        best = jnp.argmax(left, axis=-1)[..., None]
+        hit = (index == best) & (left > 0) & (turn < number)[..., None]
+        return turn + 1, jnp.where(hit, jnp.uint32(0), left), chosen | hit
+
+    start = (jnp.int32(0), ranks, jnp.zeros(ranks.shape, bool))
+    return lax.while_loop(more, take, start)[2]
+
+
+def pair(ranks: Array, alike: bool) -> Array:
+    """Returns each left member's partner when pairs are taken in the order of their ranks.
+
+    Args:
+      ranks: `[L, R]` uint32, 0 where the two are no pair; equal ranks: the earlier first.
+      alike: both sides are the agents, so a member taken on one side is not free on the other.
+    Returns:
+      `[L]` int32, R for those without a partner.
+    """
+    left, right = ranks.shape
+    rows, cols = jnp.arange(left), jnp.arange(right)
+
+    def take(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:
+        live, partner = state
+        best = jnp.argmax(live.reshape(-1))
+        a, b = best // right, best % right
+        found = live.reshape(-1)[best] > 0
+        partner = jnp.where(found & (rows == a), b.astype(jnp.int32), partner)
+        gone_row = (rows == a) | (rows == b) if alike else rows == a
+        gone_col = (cols == a) | (cols == b) if alike else cols == b
+        gone = gone_row[:, None] | gone_col[None, :]
+        return jnp.where(found & gone, jnp.uint32(0), live), partner
+
+    most = left // 2 if alike else min(left, right)
+    start = (ranks, jnp.full(left, right, jnp.int32))
+    return lax.fori_loop(0, most, take, start)[1]
