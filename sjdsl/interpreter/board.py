@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from sjdsl.compiler import ir, print_ir
-from sjdsl.interpreter.state import Cell, Value, World, field_value
+from sjdsl.interpreter.state import Cell, Pool, Value, World, field_value
 
 
 @dataclass(frozen=True, eq=False)
@@ -12,7 +12,7 @@ class Board:
     """A game with its map read.
 
     kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
-    pools: the first `send` written for each pool of sends.
+    pools: the first `send` written for each pool of sends, start first, then in the order of the schedule.
     """
 
     game: ir.Game
@@ -24,7 +24,7 @@ class Board:
     agent_fields: dict[str, ir.VarField]
     world_fields: dict[str, ir.VarField]
     cell_fields: dict[tuple[str, str], ir.VarField]
-    pools: dict[int, ir.Send]
+    pools: dict[Pool, ir.Send]
 
     @property
     def agents(self) -> int:
@@ -69,15 +69,16 @@ def _glyph_kinds(game: ir.Game) -> dict[str, str]:
     return {k.glyph: k.name for k in game.kinds} | {g.glyph: g.kind for g in game.glyphs}
 
 
-def _pools(game: ir.Game) -> dict[int, ir.Send]:
-    pools: dict[int, ir.Send] = {}
+def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
+    pools: dict[Pool, ir.Send] = {}
     for turn in (game.start, *game.schedule):
-        for node in ir.walk(turn):
+        for node in ir.walk(turn) if isinstance(turn, ir.Phase) else ():
             if isinstance(node, ir.Send):
-                first = pools.setdefault(node.pool, node)
-                assert print_ir.domain(first.domain) == print_ir.domain(node.domain), f"pool {node.pool} is split"
-                assert first.order_stream == node.order_stream, f"pool {node.pool} is split"
-                assert first.heading_stream == node.heading_stream, f"pool {node.pool} is split"
+                pool = Pool(turn.name, node.pool)
+                first = pools.setdefault(pool, node)
+                assert print_ir.domain(first.domain) == print_ir.domain(node.domain), f"{pool} is split"
+                assert first.order_stream == node.order_stream, f"{pool} is split"
+                assert first.heading_stream == node.heading_stream, f"{pool} is split"
     return pools
 
 

@@ -28,6 +28,7 @@ def _value(e: ir.Expr, here: Instance) -> Value:
         case ir.ParamRef():
             return here.world.params[e.name]
         case ir.Member() | ir.Local():
+            assert e.name in here.names, f"`{e.name}` has no value here"
             return here.names[e.name]
         case ir.FieldRead():
             return _field(e, here)
@@ -183,8 +184,8 @@ def _is_of_class(
         case "prisoners_dilemma":
             return bool(temptation > reward > punishment > sucker and 2 * reward > temptation + sucker)
         case "stag_hunt":
-            return bool(reward > temptation > punishment > sucker)
+            return bool(reward > temptation >= punishment > sucker)
         case "chicken":
-            return bool(temptation > reward > sucker > punishment)
+            return bool(temptation > reward > sucker > punishment and 2 * reward > temptation + sucker)
         case _:
             assert_never(name)

@@ -43,10 +43,6 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
         case "marks":
             names = _marking_names(here.board)
             return sum(1 << bit for bit, name in enumerate(names) if (name, *cell) in here.world.marks)
-        case "cell":
-            if here.board.kind_of.get(cell) != _sight(plane).kind:
-                return 0
-            return _shown(_sight(plane), _at_cell(cell, here), 0)
         case "other":
             other = _other(cell, agent, here)
             return 0 if other is None else _shown(_sight(plane), here.binding({"other": other}), bool(plane.labels))
@@ -99,8 +95,6 @@ def _shown(sight: ir.Sight, here: Instance, first: int) -> int:
     if planes.sight_words(sight):
         return first + planes.sight_words(sight).index(_word(sight, here))
     value = evaluate(_read(sight, here.board), here)
-    if sight.type.kind == "agent":
-        value = 0 if value is None else value + 1
     return min(max(int(value), 0), 255)
 
 

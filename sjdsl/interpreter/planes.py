@@ -20,7 +20,7 @@ class Plane:
     name: str
     encoding: Literal["word", "bits", "number"]
     labels: tuple[str, ...]
-    what: Literal["content", "agent", "marks", "cell", "other", "own", "world"]
+    what: Literal["content", "agent", "marks", "other", "own", "world"]
     sight: ir.Sight | None = None
 
 
@@ -32,10 +32,8 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
     ]
     if marking(game):
         result.append(Plane("marks", "bits", tuple(phase.label for phase in marking(game)), "marks"))
-    for what in ("cell", "other", "own", "world"):
-        for sight in game.sights:
-            if sight.what == what and not (what == "cell" and sight_words(sight)):
-                result.append(_field_plane(sight))
+    for what in ("other", "own", "world"):
+        result += [_field_plane(sight) for sight in game.sights if sight.what == what]
     return tuple(result)
 
 
@@ -52,7 +50,7 @@ def sight_words(sight: ir.Sight) -> tuple[str, ...]:
 
 def content_sights(game: ir.Game, kind: str) -> tuple[ir.Sight, ...]:
     """Returns the word fields that are seen of a kind's cells."""
-    return tuple(s for s in game.sights if s.what == "cell" and s.kind == kind and sight_words(s))
+    return tuple(s for s in game.sights if s.what == "cell" and s.kind == kind)
 
 
 def content_words(sight: ir.Sight) -> tuple[str, ...]:
@@ -84,9 +82,10 @@ def _agent_labels(game: ir.Game) -> tuple[str, ...]:
 
 
 def _field_plane(sight: ir.Sight) -> Plane:
-    owner = {"other": "other.", "own": "agent.", "world": "", "cell": f"{sight.kind}."}[sight.what]
+    assert sight.what != "cell"
+    assert sight.what != "heading"
+    owner = {"other": "other.", "own": "agent.", "world": ""}[sight.what]
     words = sight_words(sight)
     if sight.what == "other" and words:
         words = ("none", *words)
-    assert sight.what != "heading"
     return Plane(owner + field_name(sight), "word" if words else "number", words, sight.what, sight)

@@ -5,19 +5,19 @@ from sjdsl.interpreter.board import cells_of
 from sjdsl.interpreter.draws import return_stream
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, World
+from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, World
 from sjdsl.interpreter.writes import Sending
 
 
-def send(sends: list[Sending], here: Instance, world: World) -> None:
-    """Changes the places of `world`, which holds the snapshot's: pool by pool, in each pool in id order."""
+def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None:
+    """Changes the places of `world`, which holds the snapshot's: pool by pool, in each pool in id order. `phase`: its name."""
     for pool in sorted({s.send.pool for s in sends}):
         together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: s.agent)
         order = together[0].send.order_stream
         free = ranked_cells(together[0].send.domain, order, {s.agent for s in together}, here)
         for agent, sentence, ticks in together:
             if ticks > 0:
-                _leave(agent, Away(ticks, pool, sentence.facing), world)
+                _leave(agent, Away(ticks, Pool(phase, pool), sentence.facing), world)
             elif free:
                 _enter(agent, free.pop(0), sentence.facing, sentence.heading_stream, here, world)
             else:
@@ -31,13 +31,13 @@ def remove(agent: int, world: World) -> None:
 
 def bring_back(here: Instance, world: World) -> None:
     """Lets one tick pass for the agents that are away; who has none left comes back, or waits for a free cell."""
-    due: dict[int, list[int]] = {}
+    due: dict[Pool, list[int]] = {}
     for agent, away in enumerate(here.world.away):
         if away is not None and away.ticks == 1 and away.pool is not None:
             due.setdefault(away.pool, []).append(agent)
         elif away is not None and away.ticks > 1:
             world.away[agent] = away._replace(ticks=away.ticks - 1)
-    for pool in sorted(due):
+    for pool in (p for p in here.board.pools if p in due):
         sentence = here.board.pools[pool]
         # Two pools may share cells: what an earlier one filled is not free any more.
         taken = {cell for cell in world.position if cell is not None}

@@ -24,11 +24,18 @@ class Cell(NamedTuple):
     col: int
 
 
+class Pool(NamedTuple):
+    """All sends of one phase use to one destination as written; `number` counts them within the phase."""
+
+    phase: str
+    number: int
+
+
 class Away(NamedTuple):
     """Where an agent without a place waits. `ticks` to go (0: it never returns), the destination's pool, how it will face."""
 
     ticks: int
-    pool: int | None
+    pool: Pool | None
     facing: Facing | None
 
 

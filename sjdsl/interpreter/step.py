@@ -92,7 +92,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome) -> World:
     if has_move(phase):
         assert not writes.sends, f"`{phase.label}` moves and sends"
         move(writes.movers or {}, here, world)
-    send(writes.sends, here, world)
+    send(phase.name, writes.sends, here, world)
     for agent in writes.removes:
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"
         remove(agent, world)

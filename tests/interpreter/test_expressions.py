@@ -171,7 +171,7 @@ def test_counts_and_sums(here):
 def test_an_agent_that_is_away_is_not_counted(here):
     from sjdsl.interpreter.state import Away
 
-    here.world.away[2] = Away(3, 99, None)
+    here.world.away[2] = Away(3, None, None)
     assert evaluate(ir.Count(type=g.INT, domain=g.agents("one")), here) == 2
     assert evaluate(ir.Attribute(type=ir.CONDITION, owner=g.agent(), name="away"), here.binding({"agent": 2})) is True
 
@@ -243,7 +243,7 @@ def test_matrix_classes(here):
         here.world.params["payoff"] = table
         return evaluate(ir.MatrixClass(name=name, table=ir.ParamRef(type=PAY, name="payoff")), here)
 
-    dilemma, hunt, chicken = ((3, -1), (5, 1)), ((4, 0), (3, 1)), ((3, 1), (5, 0))
+    dilemma, hunt, chicken = ((3, -1), (5, 1)), ((4, 0), (3, 1)), ((3, 1), (4, 0))
     assert [is_class("prisoners_dilemma", t) for t in (dilemma, hunt, chicken)] == [True, False, False]
     assert [is_class("stag_hunt", t) for t in (dilemma, hunt, chicken)] == [False, True, False]
     assert [is_class("chicken", t) for t in (dilemma, hunt, chicken)] == [False, False, True]

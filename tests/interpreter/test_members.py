@@ -57,7 +57,7 @@ def test_where_leaves_numbers_alone():
 
 def test_all_agents_but_those_away():
     i = here(*PLACES)
-    i.world.position[1], i.world.away[1] = None, Away(2, 99, None)
+    i.world.position[1], i.world.away[1] = None, Away(2, None, None)
     assert found(g.agents(), i) == [(0, 0), (2, 2), (3, 3)]
     assert members.radix(g.agents(), i.board) == 4
 

@@ -207,7 +207,7 @@ def test_who_is_away_sees_and_shows_nothing():
     game = small(HEADING, own(field="team", type=TEAM))
     world = g.world_of(game, (1, 1), None)
     world.agents["team"] = ["blue", "blue"]
-    world.away[1] = Away(2, 99, None)
+    world.away[1] = Away(2, None, None)
     picture = observe(game, world)
     assert not picture[1].any()
     assert np.count_nonzero(picture[0, ..., 1]) == 1

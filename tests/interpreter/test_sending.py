@@ -4,12 +4,13 @@ import pytest
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.draws import Recorded, return_stream
-from sjdsl.interpreter.state import Away, Cell
+from sjdsl.interpreter.state import Away, Cell, Pool
 from sjdsl.interpreter.step import step
 
 from . import games as g
 
 FLOOR, DEN = g.kind("floor", "."), g.kind("den", "Q")
+FIRE = Pool("fire", 0)
 ROWS = ("..Q", "..Q", "..Q")
 ZAPPED = g.agents(where=g.chose(g.ZAP))
 
@@ -109,10 +110,10 @@ def test_a_delay_takes_an_agent_away_until_its_tick():
     game = den_game(ir.Tick(), home(after=g.number(2)))
     world = run(game, [(0, 0), (0, 1), (1, 0)], [g.STAY, g.ZAP, g.STAY])
     assert world.position == [(0, 0), None, (1, 0)]
-    assert world.away[1] == Away(2, 0, None)
+    assert world.away[1] == Away(2, FIRE, None)
     rest = [g.STAY] * 3
     world = advance(game, world, rest)
-    assert world.away[1] == Away(1, 0, None)
+    assert world.away[1] == Away(1, FIRE, None)
     draws = Recorded(g.Table({(return_stream(1000), 1): 10, (return_stream(2000), 1): g.LAST}))
     world = advance(game, world, rest, draws)
     assert (world.position[1], world.away[1], world.heading[1]) == ((1, 2), None, 3)
@@ -132,11 +133,11 @@ def test_who_is_away_does_nothing_and_blocks_nothing():
     walk = g.phase(ir.Move(domain=g.agents(), stream=3), name="walk")
     game = den_game(walk, ir.Tick(), measures=(count,), agents=2)
     world = g.world_of(game, (0, 0), None, headings=(1, 0))
-    world.away[1] = Away(5, 99, None)
+    world.away[1] = Away(5, FIRE, None)
     world, outcome = step(game, world, [g.FORWARD, g.LEFT], {}, g.Table())
     assert outcome.measures == {"here": 1}
     assert (world.position, world.heading) == ([(0, 1), None], [1, 0])
-    assert world.away[1] == Away(4, 99, None)
+    assert world.away[1] == Away(4, FIRE, None)
 
 
 def test_without_room_an_agent_waits_for_the_next_tick():
@@ -144,7 +145,7 @@ def test_without_room_an_agent_waits_for_the_next_tick():
     world = run(game, [(0, 2), (0, 0)], [g.STAY, g.ZAP])
     assert world.position[1] is None
     world = advance(game, world, [g.STAY, g.STAY])
-    assert (world.position[1], world.away[1]) == (None, Away(1, 0, None))
+    assert (world.position[1], world.away[1]) == (None, Away(1, FIRE, None))
     world.position[0] = Cell(0, 1)
     assert advance(game, world, [g.STAY, g.STAY]).position[1] == (0, 2)
 
