@@ -5,10 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 import pytest
+from flax.training.train_state import TrainState as Learner
 from probes import QUICK, constant, dilemma, learn, matching, run_of, uneven
 from sjdsl.trainers import Config
 from sjdsl.trainers.networks import ActorCritic
-from sjdsl.trainers.ppo import Batch, explained_variance, learning_rate_schedule, make_optimiser, ppo_loss
+from sjdsl.trainers.ppo import Batch, explained_variance, learning_rate_schedule, make_optimiser, ppo_loss, take_epochs
 from sjdsl.trainers.rollout import Rollout, collect_rollout, start_worlds
 
 SHORT = {"num_epochs": 3, "num_minibatches": 4, "total_timesteps": 16 * 16 * 5}
@@ -127,6 +128,27 @@ def test_the_loss_equals_its_formula() -> None:
     assert float(parts["clip_fraction"]) == pytest.approx(np.mean(np.abs(ratio - 1) > 0.2))
     assert float(parts["kl"]) == pytest.approx(np.mean(ratio - 1 - np.log(ratio)), rel=1e-4)
     assert float(loss) == pytest.approx(policy_loss + 0.5 * value_loss - 0.01 * entropy, rel=1e-5)
+
+
+def test_every_epoch_sees_every_sample_once() -> None:
+    """The value of each sample is a parameter of its own, which goes a tenth of its way to the target when seen."""
+    config = Config(num_epochs=3, num_minibatches=4, value_coefficient=1.0, clip_value_loss=False)
+    samples, minibatch = 32, 8
+    batch = Batch(
+        observation=jnp.arange(samples, dtype=jnp.uint8).reshape(-1, 1, 1, 1),
+        action=jnp.zeros(samples, jnp.int32),
+        log_probability=jnp.zeros(samples),
+        value=jnp.zeros(samples),
+        advantage=jnp.zeros(samples),
+        target=jnp.ones(samples),
+    )
+
+    def read(table: jax.Array, observation: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return jnp.zeros((minibatch, 2)), table[observation[:, 0, 0, 0]]
+
+    learner = Learner.create(apply_fn=read, params=jnp.zeros(samples), tx=optax.sgd(0.1 * minibatch))
+    learner, _ = take_epochs(learner, batch, jax.random.key(0), config)
+    np.testing.assert_allclose(learner.params, np.full(samples, 1 - 0.9**3), rtol=1e-5)
 
 
 def test_explained_variance() -> None:

@@ -19,9 +19,10 @@ def test_value_is_discounted_once_a_step() -> None:
 
 
 def test_value_depends_on_the_observation() -> None:
-    state, _ = learn(cued())
+    state, metrics = learn(cued())
     assert judge(cued(), state, 0)[1] == pytest.approx(-1.0, abs=TOLERANCE)
     assert judge(cued(), state, 1)[1] == pytest.approx(1.0, abs=TOLERANCE)
+    assert metrics["explained_variance"][-1] > 0.95
 
 
 def test_action_depends_on_the_observation() -> None:
