@@ -143,12 +143,12 @@ def test_every_epoch_sees_every_sample_once() -> None:
         target=jnp.ones(samples),
     )
 
-    def read(table: jax.Array, observation: jax.Array) -> tuple[jax.Array, jax.Array]:
-        return jnp.zeros((minibatch, 2)), table[observation[:, 0, 0, 0]]
+    def read(parameters: dict[str, jax.Array], observation: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return jnp.zeros((minibatch, 2)), parameters["values"][observation[:, 0, 0, 0]]
 
-    learner = Learner.create(apply_fn=read, params=jnp.zeros(samples), tx=optax.sgd(0.1 * minibatch))
+    learner = Learner.create(apply_fn=read, params={"values": jnp.zeros(samples)}, tx=optax.sgd(0.1 * minibatch))
     learner, _ = take_epochs(learner, batch, jax.random.key(0), config)
-    np.testing.assert_allclose(learner.params, np.full(samples, 1 - 0.9**3), rtol=1e-5)
+    np.testing.assert_allclose(learner.params["values"], np.full(samples, 1 - 0.9**3), rtol=1e-5)
 
 
 def test_explained_variance() -> None:
