@@ -12,12 +12,13 @@ from .run_folder import Row
 
 ProgressStyle = Literal["auto", "bar", "lines", "none"]
 SECONDS_BETWEEN_LINES = 5.0
+COMPILING = "compiling"
 NO_EPISODE = "no episode finished yet"
 
 
 @contextmanager
 def show_progress(style: ProgressStyle, num_updates: int, title: str) -> Iterator[Callable[[Row], None]]:
-    """Yields a function that shows the row of each update."""
+    """Yields a function that shows the row of each update; until the first one, that the run is being compiled."""
     if style == "auto":
         style = "bar" if Console().is_terminal else "lines"
     match style:
@@ -25,6 +26,7 @@ def show_progress(style: ProgressStyle, num_updates: int, title: str) -> Iterato
             with _bar(num_updates, title) as show:
                 yield show
         case "lines":
+            print(f"{title}: {COMPILING}", flush=True)
             yield _lines(num_updates)
         case "none":
             yield lambda _: None
@@ -44,7 +46,7 @@ def _bar(num_updates: int, title: str) -> Iterator[Callable[[Row], None]]:
     )
     outcome = NO_EPISODE
     with Progress(*columns) as display:
-        task = display.add_task(title, total=num_updates, speed="", outcome=outcome)
+        task = display.add_task(title, total=num_updates, speed="", outcome=COMPILING)
 
         def show(row: Row) -> None:
             nonlocal outcome

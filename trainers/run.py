@@ -67,14 +67,18 @@ def train(
     run_dir.mkdir(parents=True, exist_ok=True)
 
     rows: list[Row] = []
-    with _manifest(run_dir, describe_run(env, config, provenance or {})) as manifest:
+    title = f"{env.name}, {config.reward} reward"
+    with (
+        _manifest(run_dir, describe_run(env, config, provenance or {})) as manifest,
+        show_progress(progress, config.num_updates, title) as show,
+    ):
         state = jax.jit(program.init)(jax.random.key(config.seed))
         update = jax.jit(program.update).lower(state).compile()
         manifest["compile_seconds"] = compile_seconds = time.perf_counter() - started
         try:
-            state = _run_updates(update, state, config, run_dir, rows, progress, f"{env.name}, {config.reward} reward")
+            state = _run_updates(update, state, config, run_dir, rows, show)
         finally:
-            draw_learning_curve(run_dir, rows, f"{env.name}, IPPO, {config.reward} reward, seed {config.seed}")
+            draw_learning_curve(run_dir, rows, f"{title}, IPPO, seed {config.seed}")
             manifest["updates"] = len(rows)
             manifest["seconds"] = seconds = time.perf_counter() - started
     return Result(run_dir, jax.device_get(state.learner.params), tuple(rows), compile_seconds, seconds)
@@ -86,12 +90,11 @@ def _run_updates(
     config: Config,
     run_dir: Path,
     rows: list[Row],
-    progress: ProgressStyle,
-    title: str,
+    show: Callable[[Row], None],
 ) -> TrainState:
     """Runs all updates and returns the last state; appends to `rows` as it goes, for a caller that is interrupted."""
     last = started = time.perf_counter()
-    with open_metrics(run_dir) as append, show_progress(progress, config.num_updates, title) as show:
+    with open_metrics(run_dir) as append:
         try:
             for number in range(1, config.num_updates + 1):
                 advanced, metrics = update(state)

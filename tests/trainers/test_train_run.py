@@ -148,6 +148,7 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
                 }
             )
     printed = capsys.readouterr().out.splitlines()  # the second update comes too soon after the first
-    first, last = (" ".join(line.split()) for line in printed)
+    title, first, last = (" ".join(line.split()) for line in printed)
+    assert title == "a run: compiling"
     assert first == "update 1/3 1,000 steps 50,000 steps/s 3 s left no episode finished yet"
     assert last == "update 3/3 3,000 steps 50,000 steps/s 0 s left collective return 7.2"
