@@ -9,9 +9,12 @@ from jax import Array
 
 from sjdsl.runtime.tokens import TokenPlane, to_channels
 
+from .convolution import convolve
+
 HIDDEN_GAIN = 2.0**0.5
 ACTOR_GAIN = 0.01
 CRITIC_GAIN = 1.0
+CONVOLUTION_CHANNELS = 32
 
 
 class ActorCritic(nn.Module):
@@ -33,9 +36,11 @@ class ActorCritic(nn.Module):
         lead = observation.shape[:-3]
         features = features.reshape(-1, *features.shape[-3:])
         if self.kind == "cnn":
-            for side in (5, 3, 3):
-                convolution = nn.Conv(32, (side, side), kernel_init=orthogonal(HIDDEN_GAIN))
-                features = nn.relu(convolution(features))
+            for index, side in enumerate((5, 3, 3)):
+                shape = (side, side, features.shape[-1], CONVOLUTION_CHANNELS)
+                kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
+                bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:])
+                features = nn.relu(convolve(features, kernel) + bias)
         features = self._dense(features.reshape(features.shape[0], -1))
         logits = nn.Dense(self.num_actions, kernel_init=orthogonal(ACTOR_GAIN), name="actor")(self._dense(features))
         value = nn.Dense(1, kernel_init=orthogonal(CRITIC_GAIN), name="critic")(self._dense(features))

@@ -1,9 +1,11 @@
 """The network: shapes, initial scale, and that it sees every plane."""
 
+import flax.linen as nn
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from sjdsl.trainers.convolution import convolve
 from sjdsl.trainers.networks import ActorCritic
 
 from sjdsl.runtime.tokens import TokenPlane
@@ -45,3 +47,22 @@ def test_every_plane_reaches_the_outputs(network: ActorCritic) -> None:
     for plane in range(3):
         _, changed = network.apply(parameters, observation.at[..., 4, 6, plane].set(0))
         assert not np.allclose(value, changed)
+
+
+@pytest.mark.parametrize("side", [3, 5])
+def test_convolution_and_its_gradients(side: int) -> None:
+    """Against flax's convolution, values and both gradients."""
+    keys = jax.random.split(jax.random.key(0), 3)
+    features = jax.random.normal(keys[0], (4, 11, 11, 6))
+    kernel = jax.random.normal(keys[1], (side, side, 6, 8))
+    weight = jax.random.normal(keys[2], (4, 11, 11, 8))
+    reference = nn.Conv(8, (side, side), use_bias=False)
+
+    def ours(features: jax.Array, kernel: jax.Array) -> jax.Array:
+        return (weight * convolve(features, kernel)).sum()
+
+    def theirs(features: jax.Array, kernel: jax.Array) -> jax.Array:
+        return (weight * reference.apply({"params": {"kernel": kernel}}, features)).sum()
+
+    values = [jax.jit(jax.value_and_grad(loss, argnums=(0, 1)))(features, kernel) for loss in (ours, theirs)]
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-3), *values)

@@ -1,0 +1,45 @@
+"""A 2-D convolution whose gradients are as fast inside a loop as outside.
+
+Inside a `while` loop XLA's CPU compiler leaves the transposed convolutions of a gradient to a naive implementation (JAX
+0.10: 38 ms instead of 2.5 ms for 32 windows of 11 x 11 x 32 under a 3 x 3 kernel). Written as plain convolutions of
+transposed arrays, they meet the fast one. Other devices have kernels for the transposed form and keep it.
+"""
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+
+@jax.custom_vjp
+def convolve(features: Array, kernel: Array) -> Array:
+    """Returns features `[M, H, W, C]` under a kernel `[K, K, C, D]`, K odd, padded to the same size: `[M, H, W, D]`."""
+    return _plain(features, kernel, kernel.shape[0] // 2)
+
+
+def _plain(features: Array, kernel: Array, padding: int) -> Array:
+    return jax.lax.conv_general_dilated(
+        features, kernel, (1, 1), [(padding, padding)] * 2, dimension_numbers=("NHWC", "HWIO", "NHWC")
+    )
+
+
+def _forward(features: Array, kernel: Array) -> tuple[Array, tuple[Array, Array]]:
+    return convolve(features, kernel), (features, kernel)
+
+
+def _backward(inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, Array]:
+    return jax.lax.platform_dependent(*inputs, gradient, cpu=_gradients_as_convolutions, default=_gradients)
+
+
+def _gradients(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
+    _, pull_back = jax.vjp(lambda *inputs: _plain(*inputs, kernel.shape[0] // 2), features, kernel)
+    return pull_back(gradient)
+
+
+def _gradients_as_convolutions(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
+    padding = kernel.shape[0] // 2
+    of_features = _plain(gradient, jnp.flip(kernel, (0, 1)).swapaxes(2, 3), padding)
+    of_kernel = _plain(features.transpose(3, 1, 2, 0), gradient.transpose(1, 2, 0, 3), padding)
+    return of_features, of_kernel.transpose(1, 2, 0, 3)
+
+
+convolve.defvjp(_forward, _backward)
