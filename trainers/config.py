@@ -2,9 +2,7 @@
 
 import difflib
 import math
-import tomllib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -115,16 +113,3 @@ def nearest_key(key: str, known: Mapping[str, Any]) -> str:
     """Returns `; did you mean …?`, or the list of known keys when none is near."""
     near = difflib.get_close_matches(key, known, n=1)
     return f"; did you mean `{near[0]}`?" if near else f"; known: {', '.join(known)}"
-
-
-def load_config(path: Path | str, changes: Mapping[str, Any] | None = None) -> Config:
-    """Returns the configuration in a TOML file, with `changes` in place of its values.
-
-    Raises:
-      ConfigError: the file is no TOML, or a key or value is wrong.
-    """
-    try:
-        values = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: {error}") from None
-    return Config(**{**values, **(changes or {})})

@@ -1,7 +1,9 @@
 """Evaluation: whole episodes of any policy, and what can be said from them."""
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -11,6 +13,7 @@ from jax import Array
 from scipy import stats
 
 from .policies import Policy
+from .run_folder import write_json
 
 
 @dataclass(frozen=True)
@@ -140,3 +143,10 @@ def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
     figures |= {f"mean {name}": values for name, values in evaluation.metric_means.items()}
     figures |= {f"final {name}": values for name, values in evaluation.metric_finals.items()}
     return {name: estimate(samples) for name, samples in figures.items()}
+
+
+def save_evaluation(evaluation: Evaluation, path: Path | str) -> None:
+    """Writes the estimates and every episode to a JSON file; figures that are not defined are null."""
+    per_episode = dataclasses.asdict(evaluation) | {"collective_returns": evaluation.collective_returns}
+    summary = {name: dataclasses.asdict(figure) for name, figure in summarise(evaluation).items()}
+    write_json(Path(path), {"episodes": len(evaluation.lengths), "summary": summary, "per_episode": per_episode})

@@ -60,14 +60,22 @@ def _version(package: str) -> str | None:
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Writes a JSON file whole or not at all."""
-    _write_whole(path, (json.dumps(content, indent=2, default=_plain) + "\n").encode())
+    """Writes a JSON file whole or not at all; arrays become lists, and what is not finite becomes null."""
+    _write_whole(path, (json.dumps(_plain(content), indent=2, allow_nan=False) + "\n").encode())
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray | np.generic | jax.Array):
-        return np.asarray(value).tolist()
-    raise TypeError(f"{type(value).__name__} has no JSON form")
+    match value:
+        case Mapping():
+            return {key: _plain(entry) for key, entry in value.items()}
+        case list() | tuple():
+            return [_plain(entry) for entry in value]
+        case np.ndarray() | np.generic() | jax.Array():
+            return _plain(np.asarray(value).tolist())
+        case float():
+            return value if math.isfinite(value) else None
+        case _:
+            return value
 
 
 def _write_whole(path: Path, content: bytes) -> None:
@@ -86,7 +94,7 @@ def open_metrics(run_dir: Path) -> Iterator[Callable[[Row], None]]:
         writer = csv.writer(table)
 
         def append(row: Row) -> None:
-            known = {name: value if math.isfinite(value) else None for name, value in row.items()}
+            known = _plain(row)
             if table.tell() == 0:
                 writer.writerow(known)
             writer.writerow(known.values())
@@ -102,8 +110,7 @@ def write_checkpoint(run_dir: Path, parameters: Any, row: Row) -> Path:
     (run_dir / CHECKPOINTS).mkdir(exist_ok=True)
     path = run_dir / CHECKPOINTS / f"{row['update']:08d}.msgpack"
     _write_whole(path, flax.serialization.to_bytes(jax.device_get(parameters)))
-    known = {name: value if math.isfinite(value) else None for name, value in row.items()}
-    write_json(path.with_suffix(".json"), known)
+    write_json(path.with_suffix(".json"), row)
     return path
 
 

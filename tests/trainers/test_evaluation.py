@@ -1,11 +1,14 @@
 """Evaluation: episodes are counted to their end and no further, and intervals are right."""
 
+import json
+from pathlib import Path
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from probes import matching, uneven
-from sjdsl.trainers import Evaluation, estimate, evaluate, random_policy, summarise
+from sjdsl.trainers import Evaluation, estimate, evaluate, random_policy, save_evaluation, summarise
 
 EPISODES = 64
 
@@ -63,3 +66,13 @@ def test_equality() -> None:
     returns = np.array([[2.0, 2.0], [4.0, 0.0], [3.0, 1.0], [0.0, 0.0], [5.0, -1.0]])
     evaluation = Evaluation(returns, np.ones(5), {}, {}, {})
     np.testing.assert_allclose(evaluation.equalities, [1.0, 0.5, 0.75, np.nan, np.nan])
+
+
+def test_an_evaluation_can_be_stored(tmp_path: Path) -> None:
+    evaluation = evaluate(uneven(), lambda _, __: jnp.array([1, 0]), jax.random.key(0), 3)
+    save_evaluation(evaluation, tmp_path / "evaluation.json")
+    stored = json.loads((tmp_path / "evaluation.json").read_text())
+    assert stored["episodes"] == 3
+    assert stored["per_episode"]["returns"] == evaluation.returns.tolist()
+    assert stored["per_episode"]["events"]["steps"] == evaluation.lengths.tolist()
+    assert stored["summary"]["return of agent 1"] == {"mean": 0.0, "low": 0.0, "high": 0.0}

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from probes import QUICK, constant
 from pydantic import ValidationError
-from sjdsl.trainers import Config, ConfigError, load_config, load_preset, make_train
+from sjdsl.trainers import Config, ConfigError, load_preset, make_train
 
 
 @pytest.mark.parametrize(
@@ -58,18 +58,41 @@ def test_samples_must_divide_into_minibatches() -> None:
         make_train(constant(1.0), Config(**{**QUICK, "num_minibatches": 3}))
 
 
-def test_files_and_changes(tmp_path: Path) -> None:
-    path = tmp_path / "config.toml"
-    path.write_text("num_envs = 8\ntotal_timesteps = 1e5\n")
-    assert load_config(path, {"num_envs": 2}) == Config(num_envs=2, total_timesteps=100_000)
-    path.write_text("num_envs = \n")
-    with pytest.raises(ConfigError, match=r"config\.toml"):
-        load_config(path)
-
-
-def test_presets() -> None:
-    quick = load_preset("quick", {"seed": 7})
+def test_a_packaged_preset_and_changes() -> None:
+    quick = load_preset("quick", {"seed": 7, "num_envs": "32"})
     assert quick.game == "coins"
-    assert (quick.config.seed, quick.config.reward) == (7, "common")
-    with pytest.raises(ConfigError, match="unknown preset `quik`; did you mean `quick`"):
-        load_preset("quik")
+    assert (quick.config.seed, quick.config.num_envs, quick.config.reward) == (7, 32, "common")
+    with pytest.raises(ConfigError, match="did you mean `learning_rate`"):
+        load_preset("quick", {"learning_rates": 1})
+
+
+def test_a_preset_in_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('game = "harvest"\n[environment]\nnum_agents = 3\n[config]\ntotal_timesteps = 1e5\n')
+    mine = load_preset(path)
+    assert (mine.game, mine.environment, mine.config) == ("harvest", {"num_agents": 3}, Config(total_timesteps=100_000))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('game = "a"\n[confg]\n', r"mine\.toml: unknown key `confg`; did you mean `config`"),
+        ("game = 3\n", "`game` must be text, not 3"),
+        ('game = "a"\nconfig = 3\n', "`config` must be a table, not 3"),
+        ("[config]\nseed = 1\n", "no game is named"),
+        ("game = \n", r"mine\.toml: "),
+    ],
+)
+def test_wrong_preset_files_are_explained(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(ConfigError, match=message):
+        load_preset(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("quik", "unknown preset `quik`; did you mean `quick`"), ("none.toml", r"none\.toml does not exist")],
+)
+def test_missing_presets_are_explained(name: str, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        load_preset(name)
