@@ -7,6 +7,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from .environment import Environment, info_shapes
+
 
 @flax.struct.dataclass
 class EpisodeSums:
@@ -19,18 +21,16 @@ class EpisodeSums:
     events: dict[str, Array]  # [..., N] or [...] int32, the game's event counts
 
 
-def zero_sums(env: Any, num_envs: int) -> EpisodeSums:
+def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
     """Returns the sums of `num_envs` episodes before their first step."""
-    key = jax.eval_shape(lambda: jax.random.key(0))
-    actions = jax.ShapeDtypeStruct((env.num_agents,), jnp.int32)
-    _, state = jax.eval_shape(env.reset, key)
-    info = jax.eval_shape(env.step, key, state, actions)[-1]
     return EpisodeSums(
         episodes=jnp.zeros(num_envs, jnp.int32),
         length=jnp.zeros(num_envs, jnp.int32),
         returns=jnp.zeros((num_envs, env.num_agents)),
         shaped_returns=jnp.zeros((num_envs, env.num_agents)),
-        events={name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info["events"].items()},
+        events={
+            name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info_shapes(env)["events"].items()
+        },
     )
 
 

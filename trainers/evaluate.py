@@ -6,12 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import flax
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from scipy import stats
 
+from .environment import Environment, info_shapes
+from .episodes import EpisodeSums, add_step, zero_sums
 from .policies import Policy
 from .run_folder import write_json
 
@@ -50,7 +53,7 @@ class Estimate:
     high: float
 
 
-def evaluate(env: Any, policy: Policy, key: Array, num_episodes: int = 30) -> Evaluation:
+def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 30) -> Evaluation:
     """Plays `num_episodes` episodes side by side, each to its end.
 
     Args:
@@ -60,64 +63,61 @@ def evaluate(env: Any, policy: Policy, key: Array, num_episodes: int = 30) -> Ev
       key: typed key, consumed; the same key gives the same episodes.
       num_episodes: E.
     """
-    played = jax.jit(lambda key: _play(env, policy, key, num_episodes))(key)
-    sums = jax.device_get(played)
-    lengths = sums["length"]
+    played = jax.device_get(jax.jit(lambda key: _play(env, policy, key, num_episodes))(key))
+    lengths = played.sums.length
     return Evaluation(
-        returns=sums["returns"],
+        returns=played.sums.returns,
         lengths=lengths,
-        events=sums["events"],
-        metric_means={name: total / lengths for name, total in sums["metric_sums"].items()},
-        metric_finals=sums["metric_finals"],
+        events=played.sums.events,
+        metric_means={name: total / lengths for name, total in played.metric_sums.items()},
+        metric_finals=played.metric_finals,
     )
 
 
-def _play(env: Any, policy: Policy, key: Array, num_episodes: int) -> dict[str, Any]:
+@flax.struct.dataclass
+class _Play:
+    """E episodes under way."""
+
+    state: Any  # [E, ...]
+    observation: Array  # [E, N, V, V, P] uint8
+    sums: EpisodeSums  # [E, ...]
+    metric_sums: dict[str, Array]  # name -> [E] float32, summed over steps
+    metric_finals: dict[str, Array]  # name -> [E] float32, at the last step
+    over: Array  # [E] bool
+
+
+def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _Play:
     """Steps all episodes until the last one is over; what comes after an episode's end is not counted."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
+    no_metrics = {name: jnp.zeros(num_episodes) for name in info_shapes(env)["metrics"]}
+    over = jnp.zeros(num_episodes, bool)
+    start = _Play(state, observation, zero_sums(env, num_episodes), no_metrics, no_metrics, over)
 
     def play_step(key: Array, state: Any, observation: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
         action_key, env_key = jax.random.split(key)
         return env.step_env(env_key, state, policy(action_key, observation))
 
-    def advance(carry: dict[str, Any]) -> dict[str, Any]:
-        key, step_key = jax.random.split(carry["key"])
+    def advance(carry: tuple[Array, _Play]) -> tuple[Array, _Play]:
+        key, step_key = jax.random.split(carry[0])
+        before = carry[1]
         keys = jax.random.split(step_key, num_episodes)
-        observation, state, reward, done, info = jax.vmap(play_step)(keys, carry["state"], carry["observation"])
-        sums = carry["sums"]
-        counted = {
-            "returns": sums["returns"] + reward,
-            "length": sums["length"] + 1,
-            "events": jax.tree.map(jnp.add, sums["events"], info["events"]),
-            "metric_sums": jax.tree.map(jnp.add, sums["metric_sums"], info["metrics"]),
-            "metric_finals": info["metrics"],
-        }
-        over = carry["over"]
+        observation, state, reward, done, info = jax.vmap(play_step)(keys, before.state, before.observation)
+        after = _Play(
+            state=state,
+            observation=observation,
+            sums=add_step(before.sums, reward, reward, info["events"]),
+            metric_sums=jax.tree.map(jnp.add, before.metric_sums, info["metrics"]),
+            metric_finals=info["metrics"],
+            over=done,
+        )
 
-        def keep(new: Array, old: Array) -> Array:
-            return jnp.where(over.reshape(-1, *[1] * (new.ndim - 1)), old, new)
+        def keep_if_over(new: Array, old: Array) -> Array:
+            return jnp.where(before.over.reshape(-1, *[1] * (new.ndim - 1)), old, new)
 
-        kept = jax.tree.map(keep, counted, sums)
-        return {"key": key, "state": state, "observation": observation, "sums": kept, "over": over | done}
+        return key, jax.tree.map(keep_if_over, after, before)
 
-    keys = jax.eval_shape(lambda: jax.random.split(jax.random.key(0), num_episodes))
-    reward, _, info = jax.eval_shape(jax.vmap(play_step), keys, state, observation)[2:]
-    zeros = {
-        "returns": reward,
-        "length": jax.ShapeDtypeStruct((num_episodes,), jnp.int32),
-        "events": info["events"],
-        "metric_sums": info["metrics"],
-        "metric_finals": info["metrics"],
-    }
-    start = {
-        "key": loop_key,
-        "state": state,
-        "observation": observation,
-        "sums": jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), zeros),
-        "over": jnp.zeros(num_episodes, bool),
-    }
-    return jax.lax.while_loop(lambda carry: ~carry["over"].all(), advance, start)["sums"]
+    return jax.lax.while_loop(lambda carry: ~carry[1].over.all(), advance, (loop_key, start))[1]
 
 
 def estimate(samples: np.ndarray) -> Estimate:

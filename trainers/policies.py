@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from .config import Config
+from .environment import Environment, abstract_key, reset_shapes
 from .ppo import make_network
 from .run_folder import CHECKPOINTS, MANIFEST, read_parameters
 
@@ -21,7 +22,7 @@ class PolicyError(Exception):
     """A stored policy cannot be read, or does not fit the environment."""
 
 
-def random_policy(env: Any) -> Policy:
+def random_policy(env: Environment) -> Policy:
     """Returns the policy that draws every action with equal probability."""
 
     def act(key: Array, observation: Array) -> Array:
@@ -31,7 +32,7 @@ def random_policy(env: Any) -> Policy:
     return act
 
 
-def trained_policy(env: Any, config: Config, parameters: Any, greedy: bool = False) -> Policy:
+def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool = False) -> Policy:
     """Returns the policy of `parameters`: it samples each agent's action, or takes the likeliest one if `greedy`."""
     network = make_network(env, config)
 
@@ -43,7 +44,7 @@ def trained_policy(env: Any, config: Config, parameters: Any, greedy: bool = Fal
     return act
 
 
-def load_policy(run_dir: Path | str, env: Any, update: int | None = None, greedy: bool = False) -> Policy:
+def load_policy(run_dir: Path | str, env: Environment, update: int | None = None, greedy: bool = False) -> Policy:
     """Returns the policy that a run stored.
 
     Args:
@@ -67,9 +68,8 @@ def load_policy(run_dir: Path | str, env: Any, update: int | None = None, greedy
             stacklevel=2,
         )
     checkpoint = _checkpoint_path(run_dir, update)
-    observation, _ = jax.eval_shape(env.reset, jax.eval_shape(lambda: jax.random.key(0)))
-    key = jax.eval_shape(lambda: jax.random.key(0))
-    expected = jax.eval_shape(make_network(env, config).init, key, observation)
+    observation, _ = reset_shapes(env)
+    expected = jax.eval_shape(make_network(env, config).init, abstract_key(), observation)
     parameters = read_parameters(checkpoint)
     if _shapes(parameters) != _shapes(expected):
         raise PolicyError(

@@ -13,6 +13,7 @@ from jax import Array
 
 from .advantage import generalised_advantages, successor_values
 from .config import Config, ConfigError
+from .environment import Environment, reset_shapes
 from .episodes import mean_episode
 from .networks import ActorCritic
 from .rollout import Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
@@ -50,13 +51,13 @@ class Train:
     update: Callable[[TrainState], tuple[TrainState, Metrics]]  # one rollout and its gradient steps
 
 
-def make_network(env: Any, config: Config) -> ActorCritic:
+def make_network(env: Environment, config: Config) -> ActorCritic:
     """Returns the network for the environment's observations and actions.
 
     Raises:
       ConfigError: the environment gives no token observations.
     """
-    observation, _ = jax.eval_shape(env.reset, jax.eval_shape(lambda: jax.random.key(0)))
+    observation, _ = reset_shapes(env)
     if observation.dtype != jnp.uint8 or observation.shape[-1] != len(env.token_planes):
         raise ConfigError(
             f"trainers read token observations, uint8 with {len(env.token_planes)} planes, but `{env.name}` gives "
@@ -65,11 +66,11 @@ def make_network(env: Any, config: Config) -> ActorCritic:
     return ActorCritic(env.num_actions, tuple(env.token_planes), config.network, config.network_width)
 
 
-def make_train(env: Any, config: Config) -> Train:
+def make_train(env: Environment, config: Config) -> Train:
     """Returns the pure functions of a run; nothing is computed yet.
 
     Args:
-      env: one environment (not batched): `reset`, `step` with auto-reset, `num_agents`, `num_actions`, `token_planes`.
+      env: one environment.
       config: `seed` is not read here: `init` takes the key.
     Raises:
       ConfigError: the rollout does not divide into minibatches, or the observations are no tokens.

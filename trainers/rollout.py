@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from .environment import Environment
 from .episodes import EpisodeSums, add_step, hand_over, zero_sums
 from .shaping import RewardMode, shape_reward
 
@@ -38,7 +39,7 @@ class Rollout:
     terminal_value: Array  # [T, B, N] float32, of the terminal observation; read only where truncated
 
 
-def start_worlds(env: Any, num_envs: int, key: Array) -> Worlds:
+def start_worlds(env: Environment, num_envs: int, key: Array) -> Worlds:
     """Returns `num_envs` fresh environments."""
     observation, state = jax.vmap(env.reset)(jax.random.split(key, num_envs))
     return Worlds(state, observation, zero_sums(env, num_envs))
@@ -50,7 +51,7 @@ def chosen_log_probability(logits: Array, action: Array) -> Array:
 
 
 def collect_rollout(
-    env: Any, network: ActAndValue, worlds: Worlds, key: Array, num_steps: int, reward_mode: RewardMode
+    env: Environment, network: ActAndValue, worlds: Worlds, key: Array, num_steps: int, reward_mode: RewardMode
 ) -> tuple[Worlds, Rollout, EpisodeSums, dict[str, Array]]:
     """Plays `num_steps` steps in every environment.
 

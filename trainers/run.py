@@ -12,6 +12,7 @@ import jax
 import numpy as np
 
 from .config import Config
+from .environment import Environment
 from .ppo import Metrics, TrainState, make_train
 from .progress import ProgressStyle, show_progress
 from .run_folder import (
@@ -41,7 +42,7 @@ class Result:
 
 
 def train(
-    env: Any,
+    env: Environment,
     config: Config,
     run_dir: Path | str,
     progress: ProgressStyle = "auto",

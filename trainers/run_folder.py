@@ -17,6 +17,7 @@ import jax
 import numpy as np
 
 from .config import Config
+from .environment import Environment, reset_shapes
 
 MANIFEST = "manifest.json"
 METRICS_JSONL = "metrics.jsonl"
@@ -27,10 +28,10 @@ CHECKPOINTS = "checkpoints"
 Row = dict[str, Any]  # one line of the metrics: column -> number; NaN where there is none
 
 
-def describe_run(env: Any, config: Config, provenance: Mapping[str, Any]) -> dict[str, Any]:
+def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the manifest of a run that starts now; `provenance` is the caller's account of how `env` was made."""
     device = jax.devices()[0]
-    observation, _ = jax.eval_shape(env.reset, jax.eval_shape(lambda: jax.random.key(0)))
+    observation, _ = reset_shapes(env)
     return {
         "status": "running",
         "started": datetime.now(UTC).isoformat(timespec="seconds"),

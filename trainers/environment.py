@@ -1,0 +1,53 @@
+"""What the trainers need of an environment; games made by `sjdsl.make` have it, and so may any other."""
+
+from typing import Any, Protocol
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from sjdsl.runtime.tokens import TokenPlane
+
+
+class Environment(Protocol):
+    """One environment of N agents, not batched: trainers `vmap` it."""
+
+    name: str
+    hash: str  # of the compiled game; a stored policy warns when it meets another
+    num_agents: int
+    num_actions: int
+    action_names: tuple[str, ...]
+    token_planes: tuple[TokenPlane, ...]
+
+    def reset(self, key: Array) -> tuple[Array, Any]:
+        """Returns the observation `[N, V, V, P]` uint8 and the state of a new episode."""
+        ...
+
+    def step(self, key: Array, state: Any, actions: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
+        """Plays actions `[N]` int32, and starts a new episode when one has ended.
+
+        Returns observation, state, raw reward `[N]` float32, done `[]` bool and info: `truncated` `[]` bool, done by the
+        time limit; `terminal_observation`, the one before a new episode; `events`, name -> `[N]` or `[]` int32 counts of
+        this step; `metrics`, name -> `[]` float32 values at the end of the step.
+        """
+        ...
+
+    def step_env(self, key: Array, state: Any, actions: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
+        """Plays actions without starting a new episode; `terminal_observation` may be missing."""
+        ...
+
+
+def reset_shapes(env: Environment) -> tuple[Any, Any]:
+    """Returns the shapes and dtypes of an observation and a state."""
+    return jax.eval_shape(env.reset, abstract_key())
+
+
+def info_shapes(env: Environment) -> dict[str, Any]:
+    """Returns the shapes and dtypes of a step's info."""
+    actions = jax.ShapeDtypeStruct((env.num_agents,), jnp.int32)
+    return jax.eval_shape(env.step, abstract_key(), reset_shapes(env)[1], actions)[-1]
+
+
+def abstract_key() -> Any:
+    """Returns the shape and dtype of a typed key."""
+    return jax.eval_shape(lambda: jax.random.key(0))
