@@ -5,7 +5,7 @@ from math import inf
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.arithmetic import join_types
-from sjdsl.compiler.facts import narrowed
+from sjdsl.compiler.facts import narrow_word, narrowed
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.types import describe
 
@@ -14,7 +14,7 @@ Build = Callable[[ast.Expr, Scope], ir.Expr]
 
 def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
     """Returns a `case` whose arms cover the subject without gap or overlap; `otherwise` is spelt out."""
-    subject = build(e.subject, scope)
+    subject = narrow_word(build(e.subject, scope), scope.fact_nodes)
     if subject.type.kind in ("word", "condition") and not subject.type.by:
         keys = _word_keys(e, subject, scope)
     elif subject.type.kind == "int" and not subject.type.by:

@@ -56,8 +56,8 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
     """Finds every set of words: of fields, rows, events and labels."""
 
     def add(names: tuple[ast.Name, ...]) -> None:
-        if len(names) > limits.WORDS:
-            problems.add(errors.NOT_SUPPORTED, names[0].span, what=f"a set of more than {limits.WORDS} words")
+        if len(names) > limits.MAX_WORDS:
+            problems.add(errors.NOT_SUPPORTED, names[0].span, what=f"a set of more than {limits.MAX_WORDS} words")
         spelt = [n.text for n in names]
         for i, name in enumerate(names):
             if name.text in spelt[:i]:
@@ -137,9 +137,9 @@ def _number_of_agents(game: Composition, scope: Scope) -> None:
     if game.number is None:
         return
     value = fixed(game.number, scope, "the number of agents")
-    if value != int(value) or not 1 <= value <= limits.AGENTS:
+    if value != int(value) or not 1 <= value <= limits.MAX_AGENTS:
         raise scope.problems.fail(
-            errors.OUT_OF_LIMITS, game.number.span, name="the number of agents", value=value, low=1, high=limits.AGENTS
+            errors.OUT_OF_LIMITS, game.number.span, name="the number of agents", value=value, low=1, high=limits.MAX_AGENTS
         )
     scope.static.num_agents = int(value)
 
@@ -157,8 +157,8 @@ def _agents(game: Composition, scope: Scope) -> ir.Agents:
             problems.add(errors.TWICE, action.span, what=f"the action `{action.text}`")
     if "stay" not in actions:
         problems.add(errors.MISSING_PART, game.acts.span, what="action `stay`", help="`stay` among the `acts`")
-    if len(actions) > limits.ACTIONS:
-        problems.add(errors.NOT_SUPPORTED, game.acts.span, what=f"more than {limits.ACTIONS} actions")
+    if len(actions) > limits.MAX_ACTIONS:
+        problems.add(errors.NOT_SUPPORTED, game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions")
     static.actions = actions
     frame = "relative"
     if game.moves is not None:

@@ -2,6 +2,49 @@
 
 from sjdsl.compiler.diagnostics import Code
 
+# ---- 0xx the file and its syntax
+
+NEWER_LANGUAGE = Code(
+    "SJ001",
+    "A file for another version of the language",
+    "this file is for `sj {version}`, and this compiler reads `sj {known}`",
+    "get a newer compiler, or write the file for `sj {known}`",
+)
+UNEXPECTED = Code("SJ002", "Something unexpected", "unexpected {found}, expected {expected}", "{help}")
+RESERVED_WORD = Code(
+    "SJ003",
+    "A word of the language used as a name",
+    "`{word}` is a word of the language and cannot be a name",
+    "choose another name",
+)
+BAD_CHARACTER = Code(
+    "SJ004", "Not a character of the language", "character {character} is not part of the language", "{help}"
+)
+FILE_TOO_LARGE = Code(
+    "SJ005",
+    "A file too large",
+    "the file has {given} bytes, and a game has at most {limit}",
+    "is this the right file? a game is a few kilobytes of text",
+)
+TOO_DEEP = Code(
+    "SJ006",
+    "Nested too deeply",
+    "this is nested deeper than {limit} levels",
+    "give a part of it a name with `let` or `define`, or write it as a phase of its own",
+)
+TOO_MUCH = Code("SJ007", "More than the compiler takes", "{what}: {given}, and the most is {limit}", "{help}")
+UNREADABLE = Code("SJ008", "A file that cannot be read", "`{name}` cannot be read: {problem}", "did you mean `{nearest}`?")
+NOT_TEXT = Code(
+    "SJ009", "Not a text file", "this file is not text: {problem}", "a game is plain text in UTF-8; save it as such"
+)
+OPEN_STRING = Code(
+    "SJ010", "A text without its closing quote", "this text has no closing quote in its line", 'write `"` where it ends'
+)
+OPEN_BLOCK = Code("SJ011", "A block that is never closed", "this `{{` is never closed", "{help}")
+NO_VERSION = Code(
+    "SJ012", "No version line", "the file does not begin with `sj {known}`{but}", "write `sj {known}` as the first line"
+)
+
 # ---- 1xx names
 
 UNKNOWN_NAME = Code("SJ101", "Unknown name", "`{name}` is not known here", "did you mean `{nearest}`?")

@@ -15,6 +15,8 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
     match condition:
         case ir.Named():
             yield from conjuncts(condition.value, holds)
+        case ir.Truth() if holds and condition.value:
+            return
         case ir.Not():
             yield from conjuncts(condition.value, not holds)
         case ir.Logic() if (condition.fn == "and") == holds:
@@ -92,6 +94,21 @@ def _ranges_apart(a: ir.Expr, b: ir.Expr) -> bool:
     if first is None or second is None or first[0] != second[0]:
         return False
     return first[2] < second[1] or second[2] < first[1]
+
+
+def narrow_word(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> ir.Expr:
+    """Returns a word without the words that the facts about that very expression exclude."""
+    if e.type.kind != "word" or e.type.by or isinstance(e, ir.Word):
+        return e
+    text, left = expression(e), frozenset(e.type.words)
+    for fact in facts:
+        allowed = _words_allowed(fact)
+        if allowed is not None and allowed[0] == text:
+            left &= allowed[1]
+    if not left or left == frozenset(e.type.words):
+        return e
+    words = tuple(w for w in e.type.words if w in left)
+    return ir.Narrowed(type=ir.Type(kind="word", words=words), value=e, origin=e.origin)
 
 
 def narrowed(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> tuple[float, float]:

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     Expr: TypeAlias = (
         "Number | Word | Truth | Nobody | ParamRef | Member | Local | FieldRead | Attribute | At | Step | Arithmetic"
         " | Compare | Same | InRange | InWords | InSet | IsEmpty | Chose | Unoccupied | StandsOn | Not | Logic | Count"
-        " | Sum | SumRow | Case | Lowest | Mix | Ramp | Named | EventTotal | MatrixClass"
+        " | Sum | SumRow | Case | Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
     )
     Stmt: TypeAlias = (
         "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move"
@@ -348,6 +348,14 @@ class Named(Expression):
     op: Literal["named"] = "named"
     type: Type
     name: str
+    value: Expr
+
+
+class Narrowed(Expression):
+    """A word that guards leave fewer words to: `type.words` are those of `value.type.words` that remain."""
+
+    op: Literal["narrowed"] = "narrowed"
+    type: Type
     value: Expr
 
 

@@ -1,7 +1,4 @@
-"""Static geometry: the map as numbers, in a frame padded so that no window or shape ever leaves it.
-
-A cell is its index in the padded frame, `(row + pad) * cols + col + pad`; 0, in the padding, is nowhere.
-"""
+"""The map of a game as the lowering sees it: glyphs of kinds, cells, tables, each with the text that makes it."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,8 +6,15 @@ from functools import cached_property
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.runtime import geometry
 
-DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))  # (row, col) of north, east, south, west
+
+@dataclass(frozen=True)
+class Table:
+    """A constant array, and the source text that computes it in a generated module."""
+
+    value: np.ndarray
+    text: str
 
 
 @dataclass(frozen=True)
@@ -19,11 +23,15 @@ class Layout:
 
     game: ir.Game
 
-    @cached_property
+    @property
+    def map(self) -> tuple[str, ...]:
+        return self.game.rows
+
+    @property
     def height(self) -> int:
         return len(self.game.rows)
 
-    @cached_property
+    @property
     def width(self) -> int:
         return len(self.game.rows[0])
 
@@ -32,117 +40,98 @@ class Layout:
         """Cells of padding on each side: as far as a window or a shape reaches."""
         view = self.game.window
         reach = [max(abs(a), abs(c)) for s in self.game.shapes for lane in s.lanes for a, c in lane]
-        return max(view.ahead, view.behind, view.left, view.right, 1, *reach)
+        along, across = max(view.ahead, view.behind), max(view.left, view.right)
+        corner = along == across  # then a window could show cell 0, which stands for nowhere
+        return max(along + corner, across + corner, 1, *reach)
 
-    @cached_property
+    @property
     def cols(self) -> int:
         return self.width + 2 * self.pad
 
-    @cached_property
+    @property
     def rows(self) -> int:
         return self.height + 2 * self.pad
 
-    def cell(self, row: int, col: int) -> int:
-        """Returns the index of a map cell."""
-        return (row + self.pad) * self.cols + col + self.pad
-
-    @cached_property
-    def kinds(self) -> np.ndarray:
-        """`[height, width]` int: number of each cell's kind in declaration order."""
-        number = {k.name: i for i, k in enumerate(self.game.kinds)}
-        glyphs = {g.glyph: number[g.kind] for g in self.game.glyphs}
-        return np.array([[glyphs[c] for c in row] for row in self.game.rows], np.int32)
-
-    def sites(self, kinds: tuple[str, ...]) -> np.ndarray:
-        """Returns the `[S, 2]` (row, col) of the cells of the kinds, in reading order."""
-        numbers = [i for i, k in enumerate(self.game.kinds) if k.name in kinds]
-        return np.argwhere(np.isin(self.kinds, numbers))
+    def glyphs(self, kinds: tuple[str, ...]) -> str:
+        """Returns the glyphs that stand for cells of the kinds."""
+        return "".join(g.glyph for g in self.game.glyphs if g.kind in kinds)
 
     def cells(self, kinds: tuple[str, ...]) -> np.ndarray:
         """Returns the `[S]` int32 cells of the kinds, in reading order."""
-        places = self.sites(kinds)
-        return ((places[:, 0] + self.pad) * self.cols + places[:, 1] + self.pad).astype(np.int32)
+        return geometry.cells_of(self.map, self.pad, self.glyphs(kinds))
+
+    def num_cells(self, kinds: tuple[str, ...]) -> int:
+        return sum(g in self.glyphs(kinds) for row in self.map for g in row)
+
+    def cells_table(self, kinds: tuple[str, ...]) -> Table:
+        return Table(self.cells(kinds), f"cells_of(MAP, PAD, {self.glyphs(kinds)!r})")
 
     def site_of(self, kinds: tuple[str, ...]) -> np.ndarray:
-        """Returns, for each cell of the frame, its number among the cells of the kinds; S if it is none."""
-        cells = self.cells(kinds)
-        table = np.full(self.rows * self.cols, len(cells), np.int32)
-        table[cells] = np.arange(len(cells))
-        return table
+        """Returns, for each cell of the frame, its number among the cells of the kinds; past the end if it is none."""
+        return geometry.site_numbers(self.map, self.pad, self.cells(kinds))
 
-    def starts(self, kind: str, field: ir.VarField) -> list[int | float | str | None]:
+    def site_table(self, kinds: tuple[str, ...]) -> Table:
+        return Table(self.site_of(kinds), f"site_numbers(MAP, PAD, {self.cells_table(kinds).text})")
+
+    def starts_table(self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str) -> Table:
         """Returns the starting values of a kind's field, cell by cell."""
-        glyphs = {g.glyph: g for g in self.game.glyphs}
-        values = []
-        for row, col in self.sites((kind,)):
-            starts = dict(glyphs[self.game.rows[row][col]].starts)
-            values.append(starts.get(field.name, field.start))
-        return values
+        values = {g.glyph: encode[dict(g.starts).get(field.name, field.start)] for g in self.game.glyphs if g.kind == kind}
+        return Table(geometry.values_of(self.map, values, dtype), f"values_of(MAP, {values!r}, {dtype!r})")
+
+    def starts(self, kind: str, field: ir.VarField) -> set[object]:
+        """Returns the starting values that a kind's field has on this map."""
+        used = {g for row in self.map for g in row}
+        return {dict(g.starts).get(field.name, field.start) for g in self.game.glyphs if g.kind == kind and g.glyph in used}
+
+    def base_table(self, looks: dict[str, int]) -> Table:
+        """Returns the frame painted with one number a kind."""
+        values = {g.glyph: looks[g.kind] for g in self.game.glyphs}
+        return Table(geometry.painted(self.map, self.pad, values), f"painted(MAP, PAD, {values!r})")
 
     @cached_property
-    def inside(self) -> np.ndarray:
-        """`[rows, cols]` bool of the frame: cells of the map."""
-        frame = np.zeros((self.rows, self.cols), bool)
-        frame[self.pad : self.pad + self.height, self.pad : self.pad + self.width] = True
-        return frame
+    def inside_table(self) -> Table:
+        return Table(geometry.inside(self.map, self.pad), "inside(MAP, PAD)")
 
-    def blocking(self, what: str) -> np.ndarray:
-        """Returns the `[rows, cols]` bool of the frame: cells that always block agents, or a shape's lanes."""
-        kinds = [i for i, k in enumerate(self.game.kinds) if any(b.what == what and b.condition is None for b in k.blocks)]
-        frame = np.zeros((self.rows, self.cols), bool)
-        frame[self.inside] = np.isin(self.kinds, kinds).reshape(-1)
-        return frame
+    def blocking_glyphs(self, what: str) -> str:
+        """Returns the glyphs of cells that always block agents, or a shape's lanes."""
+        kinds = tuple(k.name for k in self.game.kinds if any(b.what == what and b.condition is None for b in k.blocks))
+        return self.glyphs(kinds)
+
+    def blocking_table(self, what: str) -> Table:
+        glyphs = self.blocking_glyphs(what)
+        return Table(geometry.blocking(self.map, self.pad, glyphs), f"blocking(MAP, PAD, {glyphs!r})")
 
     @cached_property
-    def next_cell(self) -> np.ndarray:
-        """`[cells * 4]` int32: where a step from a cell in a direction leads; the cell itself if blocked or off the map."""
-        open_ = self.inside & ~self.blocking("agents")
-        cells = np.arange(self.rows * self.cols)
-        table = np.stack([cells] * 4, 1)
-        for direction, (dr, dc) in enumerate(DIRECTIONS):
-            target = cells + dr * self.cols + dc
-            valid = (target >= 0) & (target < cells.size)
-            ok = np.zeros(cells.size, bool)
-            ok[valid] = open_.reshape(-1)[target[valid]]
-            table[ok & self.inside.reshape(-1), direction] = target[ok & self.inside.reshape(-1)]
-        return table.reshape(-1).astype(np.int32)
+    def next_table(self) -> Table:
+        """Where a step from a cell in a direction leads."""
+        glyphs = self.blocking_glyphs("agents")
+        return Table(geometry.next_cells(self.map, self.pad, glyphs), f"next_cells(MAP, PAD, {glyphs!r})")
 
-    def shape_cells(self, shape: ir.Shape) -> list[tuple[int, int]]:
+    def shape_cells(self, shape: ir.Shape) -> tuple[tuple[int, int], ...]:
         """Returns the shape's (ahead, right) offsets, lane by lane: the order in which they are numbered."""
-        return [cell for lane in shape.lanes for cell in lane]
+        return tuple(cell for lane in shape.lanes for cell in lane)
 
     def offsets(self, shape: ir.Shape) -> np.ndarray:
         """Returns `[4, K]` int32: what to add to a cell for each heading and shape cell."""
-        table = []
-        for heading in range(4):
-            ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
-            table.append(
-                [
-                    (a * ahead[0] + c * right[0]) * self.cols + a * ahead[1] + c * right[1]
-                    for a, c in self.shape_cells(shape)
-                ]
-            )
-        return np.array(table, np.int32)
+        return geometry.shape_offsets(self.map, self.pad, self.shape_cells(shape))
 
-    def reach(self, shape: ir.Shape) -> np.ndarray:
-        """Returns `[cells * 4, K]` bool: shape cells on the map and not behind a cell that always blocks the shape."""
-        blocked = self.blocking(shape.name).reshape(-1)
-        inside = self.inside.reshape(-1)
-        offsets, size = self.offsets(shape), blocked.size
-        table = np.zeros((size, 4, offsets.shape[1]), bool)
-        for cell in np.flatnonzero(inside):
-            for heading in range(4):
-                number = 0
-                for lane in shape.lanes:
-                    live = True
-                    for _ in lane:
-                        target = cell + offsets[heading, number]
-                        table[cell, heading, number] = live and inside[target]
-                        live = live and not blocked[target]
-                        number += 1
-        return table.reshape(size * 4, -1)
+    def offsets_table(self, shape: ir.Shape) -> Table:
+        return Table(self.offsets(shape), f"shape_offsets(MAP, PAD, {self.shape_cells(shape)!r})")
 
-    def neighbours(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> np.ndarray:
-        """Returns `[S, K]` int32: for each cell of the kinds, the numbers (among `others`) of the cells of the shape; none: past the end."""
-        table = self.site_of(others)
-        return table[self.cells(kinds)[:, None] + self.offsets(shape)[0][None]]
+    def reach_table(self, shape: ir.Shape) -> Table:
+        """Which cells of the shape are on the map and not behind what always blocks it: bits by cell and heading."""
+        glyphs, lanes = self.blocking_glyphs(shape.name), tuple(map(len, shape.lanes))
+        offsets = self.offsets_table(shape)
+        value = geometry.lane_reach(self.map, self.pad, offsets.value, lanes, glyphs)
+        return Table(value, f"lane_reach(MAP, PAD, {offsets.text}, {lanes!r}, {glyphs!r})")
+
+    def neighbours_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Table:
+        """For each cell of the kinds, the numbers (among `others`) of the cells of the shape; past the end: none."""
+        value = geometry.neighbours(self.cells(kinds), self.site_of(others), self.offsets(shape))
+        parts = (self.cells_table(kinds), self.site_table(others), self.offsets_table(shape))
+        return Table(value, f"neighbours({', '.join(p.text for p in parts)})")
+
+    def near_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Table:
+        """The neighbours of each cell as bits."""
+        around, size = self.neighbours_table(kinds, shape, others), self.num_cells(others)
+        return Table(geometry.near_masks(around.value, size), f"near_masks({around.text}, {size})")

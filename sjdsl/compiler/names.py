@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.facts import narrow_word
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.types import HEADINGS, describe, element, integer, words
@@ -148,7 +149,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope, build: Build) -> ir.Expr:
         raise scope.problems.fail(
             errors.WRONG_TYPE, step.span, wanted="a row or table before `[`", given=describe(row.type), help=""
         )
-    key = build(step.key, scope)
+    key = narrow_word(build(step.key, scope), scope.fact_nodes)
     if key.type.kind not in ("word", "mix") or key.type.by:
         raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="a word", given=describe(key.type), help="")
     outside = [w for w in key.type.words if w not in row.type.by[0]]

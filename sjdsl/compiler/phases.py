@@ -32,8 +32,8 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
         return ()
     turns: list[ir.Turn] = []
     labels: list[str] = []
-    if len(game.schedule.turns) > limits.TURNS:
-        what = f"a schedule of more than {limits.TURNS} turns"
+    if len(game.schedule.turns) > limits.MAX_TURNS:
+        what = f"a schedule of more than {limits.MAX_TURNS} turns"
         scope.problems.add(errors.NOT_SUPPORTED, game.schedule.span, what=what)
         return ()
     for turn in game.schedule.turns:

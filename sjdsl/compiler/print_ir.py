@@ -70,7 +70,7 @@ def expression(e: ir.Expr) -> str:
             return f"mix({expression(e.row)})"
         case ir.Ramp():
             return f"ramp({expression(e.value)}, {expression(e.zero_at)}, {expression(e.one_at)})"
-        case ir.Named():
+        case ir.Named() | ir.Narrowed():
             return expression(e.value)
         case ir.EventTotal():
             return e.name if e.word is None else f"{e.name}[{e.word}]"

@@ -8,13 +8,28 @@ import numpy as np
 from sjdsl.compiler.source import Span
 
 
+KERNELS = {
+    "sjdsl.runtime.counting": ("count_near", "occupied"),
+    "sjdsl.runtime.draws": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
+    "sjdsl.runtime.geometry": (
+        "blocking", "cells_of", "inside", "lane_reach", "near_masks", "neighbours", "next_cells", "painted",
+        "shape_offsets", "site_numbers", "values_of",
+    ),
+    "sjdsl.runtime.movement": ("resolve",),
+    "sjdsl.runtime.placing": ("choose", "pair", "place"),
+    "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
+    "sjdsl.runtime.view": ("paint", "windows"),
+}
+
+
 @dataclass(frozen=True)
 class Constant:
-    """A module-level array or number."""
+    """A module-level array; `text` is the source that computes it from the map, empty if its numbers are written out."""
 
     name: str
-    value: np.ndarray | int
+    value: np.ndarray
     comment: str
+    text: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,8 +94,7 @@ def dump(program: Program) -> Iterator[str]:
     """Yields the program as stable text, line by line."""
     yield f"program {program.name} from {program.source}"
     for constant in program.constants:
-        value = constant.value
-        shown = str(value) if isinstance(value, int) else f"{value.dtype}{list(value.shape)}"
+        shown = f"{constant.value.dtype}{list(constant.value.shape)}"
         yield f"constant {constant.name} = {shown}  # {constant.comment}"
     for label, attributes in (("state", program.state), ("param", program.params), ("outcome", program.outcome)):
         for attribute in attributes:

@@ -59,8 +59,8 @@ def _picture_problem(rows: list[str]) -> str:
         return "the rows of this picture have different lengths"
     if not any("x" in row for row in rows):
         return "this picture has no cell `x`"
-    if sum(row.count("x") for row in rows) > limits.SHAPE_CELLS:
-        return f"this picture has more than {limits.SHAPE_CELLS} cells"
+    if sum(row.count("x") for row in rows) > limits.MAX_SHAPE_CELLS:
+        return f"this picture has more than {limits.MAX_SHAPE_CELLS} cells"
     return ""
 
 
@@ -81,8 +81,8 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     numbers = [_reach(a, scope) for a in arguments]
     label = f"{name}({', '.join(map(str, numbers))}{', centre' if centre else ''})"
     lanes = _round(name, numbers[0], centre) if name in SEE_THROUGH else _directed(name, numbers)
-    if sum(map(len, lanes)) > limits.SHAPE_CELLS:
-        raise scope.problems.fail(errors.NOT_SUPPORTED, ref.span, what=f"a shape of more than {limits.SHAPE_CELLS} cells")
+    if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
+        raise scope.problems.fail(errors.NOT_SUPPORTED, ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells")
     see_through = name in SEE_THROUGH
     return ir.Shape(name=label, lanes=lanes, see_through=see_through, directed=not see_through, origin=ref.span)
 

@@ -22,9 +22,9 @@ def window(game: Composition, scope: Scope) -> ir.Window:
             continue
         with scope.problems.survive():
             value = fixed(tree, scope, "the window")
-            if value != int(value) or not 0 <= value <= limits.WINDOW:
+            if value != int(value) or not 0 <= value <= limits.MAX_WINDOW:
                 raise scope.problems.fail(
-                    errors.OUT_OF_LIMITS, tree.span, name=f"the window {name.text}", value=value, low=0, high=limits.WINDOW
+                    errors.OUT_OF_LIMITS, tree.span, name=f"the window {name.text}", value=value, low=0, high=limits.MAX_WINDOW
                 )
             sides[name.text] = int(value)
     return ir.Window(**sides, origin=game.window.span)

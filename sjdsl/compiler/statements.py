@@ -7,7 +7,7 @@ from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.domains import check_free, domain, near
 from sjdsl.compiler.expressions import as_agent, build, condition, interval_text, number, wrong_type
-from sjdsl.compiler.facts import contradict, narrowed
+from sjdsl.compiler.facts import contradict, narrow_word, narrowed
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.streams import Streams
@@ -85,7 +85,7 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
 
 
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
-    value = build(s.value, scope)
+    value = narrow_word(build(s.value, scope), scope.fact_nodes)
     check_free(s.name, scope, chosen=True)
     if isinstance(value, ir.Member):
         raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
@@ -361,7 +361,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         row = row.model_copy(update={"type": row.type.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})})
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
             raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted=f"`{name.text}[word]`", given="the whole row", help="")
-        key = build(s.event.steps[0].key, scope)
+        key = narrow_word(build(s.event.steps[0].key, scope), scope.fact_nodes)
         if key.type.kind != "word":
             raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
         outside = [w for w in key.type.words if w not in row.type.by[0]]

@@ -46,7 +46,7 @@ def check_use(composition: Composition, static: Static, problems: Problems) -> N
     """Warns of kinds not on the map, and of numbers, defines, shapes, fields and events nobody uses."""
     used = static.used
     for name, kind in composition.kinds.items():
-        if static.cells.get(name, 0) == 0:
+        if static.cells.get(name, 0) == 0 and not static.kinds[name].blocks:  # walls are for other maps too
             problems.add(errors.KIND_ABSENT, kind.name.span, name=name)
         for attribute in static.kinds[name].fields if name in static.kinds else ():
             if f"{name}.{attribute.name}" not in used and attribute.type.kind != "word":

@@ -49,8 +49,8 @@ def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> 
 
 def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> tuple[str, ...]:
     """Returns the rows of a map file's bytes."""
-    if len(data) > 4 * limits.MAP_CELLS:
-        problems.add(errors.MAP_FILE, span, name=name, problem=f"it has more than {limits.MAP_CELLS} cells")
+    if len(data) > 4 * limits.MAX_MAP_CELLS:
+        problems.add(errors.MAP_FILE, span, name=name, problem=f"it has more than {limits.MAX_MAP_CELLS} cells")
         return ()
     try:
         text = data.decode("utf-8-sig")
@@ -77,8 +77,8 @@ def check_rows(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning], span: 
     widths = [len(row) for row in rows]
     wanted = max(set(widths), key=widths.count)
     sound = True
-    if len(rows) > limits.MAP_SIDE or wanted > limits.MAP_SIDE:
-        what = f"a map of {len(rows)} x {wanted} cells (at most {limits.MAP_SIDE} x {limits.MAP_SIDE})"
+    if len(rows) > limits.MAX_MAP_SIDE or wanted > limits.MAX_MAP_SIDE:
+        what = f"a map of {len(rows)} x {wanted} cells (at most {limits.MAX_MAP_SIDE} x {limits.MAX_MAP_SIDE})"
         problems.add(errors.NOT_SUPPORTED, span, what=what)
         return False
     for number, row in enumerate(rows):

@@ -4,7 +4,7 @@ from math import inf
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.expressions import as_agent, build, interval_text, wrong_type
-from sjdsl.compiler.facts import narrowed
+from sjdsl.compiler.facts import narrow_word, narrowed
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Scope
 from sjdsl.compiler.types import describe, is_number, join_units
@@ -37,7 +37,7 @@ def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
 def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
     """Returns `set target = value`."""
     target, field = target_of(s.target, scope)
-    value = build(s.value, scope)
+    value = narrow_word(build(s.value, scope), scope.fact_nodes)
     type_ = target.type
     if value.type.by and value.type.by != type_.by:
         raise wrong_type(scope, s.value, describe(type_), value.type)

@@ -35,3 +35,15 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
         return lax.dynamic_slice(planes, (h, r - ahead, c - left), size)[0]
 
     return jax.vmap(cut)(heading, turned_row, turned_col)
+
+
+def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
+    """Returns a plane with bits added to cells; cells named twice get the bits once, cell 0 (nowhere) too.
+
+    Args:
+      plane: `[cells]` uint8.
+      cells: `[M]` int32.
+      bits: uint8, `[M]` (then the cells differ) or one for all.
+    """
+    painted = plane[cells] | jnp.asarray(bits, jnp.uint8)
+    return plane.at[cells].set(painted, mode="promise_in_bounds")

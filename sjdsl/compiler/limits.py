@@ -1,0 +1,49 @@
+"""How large a game may be: every limit of the compiler, and the checks a text must pass before it is parsed."""
+
+import re
+
+from sjdsl.compiler import errors
+from sjdsl.compiler.diagnostics import Diagnostic
+from sjdsl.compiler.source import Source, Span
+
+MAX_BYTES = 1 << 20
+MAX_LINE = 4096  # characters
+MAX_TOKENS = 65_536
+MAX_STATEMENTS = 4096
+MAX_DEPTH = 64  # brackets around one place, signs and `not` before one value
+MAX_TREE = 160  # the same, and operators in a row, links of an `otherwise` chain, blocks
+MAX_INTEGER = 2**31 - 1
+MAX_DIGITS = 32  # of a decimal number
+MAX_PROBLEMS = 100  # syntax errors of one file
+
+MAX_MAP_SIDE = 256
+MAX_MAP_CELLS = 65_536
+MAX_SHAPE_CELLS = 256
+MAX_WINDOW = 32  # cells to one side
+MAX_AGENTS = 64
+MAX_ACTIONS = 64
+MAX_KINDS = 64
+MAX_WORDS = 64  # in one set
+MAX_FIELDS = 128
+MAX_PHASES = 64
+MAX_TURNS = 128
+
+
+def too_much(what: str, given: int | str, limit: int, span: Span, help_: str = "") -> Diagnostic:
+    """Returns the error for something there is too much of."""
+    return Diagnostic(errors.TOO_MUCH, span, {"what": what, "given": given, "limit": limit, "help": help_})
+
+
+def check_text(source: Source) -> list[Diagnostic]:
+    """Returns why a text cannot be parsed at all: too large, not text, a line too long; empty if it can."""
+    size = len(source.text.encode("utf-8", "surrogatepass")) if len(source.text) <= MAX_BYTES else len(source.text)
+    if size > MAX_BYTES:
+        return [Diagnostic(errors.FILE_TOO_LARGE, source.span(0, 0), {"given": size, "limit": MAX_BYTES})]
+    if "\0" in source.text:
+        at = source.text.index("\0")
+        return [Diagnostic(errors.NOT_TEXT, source.span(at, at), {"problem": "it holds NUL characters"})]
+    long = re.search(rf"[^\n]{{{MAX_LINE + 1},}}", source.text)
+    if long:
+        span = source.span(long.start(), long.start())
+        return [too_much("characters in one line", len(long.group()), MAX_LINE, span, "break the line")]
+    return []

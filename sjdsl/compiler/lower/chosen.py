@@ -1,0 +1,242 @@
+"""Quantifiers that choose: `pick`, `first`, `match`."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower import reads
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, iota
+from sjdsl.compiler.lower.domains import _has_inner_blocks, enter, sites_in, sweep
+from sjdsl.compiler.lower.draws import words
+from sjdsl.compiler.lower.expressions import lower
+from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped
+
+
+def _members(inner: Frame, outer: Frame) -> tuple[Axis, ...]:
+    return tuple(a for a in inner.axes if a not in outer.axes)
+
+
+def _mask_over(inner: Frame, axes: tuple[Axis, ...]) -> Value:
+    """Returns the condition of a place with all the axes spelt out."""
+    mask = inner.mask if inner.mask is not None else literal(True, "bool")
+    if mask.axes == axes:
+        return mask
+    shape = ", ".join(str(a.size) for a in axes)
+    return Value(f"jnp.broadcast_to({aligned(mask, axes)}, ({shape},))", "bool", axes)
+
+
+def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
+    """Returns the place inside a `pick`, and where there was no member at all."""
+    inner = enter(s.domain, replace(frame, mask=None), w)
+    new = _members(inner, frame)
+    if not new:  # the member is determined: it is there or not
+        there = inner.mask if inner.mask is not None else literal(True, "bool")
+        number = as_dtype(lower(s.number, frame.always(), w), "i32")
+        wanted = both(there, binary(">", number, literal(0, "i32"), "bool"))
+        return inner.when(frame.mask).when(wanted), invert(there)
+    axis = new[-1]
+    member_var = inner.variables[s.domain.var.name]
+    near = isinstance(s.domain.place, ir.Near) and isinstance(member_var, CellVar)
+    total = axis.size if near else reads.member_total(member_var, w)
+    word = words(s.stream, frame, w, (axis, total))
+    axes = union(word.axes, (inner.mask or word).axes)
+    mask = _mask_over(inner, axes)
+    ranks = w.keep("ranks", Value(f"ranks({aligned(word, axes)}, {mask.text})", "u32", axes))
+    number = as_dtype(lower(s.number, frame.always(), w), "i32")
+    last = f"axis={len(axes) - 1}"
+    outer_axes = axes[:-1]
+    found = w.keep("found", Value(f"jnp.max({ranks.text}, {last}) > 0", "bool", outer_axes))
+    if number.literal and int(number.text) == 1:
+        best = w.keep(s.domain.var.name, Value(f"jnp.argmax({ranks.text}, {last}).astype(jnp.int32)", "i32", outer_axes))
+        chosen = _chosen_variable(member_var, axis, best)
+        variables = {**frame.variables, s.domain.var.name: chosen}
+        variables |= _under(s.domain, chosen, w)
+        digit = (best, total)
+        place = replace(frame, digits=(*frame.digits, digit), variables=variables)
+        return place.when(found), invert(found)
+    text = f"choose({ranks.text}, {_number_array(number, outer_axes)})"
+    taken = w.keep("taken", Value(text, "bool", axes))
+    return replace(inner, mask=both(frame.mask, taken)), invert(found)
+
+
+def _number_array(number: Value, axes: tuple[Axis, ...]) -> str:
+    shape = ", ".join(str(a.size) for a in axes)
+    text = f"jnp.int32({number.text})" if number.literal else (aligned(number, axes) if number.axes else number.text)
+    return f"jnp.broadcast_to({text}, ({shape},))" if axes else text
+
+
+def _chosen_variable(member: AgentVar | CellVar, axis: Axis, best: Value) -> AgentVar | CellVar:
+    """Returns the variable of the one picked: its number, or the number at its place in a shape."""
+    if isinstance(member, AgentVar):
+        return AgentVar(best)
+    if member.axis is not None:
+        return CellVar(best, member.kinds)
+    return CellVar(_take(member.site, axis, best), member.kinds)
+
+
+def _take(values: Value, axis: Axis, best: Value) -> Value:
+    """Returns the entry of `values` along an axis that `best` names."""
+    rest = tuple(a for a in values.axes if a != axis)
+    if not rest:
+        return Value(f"{wrapped(values)}[{best.text}]", values.dtype, best.axes)
+    at = f"{wrapped(Value(aligned(best, rest), 'i32'))}[..., None]"
+    return Value(f"jnp.take_along_axis({values.text}, {at}, axis={values.axes.index(axis)})[..., 0]", values.dtype, rest)
+
+
+def _under(d: ir.Domain, agent: AgentVar | CellVar, w: Writer) -> dict[str, AgentVar | CellVar]:
+    if d.on is None or not isinstance(agent, AgentVar):
+        return {}
+    site, _ = reads.site_under(agent, d.on.kinds, w)
+    return {d.on.name: CellVar(site, d.on.kinds)}
+
+
+def first(s: ir.First, frame: Frame, w: Writer) -> tuple[Frame, Frame]:
+    """Returns the place inside a `first` (one more axis: the lanes), and the place of its `otherwise`."""
+    inner, lanes, found, shape_axis = _nearest(s.domain, frame, w)
+    hit = inner.when(frame.mask).when(found)
+    none = replace(
+        frame,
+        axes=(*frame.axes, lanes),
+        digits=(*frame.digits, (iota(lanes), lanes.size)),
+    ).when(invert(found))
+    assert shape_axis.size >= lanes.size
+    return hit, none
+
+
+def _nearest(d: ir.Domain, frame: Frame, w: Writer) -> tuple[Frame, Axis, Value, Axis]:
+    """Returns the place of the nearest member in each lane (unmasked), the lanes' axis, and where there is one."""
+    assert isinstance(d.place, ir.Near)
+    shape = w.module.shape(d.place.shape)
+    candidate, ok, axis = _candidates(d, frame, w)
+    variables: dict[str, AgentVar | CellVar] = {**frame.variables, d.var.name: candidate}
+    place = Frame((*frame.axes, axis), None, frame.digits, {**variables, **_under(d, candidate, w)}, frame.locals)
+    if d.on is not None:
+        agent = variables[d.var.name]
+        assert isinstance(agent, AgentVar)
+        ok = both(ok, reads.site_under(agent, d.on.kinds, w)[1]) or ok
+    if d.where is not None:
+        ok = both(ok, lower(d.where, place, w)) or ok
+    rest = union(tuple(a for a in ok.axes if a != axis), tuple(a for a in _index(candidate).axes if a != axis))
+    axes = (*rest, axis)
+    ok = w.keep("ok", _mask_over(Frame(mask=ok), axes))
+    lanes = w.axis("lane", len(shape.lanes))
+    longest = max(map(len, shape.lanes))
+    table = np.full((lanes.size, longest), axis.size, np.int32)
+    number = 0
+    for i, lane in enumerate(shape.lanes):
+        table[i, : len(lane)] = range(number, number + len(lane))
+        number += len(lane)
+    name = w.module.constant("lanes_of_" + "".join(c if c.isalnum() else "_" for c in shape.name).strip("_"), table, f"cells of each lane of {shape.name}, nearest first")
+    lead = ":, " * len(rest)
+    padded = f"jnp.concatenate([{ok.text}, jnp.zeros_like({ok.text}[{lead}:1])], axis={len(rest)})"
+    in_lane = w.keep("in_lane", Value(f"{padded}[{lead}{name}]", "bool"))
+    at = w.keep("nearest", Value(f"jnp.argmax({in_lane.text}, axis=-1)", "i32"))
+    found = w.keep("found", Value(f"jnp.any({in_lane.text}, axis=-1)", "bool", (*rest, lanes)))
+    index = w.keep("place", Value(f"{name}[jnp.arange({lanes.size}){_lead(rest)}, {at.text}]", "i32", (*rest, lanes)))
+    values = _index(candidate)
+    whole = _mask_like(values, axes)
+    chosen = w.keep(d.var.name, Value(f"jnp.take_along_axis({whole}, jnp.minimum({index.text}, {axis.size - 1}), axis={len(rest)})", "i32", (*rest, lanes)))
+    variable = AgentVar(chosen) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
+    inner = replace(
+        frame,
+        mask=None,
+        axes=(*frame.axes, lanes),
+        digits=(*frame.digits, (iota(lanes), lanes.size)),
+        variables={**frame.variables, d.var.name: variable, **_under(d, variable, w)},
+    )
+    return inner, lanes, found, axis
+
+
+def _lead(rest: tuple[Axis, ...]) -> str:
+    return f"[{', '.join(['None'] * len(rest))}, :]" if rest else ""
+
+
+def _index(variable: AgentVar | CellVar) -> Value:
+    return variable.index if isinstance(variable, AgentVar) else variable.site
+
+
+def _mask_like(values: Value, axes: tuple[Axis, ...]) -> str:
+    shape = ", ".join(str(a.size) for a in axes)
+    return values.text if values.axes == axes else f"jnp.broadcast_to({aligned(values, axes)}, ({shape},))"
+
+
+def _candidates(d: ir.Domain, frame: Frame, w: Writer) -> tuple[AgentVar | CellVar, Value, Axis]:
+    """Returns who is on each cell of the shape, whether somebody is, and the shape's axis."""
+    assert isinstance(d.place, ir.Near)
+    if d.var.who == "cell":
+        site, axis, ok = sites_in(d.place, d.var.kinds, frame, w, d.var.name)
+        return CellVar(site, d.var.kinds), ok, axis
+    swept = sweep(d.place, frame, w)
+    cells = swept.cells
+    here = f"{wrapped(cells)}[..., None] == state.position[{', '.join(['None'] * len(cells.axes))}, :]"
+    standing = w.keep("standing", Value(here, "bool"))
+    who = w.keep(d.var.name, Value(f"jnp.argmax({standing.text}, axis=-1).astype(jnp.int32)", "i32", cells.axes))
+    anybody = w.keep("anybody", Value(f"jnp.any({standing.text}, axis=-1)", "bool", cells.axes))
+    shape = w.module.shape(d.place.shape)
+    ok = both(anybody, swept.ok if _has_inner_blocks(shape, w) else None)
+    assert ok is not None
+    return AgentVar(who), ok, swept.axis
+
+
+def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
+    """Returns the place inside a `match`: the left side's axis, those without a partner masked out."""
+    if frame.axes:
+        raise NotSupported("`match` inside another quantifier", s.origin)
+    left = enter(s.left, replace(frame, mask=None), w)
+    if not left.axes:
+        raise NotSupported("`match` of one determined agent", s.origin)
+    rows = left.axes[-1]
+    live, cols, total, alike = _pairs(s, left, w)
+    word = _pair_words(s, rows, cols, total, w)
+    ranks = w.keep("ranks", Value(f"ranks({word.text}, {live})", "u32", (rows, cols)))
+    partner = w.keep(s.right.var.name, Value(f"pair({ranks.text}, alike={alike})", "i32", (rows,)))
+    matched = binary("<", partner, literal(cols.size, "i32"), "bool")
+    if s.right.var.who == "agent":
+        right: AgentVar | CellVar = AgentVar(partner)
+    else:
+        right = CellVar(partner, s.right.var.kinds)
+    variables = {**left.variables, s.right.var.name: right, **_under(s.right, right, w)}
+    inner = replace(left, variables=variables, mask=None)
+    return inner.when(frame.mask).when(w.keep("matched", matched))
+
+
+def _pair_words(s: ir.Match, rows: Axis, cols: Axis, total: int, w: Writer) -> Value:
+    assert total == cols.size
+    return Value(f"words(key, 0x{s.stream:08x}, {rows.size}, {cols.size})", "u32", (rows, cols))
+
+
+def _pairs(s: ir.Match, left: Frame, w: Writer) -> tuple[str, Axis, int, bool]:
+    """Returns which pairs are pairs, `[left, right]` over all members of the right side."""
+    right = s.right
+    alike = s.left.var.who == "agent" and right.var.who == "agent"
+    size = w.module.num_agents if right.var.who == "agent" else w.module.layout.num_cells(right.var.kinds)
+    rows = left.axes[-1]
+    if s.first:
+        inner, lanes, found, _ = _nearest(right, left.always(), w)
+        cols = w.axis(right.var.name, size)
+        index = _index(inner.variables[right.var.name])
+        mask = both(left.mask, found)
+        assert mask is not None
+        return _dense(index, mask, (rows, lanes), cols, alike), cols, size, alike
+    inner = enter(right, left, w)
+    cols = inner.axes[-1]
+    variable = inner.variables[right.var.name]
+    if isinstance(variable, CellVar) and variable.axis is None:
+        dense = w.axis(right.var.name, size)
+        mask = inner.mask if inner.mask is not None else literal(True, "bool")
+        return _dense(variable.site, mask, (rows, cols), dense, alike), dense, size, alike
+    if cols is rows or cols == rows:
+        raise NotSupported("a `match` whose right side is determined by the left", s.origin)
+    mask = _mask_over(inner, (rows, cols)).text
+    if alike:
+        mask = f"({mask}) & ~jnp.eye({size}, dtype=bool)"
+    return mask, cols, size, alike
+
+
+def _dense(index: Value, mask: Value, axes: tuple[Axis, Axis], cols: Axis, alike: bool) -> str:
+    """Returns pairs given by computed numbers as a table over all members."""
+    places = _mask_like(index, axes)
+    happens = _mask_like(mask, axes)
+    text = f"jnp.any({wrapped(Value(happens, 'bool'))}[..., None] & ({places}[..., None] == jnp.arange({cols.size})[None, None, :]), axis=1)"
+    return f"{text} & ~jnp.eye({cols.size}, dtype=bool)" if alike else text

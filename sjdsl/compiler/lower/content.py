@@ -1,0 +1,169 @@
+"""What a cell can look like: states of kinds as numbers, raw (all that is painted) and as an observer is shown them."""
+
+from dataclasses import dataclass
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower.context import NotSupported
+from sjdsl.runtime.tokens import TokenPlane
+
+HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
+
+
+@dataclass(frozen=True)
+class Look:
+    """One kind: its painted fields with their numbers of values, and its sights in order.
+
+    `raw` and `final` are the first numbers of the kind in the two numberings.
+    """
+
+    kind: ir.Kind
+    painted: tuple[tuple[ir.VarField, int], ...]
+    sights: tuple[ir.Sight, ...]
+    raw: int
+    final: int
+
+    @property
+    def raw_values(self) -> int:
+        size = 1
+        for _, values in self.painted:
+            size *= values
+        return size
+
+    @property
+    def final_words(self) -> tuple[tuple[str, ...], ...]:
+        """The words each sight shows, in order."""
+        return tuple(sight_words(s) for s in self.sights)
+
+    @property
+    def same(self) -> bool:
+        """Whether an observer is shown exactly what is painted."""
+        plain = all(not s.labels and s.hidden_when is None for s in self.sights)
+        return plain and [f.name for f, _ in self.painted] == [s.field for s in self.sights]
+
+
+def sight_words(sight: ir.Sight) -> tuple[str, ...]:
+    """Returns the words or labels a cell sight shows; `hidden` is the last if it can be hidden."""
+    words = tuple(dict.fromkeys(label.name for label in sight.labels)) if sight.labels else sight.type.words
+    return (*words, "hidden") if sight.hidden_when is not None else words
+
+
+def looks(game: ir.Game) -> tuple[Look, ...]:
+    """Returns the looks of all kinds in declaration order."""
+    found, raw, final = [], 1, 1
+    for kind in game.kinds:
+        sights = tuple(s for s in game.sights if s.what == "cell" and s.kind == kind.name)
+        look = Look(kind, tuple((f, _values(f, game)) for f in _painted(kind, sights)), sights, raw, final)
+        found.append(look)
+        raw += look.raw_values
+        size = 1
+        for words in look.final_words:
+            size *= len(words)
+        final += size
+    if raw > 256 or final > 256:
+        raise NotSupported(f"{max(raw, final)} different looks of cells (at most 256)", game.kinds[-1].origin)
+    return tuple(found)
+
+
+def _painted(kind: ir.Kind, sights: tuple[ir.Sight, ...]) -> list[ir.VarField]:
+    """Returns the fields that decide how a cell looks: those shown as they are, and those the labels read."""
+    wanted = {s.field for s in sights if not s.labels}
+    for sight in sights:
+        conditions = [label.condition for label in sight.labels] + [sight.hidden_when]
+        for node in (n for c in conditions if c is not None for n in ir.walk(c)):
+            if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and node.owner.name == kind.name:
+                wanted.add(node.name)
+    return [f for f in kind.fields if f.name in wanted]
+
+
+def _values(field: ir.VarField, game: ir.Game) -> int:
+    type_ = field.type
+    match type_.kind:
+        case "word" if not type_.by:
+            return len(type_.words)
+        case "agent" if not type_.by:
+            return game.agents.number + 1
+        case "int" if not type_.by and not field.timer and type_.low >= 0:
+            return int(type_.high) + 1
+        case _:
+            raise NotSupported(f"labels that depend on `{field.name}`, which is not a word, an agent or a small count", field.origin)
+
+
+def content_labels(game: ir.Game) -> tuple[str, ...]:
+    """Returns the labels of the content plane in the order of its values."""
+    labels = ["outside"]
+    for look in looks(game):
+        names = [""]
+        for sight, words in zip(look.sights, look.final_words, strict=True):
+            names = [f"{n} {sight.field}={w}" for n in names for w in words]
+        labels += [look.kind.name + n for n in names]
+    return tuple(labels)
+
+
+def marking_phases(game: ir.Game) -> tuple[ir.Phase, ...]:
+    """Returns the phase uses that mark cells, `start` first, then in schedule order."""
+    phases = [p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase)]
+    return tuple(p for p in phases if any(isinstance(n, ir.Mark) for n in ir.walk(p)))
+
+
+def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
+    """Returns what each plane of a `tokens` observation means, in order."""
+    planes = [TokenPlane("content", "word", content_labels(game), len(content_labels(game)) - 1)]
+    heading = next((s for s in game.sights if s.what == "heading"), None)
+    if heading is None:
+        labels: tuple[str, ...] = ("none", "self", "other")
+    else:
+        labels = HEADING_LABELS if heading.hidden_when is None else (*HEADING_LABELS, "other")
+    planes.append(TokenPlane("agent", "word", labels, len(labels) - 1))
+    marking = marking_phases(game)
+    if marking:
+        planes.append(TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1))
+    for what, prefix in (("other", "other."), ("own", "agent."), ("world", "")):
+        for sight in game.sights:
+            if sight.what == what:
+                planes.append(_field_plane(sight, prefix, game))
+    return tuple(planes)
+
+
+def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
+    name = f"{prefix}{sight.field}" + (f"[{sight.word}]" if sight.word else "")
+    words = tuple(dict.fromkeys(x.name for x in sight.labels)) if sight.labels else sight.type.words
+    if words:
+        words = ("none", *words) if sight.what == "other" else words
+        return TokenPlane(name, "word", words, len(words) - 1)
+    high = number_bound(sight, game)
+    if high > 255:
+        raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", sight.origin)
+    return TokenPlane(name, "number", (), int(high))
+
+
+def number_bound(sight: ir.Sight, game: ir.Game) -> float:
+    """Returns the largest value of a shown number; for a timer what its setters allow, by the defaults of their parameters."""
+    fields = game.agents.fields if sight.what in ("own", "other") else game.fields
+    field = next(f for f in fields if f.name == sight.field)
+    if not field.timer:
+        return field.type.high
+    bound = 0.0
+    for node in ir.walk(game):
+        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead):
+            if node.target.name == field.name and node.target.place == field.place:
+                bound = max(bound, largest(node.value, game))
+    return bound
+
+
+def largest(e: ir.Expr, game: ir.Game) -> float:
+    """Returns an upper bound of a number for the parameters' declared limits, or their defaults where they have none."""
+    if e.type.high != float("inf"):
+        return e.type.high
+    match e:
+        case ir.ParamRef():
+            return max(_flat(next(p for p in game.params if p.name == e.name).value))
+        case ir.At():
+            return largest(e.row, game)
+        case ir.Local():
+            return max((largest(d.high, game) for d in ir.walk(game) if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None), default=e.type.high)
+        case _:
+            return e.type.high
+
+
+def _flat(value: object) -> list[float]:
+    return [x for v in value for x in _flat(v)] if isinstance(value, tuple) else [float(value)]  # type: ignore[arg-type]

@@ -1,0 +1,285 @@
+"""`observe`: the map is painted once, cut into windows, and each byte taken apart into the planes of an observation."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower import reads
+from sjdsl.compiler.lower.content import Look, looks, marking_phases
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, attribute_name, iota
+from sjdsl.compiler.lower.expressions import lower, to_words
+from sjdsl.compiler.lower.values import Axis, Value, binary, literal, select, wrapped
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some bits of a painted byte."""
+
+    name: str
+    plane: int
+    shift: int
+    bits: int
+
+
+def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
+    """Returns where content, agents and marks are kept: packed into as few bytes as they fit."""
+    final = looks(game)[-1]
+    contents = final.raw + final.raw_values
+    wanted = [("content", _bits(contents)), ("agent", _bits(game.agents.number + 1) if by_id else 3)]
+    wanted += [(f"mark_{p.name}", 1) for p in marking_phases(game)]
+    found: list[Part] = []
+    used = [0]
+    for name, bits in wanted:
+        plane = next((i for i, u in enumerate(used) if u + bits <= 8), len(used))
+        if plane == len(used):
+            used.append(0)
+        found.append(Part(name, plane, used[plane], bits))
+        used[plane] += bits
+    return tuple(found)
+
+
+def _bits(values: int) -> int:
+    return max(1, (values - 1).bit_length())
+
+
+def observe(w: Writer) -> str:
+    """Writes the lines of `observe`; returns the text of the observation."""
+    game = w.module.game
+    by_id = any(s.what == "other" or (s.what == "heading" and s.hidden_when is not None) for s in game.sights)
+    parts = parts_of(game, by_id)
+    n, window = w.module.num_agents, game.window
+    view = (window.ahead + 1 + window.behind, window.left + 1 + window.right)
+    _paint(parts, by_id, w)
+    cut = f"ahead={window.ahead}, behind={window.behind}, left={window.left}, right={window.right}"
+    axes = (w.axis("observer", n), w.axis("row", view[0]), w.axis("col", view[1]))
+    planes: dict[str, Value] = {}
+    num_planes = 1 + max(p.plane for p in parts)
+    for plane in range(num_planes):
+        frame = (w.module.layout.rows, w.module.layout.cols)
+        w.line(f"seen_{plane} = windows(plane_{plane}.reshape{frame}, state.position, state.heading, {cut})")
+    for part in parts:
+        alone = sum(p.plane == part.plane for p in parts) == 1
+        text = f"seen_{part.plane}"
+        text = text if part.shift == 0 else f"({text} >> {part.shift})"
+        planes[part.name] = Value(text if alone else f"{text} & {2**part.bits - 1}", "u8", axes)
+    columns = [_content(planes["content"], axes, w), *_agents(planes["agent"], axes, by_id, w)]
+    marks = [p for p in parts if p.name.startswith("mark_")]
+    if marks:
+        columns.insert(2, _marks(marks, planes))
+    columns += _own(axes, w)
+    away = reads.present(AgentVar(iota(axes[0]), axes[0]), w)
+    stack = f"jnp.stack([{', '.join(_full(c, axes) for c in columns)}], axis=-1)"
+    if away is None:
+        return stack
+    return f"jnp.where({wrapped(away)}[:, None, None, None], {stack}, 0)"
+
+
+def _full(column: Value, axes: tuple[Axis, ...]) -> str:
+    """Returns a column spelt out over the window."""
+    if column.axes == axes:
+        return column.text
+    shape = ", ".join(str(a.size) for a in axes)
+    text = f"jnp.asarray({column.text}, jnp.uint8)" if column.literal else column.text
+    if column.axes:
+        text = f"{wrapped(column)}[{', '.join(':' if a in column.axes else 'None' for a in axes)}]"
+    return f"jnp.broadcast_to({text}, ({shape}))"
+
+
+def _paint(parts: tuple[Part, ...], by_id: bool, w: Writer) -> None:
+    layout, game = w.module.layout, w.module.game
+    content = next(p for p in parts if p.name == "content")
+    base = layout.base_table({look.kind.name: look.raw << content.shift for look in looks(game)})
+    name = w.module.constant("base", base, "looks of the cells of the frame, fields aside")
+    for plane in range(1 + max(p.plane for p in parts)):
+        w.line(f"plane_{plane} = {name if plane == content.plane else f'jnp.zeros({layout.rows * layout.cols}, jnp.uint8)'}")
+    for look in looks(game):
+        cells = layout.cells_table((look.kind.name,))
+        if not look.painted or not len(cells.value):
+            continue
+        constant = w.module.constant(f"cells_{look.kind.name}", cells, f"cells of {look.kind.name}")
+        w.origin = look.kind.origin
+        value = wrapped(Value(_raw(look, w), "u8")) + (f" << {content.shift}" if content.shift else "")
+        w.line(
+            f"plane_{content.plane} = plane_{content.plane}.at[{constant}].set({value}, "
+            'mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)'
+        )
+    w.origin = None
+    for part in parts:
+        if part.name.startswith("mark_"):
+            bit = 1 << part.shift
+            w.line(f"plane_{part.plane} = paint(plane_{part.plane}, state.{part.name}, {bit})")
+    agent = next(p for p in parts if p.name == "agent")
+    if by_id:
+        shown = f"(jnp.arange({w.module.num_agents}, dtype=jnp.uint8) + 1)"
+    elif any(s.what == "heading" for s in game.sights):
+        shown = "(state.heading.astype(jnp.uint8) + 1)"
+    else:
+        shown = f"jnp.ones({w.module.num_agents}, jnp.uint8)"
+    shown += f" << {agent.shift}" if agent.shift else ""
+    w.line(f"plane_{agent.plane} = paint(plane_{agent.plane}, state.position, {shown})")
+
+
+def _raw(look: Look, w: Writer) -> str:
+    """Returns the number of each cell's look: its fields' values, the first most significant."""
+    text = ""
+    for field, values in look.painted:
+        stored = Value(f"state.{attribute_name(field)}", reads.storage(field, w))
+        value = stored.text if stored.dtype == "u8" else f"{stored.text}.astype(jnp.uint8)"
+        if field.type.kind == "agent":
+            value = f"({stored.text} + 1).astype(jnp.uint8)"
+        text = value if not text else f"({text}) * {values} + {value}"
+    return f"{text} + {look.raw}"
+
+
+def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
+    """Returns the content as each observer is shown it."""
+    game = w.module.game
+    found = looks(game)
+    if all(look.same for look in found):
+        return raw
+    raw = w.keep("raw", raw)
+    last = found[-1]
+    table = np.zeros(last.raw + last.raw_values, np.uint8)
+    for look in found:
+        if look.same:
+            table[look.raw : look.raw + look.raw_values] = np.arange(look.raw_values) + look.final
+    if all(table[look.raw] == look.raw for look in found if look.same):
+        shown = raw
+    else:
+        name = w.module.constant("shown_as", table, "number of each look as observers are shown it")
+        shown = Value(f"{name}[{raw.text}]", "u8", raw.axes)
+    for look in found:
+        if not look.same:
+            inside = f"({raw.text} >= {look.raw}) & ({raw.text} < {look.raw + look.raw_values})"
+            shown = select(w.keep(f"is_{look.kind.name}", Value(inside, "bool", axes)), _shown(look, raw, axes, w), shown)
+    return w.keep("content", shown)
+
+
+def _shown(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
+    """Returns the number of a kind's look for each observer, from its painted values."""
+    values: dict[str, Value] = {}
+    rest = f"({raw.text} - {look.raw})"
+    for field, size in reversed(look.painted):
+        text = f"{rest} % {size}" if field is not look.painted[0][0] else rest
+        values[field.name] = w.keep(f"{look.kind.name}_{field.name}", Value(text, "u8", axes))
+        rest = f"({rest} // {size})"
+    observer = AgentVar(iota(axes[0]), axes[0])
+    cell = SeenCell(Value("0", "i32"), (look.kind.name,), None, values)
+    place = Frame(axes=axes, variables={"agent": observer, look.kind.name: cell})
+    number: Value | None = None
+    for sight, words in zip(look.sights, look.final_words, strict=True):
+        one = _sight(sight, words, values, place, w)
+        number = one if number is None else binary("+", binary("*", number, literal(len(words), "u8"), "u8"), one, "u8")
+    assert number is not None
+    return binary("+", number, literal(look.final, "u8"), "u8")
+
+
+@dataclass(frozen=True)
+class SeenCell(CellVar):
+    """A cell of a window: only the fields that were painted are known of it."""
+
+    values: dict[str, Value] | None = None
+
+
+def _sight(sight: ir.Sight, words: tuple[str, ...], values: dict[str, Value], place: Frame, w: Writer) -> Value:
+    if sight.labels:
+        result = literal(words.index(sight.labels[-1].name), "u8")
+        for label in reversed(sight.labels[:-1]):
+            assert label.condition is not None
+            result = select(lower(label.condition, place, w), literal(words.index(label.name), "u8"), result)
+            if result.text.startswith("jnp.where") and result.dtype != "u8":
+                result = replace(result, dtype="u8")
+        result = Value(f"{wrapped(result)}.astype(jnp.uint8)", "u8", result.axes) if not result.literal else result
+    else:
+        result = values[sight.field]
+    if sight.hidden_when is not None:
+        result = select(lower(sight.hidden_when, place, w), literal(len(words) - 1, "u8"), result)
+    return result
+
+
+def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> list[Value]:
+    """Returns the plane of agents, then one for each thing shown of the others."""
+    game, window = w.module.game, w.module.game.window
+    own = np.zeros((axes[1].size, axes[2].size), bool)
+    own[window.ahead, window.left] = True
+    myself = w.module.constant("myself", own, "where the observer is in its window")
+    self_ = Value(f"{myself}[None]", "bool", axes)
+    agent = w.keep("agent", agent)
+    heading = next((s for s in game.sights if s.what == "heading"), None)
+    mine = "state.heading.astype(jnp.uint8)[:, None, None]"
+    somebody = binary("!=", agent, literal(0, "u8"), "bool")
+    if not by_id:
+        other = f"2 + (({agent.text} - 1 - {mine}) & 3)" if heading is not None else "jnp.uint8(2)"
+        shown = f"jnp.where({somebody.text}, {other}, 0)"
+        return [Value(f"jnp.where({self_.text}, 1, {shown}).astype(jnp.uint8)", "u8", axes)]
+    who = w.keep("who", Value(f"jnp.maximum({agent.text}.astype(jnp.int32) - 1, 0)", "i32", axes))
+    other_var = AgentVar(who)
+    observer = AgentVar(iota(axes[0]), axes[0])
+    place = Frame(axes=axes, variables={"agent": observer, "other": other_var})
+    facing: Value = literal(2, "u8")
+    if heading is not None:
+        facing = Value(f"(2 + ((state.heading[{who.text}] - state.heading[:, None, None]) & 3)).astype(jnp.uint8)", "u8", axes)
+        if heading.hidden_when is not None:
+            facing = select(lower(heading.hidden_when, place, w), literal(6, "u8"), facing)
+    first = f"jnp.where({self_.text}, 1, jnp.where({somebody.text}, {facing.text}, 0)).astype(jnp.uint8)"
+    columns = [Value(first, "u8", axes)]
+    theirs = w.keep("theirs", Value(f"({somebody.text}) & ~{self_.text}", "bool", axes))
+    for sight in game.sights:
+        if sight.what == "other":
+            value = _field_sight(sight, other_var, place, w)
+            if sight.labels or sight.type.kind == "word":
+                value = binary("+", value, literal(1, "u8"), "u8")
+            value = select(theirs, value, literal(0, "u8"))
+            if sight.hidden_when is not None:
+                value = select(lower(sight.hidden_when, place, w), literal(0, "u8"), value)
+            columns.append(value)
+    return columns
+
+
+def _field_sight(sight: ir.Sight, who: AgentVar | None, place: Frame, w: Writer) -> Value:
+    """Returns the value of a shown field as a byte."""
+    if sight.labels:
+        words = tuple(dict.fromkeys(x.name for x in sight.labels))
+        return _sight(sight.model_copy(update={"hidden_when": None}), words, {}, place, w)
+    fields = w.module.game.agents.fields if who is not None else w.module.game.fields
+    declared = next(f for f in fields if f.name == sight.field)
+    read = ir.FieldRead(type=declared.type, owner=None, place="agent" if who is not None else "world", name=sight.field)
+    stored = reads.field(read, who, w)
+    if sight.word is not None:
+        key = declared.type.by[0].index(sight.word)
+        stored = replace(stored, text=f"{wrapped(stored)}[{':, ' * len(stored.axes)}{key}]", levels=0)
+    if stored.dtype == "u8":
+        return stored
+    bound = stored.text if reads.storage(declared, w) == "u8" else f"jnp.minimum({stored.text}, 255)"
+    return Value(f"{wrapped(Value(bound, 'i32'))}.astype(jnp.uint8)", "u8", stored.axes)
+
+
+def _marks(marks: list[Part], planes: dict[str, Value]) -> Value:
+    """Returns the marks of a cell as bits, one a phase."""
+    if len(marks) == 1:
+        return planes[marks[0].name]
+    if all(m.plane == marks[0].plane and m.shift == marks[0].shift + i for i, m in enumerate(marks)):
+        text = f"(seen_{marks[0].plane} >> {marks[0].shift}) & {2 ** len(marks) - 1}"
+        return replace(planes[marks[0].name], text=text)
+    text = " | ".join(f"(({planes[m.name].text}) << {i})" for i, m in enumerate(marks))
+    return replace(planes[marks[0].name], text=text)
+
+
+def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+    """Returns the planes of the observer's own fields and the world's."""
+    columns = []
+    observer = AgentVar(iota(axes[0]), axes[0])
+    place = Frame(axes=axes[:1], variables={"agent": observer})
+    for what in ("own", "world"):
+        for sight in w.module.game.sights:
+            if sight.what == what:
+                w.origin = sight.origin
+                value = _field_sight(sight, observer if what == "own" else None, place, w)
+                if sight.hidden_when is not None:
+                    value = select(lower(sight.hidden_when, place, w), literal(0, "u8"), value)
+                columns.append(w.keep(f"shown_{sight.field}", value))
+    return columns
+
+
+__all__ = ["NotSupported", "observe", "parts_of", "to_words"]

@@ -1,0 +1,182 @@
+"""`send` and `remove`: who is sent is collected over the phase, then placed pool by pool."""
+
+from dataclasses import dataclass, field
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower import reads
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, Writer, iota
+from sjdsl.compiler.lower.expressions import lower, owner
+from sjdsl.compiler.lower.values import Axis, Value, as_dtype, both, invert, literal, reduce, select
+from sjdsl.runtime.draws import RETURN
+
+FACINGS = ("north", "east", "south", "west")
+
+
+@dataclass(frozen=True)
+class Pool:
+    """One destination of one phase use; `number` names it in the state of those who are away."""
+
+    number: int
+    send: ir.Send
+    phase: str
+
+
+@dataclass
+class Sends:
+    """The sends of one phase: for each pool who goes at once, and the lines for who goes away first."""
+
+    pools: tuple[Pool, ...]
+    now: dict[int, list[tuple[ir.Send, str]]] = field(default_factory=dict)
+    away: list[tuple[Pool, ir.Send, str, str]] = field(default_factory=list)
+    removed: list[str] = field(default_factory=list)
+
+    def add(self, s: ir.Send, frame: Frame, w: Writer) -> None:
+        """Notes who is sent, `[N]` bool."""
+        sent = w.keep("sent", _per_agent(s.who, frame, w))
+        pool = next(p for p in self.pools if p.send.pool == s.pool)
+        if s.after is None:
+            self.now.setdefault(pool.number, []).append((s, sent.text))
+            return
+        delay = as_dtype(lower(s.after, frame.always(), w), "i32")
+        delays = _delays(s, delay, frame, w)
+        if s.after.type.low <= 0:
+            at_once = w.keep("at_once", Value(f"{sent.text} & ({delays} == 0)", "bool"))
+            self.now.setdefault(pool.number, []).append((s, at_once.text))
+            sent = w.keep("leaving", Value(f"{sent.text} & ({delays} > 0)", "bool"))
+        self.away.append((pool, s, sent.text, delays))
+
+    def remove(self, s: ir.Remove, frame: Frame, w: Writer) -> None:
+        self.removed.append(w.keep("removed", _per_agent(s.who, frame, w)).text)
+
+
+def _per_agent(e: ir.Expr, frame: Frame, w: Writer) -> Value:
+    """Returns which agents a sentence reaches, `[N]` bool."""
+    who = owner(e, frame, w)
+    assert isinstance(who, AgentVar)
+    n = w.module.num_agents
+    mask = frame.mask if frame.mask is not None else literal(True, "bool")
+    if who.axis is not None:
+        hit = reduce("any", mask, tuple(a for a in frame.axes if a != who.axis))
+        return hit if hit.axes else Value(f"jnp.full({n}, {hit.text})", "bool")
+    at = select(frame.mask, who.index, literal(n, "i32"))
+    return Value(f"jnp.zeros({n}, bool).at[{at.text}].set(True, mode=\"drop\")", "bool")
+
+
+def _delays(s: ir.Send, delay: Value, frame: Frame, w: Writer) -> str:
+    """Returns the ticks each agent is away, `[N]` int32 or a number (all sends that reach one agent agree)."""
+    if not delay.axes:
+        return w.keep("delay", Value(f"jnp.int32({delay.text})" if delay.literal else delay.text, "i32")).text
+    who = owner(s.who, frame, w)
+    assert isinstance(who, AgentVar)
+    if who.axis is not None:
+        over = tuple(a for a in delay.axes if a != who.axis)
+        if over:
+            masked = select(frame.mask, delay, literal(0, "i32"))
+            where = tuple(masked.axes.index(a) for a in over if a in masked.axes)
+            return w.keep("delay", Value(f"jnp.max({masked.text}, axis={where})", "i32")).text
+        return w.keep("delay", delay).text
+    n = w.module.num_agents
+    at = select(frame.mask, who.index, literal(n, "i32"))
+    return w.keep("delay", Value(f"jnp.zeros({n}, jnp.int32).at[{at.text}].set({delay.text}, mode=\"drop\")", "i32")).text
+
+
+def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
+    """Returns the pools of every phase, numbered through the game."""
+    pools: dict[str, tuple[Pool, ...]] = {}
+    number = 0
+    for phase in (game.start, *game.schedule):
+        if not isinstance(phase, ir.Phase):
+            continue
+        found: dict[int, Pool] = {}
+        for node in ir.walk(phase):
+            if isinstance(node, ir.Send) and node.pool not in found:
+                found[node.pool] = Pool(number, node, phase.name)
+                number += 1
+        pools[phase.name] = tuple(found.values())
+    return pools
+
+
+def finish(sends: Sends, w: Writer) -> None:
+    """Writes the placing of all who are sent in a phase."""
+    for pool in sends.pools:
+        parts = sends.now.get(pool.number, [])
+        if not parts:
+            continue
+        sent = parts[0][1] if len(parts) == 1 else w.keep("sent", Value(" | ".join(t for _, t in parts), "bool")).text
+        placed = place(pool, sent, w.current("position"), w, 0)
+        _headings(pool, parts, placed, w)
+    for pool, s, sent, delays in sends.away:
+        w.assign("position", f"jnp.where({sent}, 0, {w.current('position')})")
+        w.assign("away", f"jnp.where({sent}, {delays}, {w.current('away')})")
+        w.assign("away_pool", f"jnp.where({sent}, {pool.number}, {w.current('away_pool')})")
+        facing = 4 if s.facing is None else 5 if s.facing == "same" else FACINGS.index(s.facing)
+        w.assign("away_facing", f"jnp.where({sent}, {facing}, {w.current('away_facing')})")
+    for removed in sends.removed:
+        w.assign("position", f"jnp.where({removed}, 0, {w.current('position')})")
+
+
+def place(pool: Pool, sent: str, position: str, w: Writer, stream_change: int) -> str:
+    """Writes the placing of one pool; returns who found a cell."""
+    kinds = pool.send.domain.var.kinds
+    layout = w.module.layout
+    cells = w.module.constant("cells_" + "_".join(kinds), layout.cells_table(kinds), f"cells of {', '.join(kinds)}")
+    axis = w.axis("destination", layout.num_cells(kinds))
+    n = w.module.num_agents
+    agents = AgentVar(Value("", "i32"), Axis("", n, 0))
+    starting = pool.phase == "start"
+    free: Value | None = None
+    if not starting:
+        site, _ = reads.site_under(agents, kinds, w)
+        others = w.keep("others", Value(f"jnp.where({sent}, {axis.size}, {site.text})", "i32"))
+        free = Value(f"~occupied({others.text}, {axis.size})", "bool", (axis,))
+    if pool.send.domain.where is not None:
+        variable = CellVar(iota(axis), kinds, axis)
+        test = lower(pool.send.domain.where, Frame(axes=(axis,), variables={pool.send.domain.var.name: variable}), w)
+        free = both(free, test)
+    member = "jnp.ones((), bool)" if free is None else free.text
+    stream = pool.send.order_stream ^ stream_change
+    ranks = w.keep("ranks", Value(f"ranks(words(key, 0x{stream:08x}, {axis.size}), {member})", "u32", (axis,)))
+    placed = w.names.fresh("placed")
+    if "position" not in w.changed:
+        w.changed["position"] = w.names.fresh("position")
+    w.line(f"{w.changed['position']}, {placed} = place({cells}, {ranks.text}, {position}, {sent})")
+    return placed
+
+
+def _headings(pool: Pool, parts: list[tuple[ir.Send, str]], placed: str, w: Writer) -> None:
+    n = w.module.num_agents
+    for s, sent in parts:
+        if s.facing == "same":
+            continue
+        who = placed if len(parts) == 1 else f"{sent} & {placed}"
+        if s.facing is not None:
+            facing = str(FACINGS.index(s.facing))
+        else:
+            facing = f"below(words(key, 0x{pool.send.heading_stream:08x}, {n}), 4)"
+        w.assign("heading", f"jnp.where({who}, {facing}, {w.current('heading')})")
+
+
+def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
+    """Writes the part of `tick` that brings back those whose time away is over."""
+    n = w.module.num_agents
+    w.line("gone = state.position == 0")
+    w.line("left = jnp.maximum(state.away - 1, 0)")
+    w.names.taken |= {"gone", "left"}
+    w.assign("away", "jnp.where(gone & (state.away > 0), left, state.away)")
+    for phase in pools.values():
+        for pool in phase:
+            delayed = [x for x in ir.walk(w.module.game) if isinstance(x, ir.Send) and x.after is not None and x.order_stream == pool.send.order_stream]
+            if not delayed:
+                continue
+            due = w.keep(
+                "due", Value(f"gone & (state.away_pool == {pool.number}) & (state.away > 0) & (left == 0)", "bool")
+            )
+            placed = place(pool, due.text, w.current("position"), w, RETURN)
+            stream = pool.send.heading_stream ^ RETURN
+            w.line(f"facing = jnp.where(state.away_facing == 4, below(words(key, 0x{stream:08x}, {n}), 4), state.away_facing)")
+            w.line(f"facing = jnp.where(state.away_facing == 5, {w.current('heading')}, facing)")
+            w.assign("heading", f"jnp.where({placed}, facing, {w.current('heading')})")
+            w.assign("away", f"jnp.where({due.text} & ~{placed}, 1, {w.current('away')})")
+
+
+__all__ = ["Pool", "Sends", "all_pools", "finish", "invert", "returns"]

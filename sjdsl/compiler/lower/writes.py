@@ -1,0 +1,279 @@
+"""`set` and `add`: new values of fields, by selection where the member is the axis, by scatter where it is computed."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower import reads
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, attribute_name
+from sjdsl.compiler.lower.expressions import lower, owner, to_words
+from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, literal, reduce, select, union, wrapped
+
+
+def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
+    """Returns the field a target names, and the keys into its row."""
+    keys: list[ir.Expr] = []
+    while isinstance(target, ir.At):
+        keys.insert(0, target.key)
+        target = target.row
+    assert isinstance(target, ir.FieldRead)
+    return target, tuple(keys)
+
+
+def set_(s: ir.Set, frame: Frame, w: Writer) -> None:
+    """Writes `set target = value`."""
+    target, keys = split(s.target)
+    value = stored_value(s.value, s.target.type, frame, w)
+    for declared, place, frame_ in targets(target, frame, w):
+        dtype = reads.storage(declared, w)
+        write(declared, place, keys, target, as_dtype(value, dtype) if value.dtype != dtype else value, frame_, w)
+
+
+def stored_value(e: ir.Expr, type_: ir.Type, frame: Frame, w: Writer) -> Value:
+    """Returns a value as the field keeps it: words of its own set, agents as numbers, nobody as the empty set."""
+    if type_.kind == "agents" and isinstance(e, ir.Nobody):
+        return literal(0, "u8" if w.module.num_agents <= 8 else "u32")
+    value = lower(e, frame.always(), w)
+    if type_.kind == "word":
+        return to_words(value, e.type.words, type_.words)
+    if type_.kind == "real":
+        return as_dtype(value, "f32")
+    return value
+
+
+def targets(target: ir.FieldRead, frame: Frame, w: Writer) -> list[tuple[ir.VarField, AgentVar | CellVar | None, Frame]]:
+    """Returns the fields a write reaches, each with whose it is: one, or one for each kind of a group."""
+    if target.owner is None:
+        return [(w.module.field(target), None, frame)]
+    who = owner(target.owner, frame, w)
+    if isinstance(who, AgentVar) or len(who.kinds) == 1:
+        return [(w.module.field(target), who, frame)]
+    found: list[tuple[ir.VarField, AgentVar | CellVar | None, Frame]] = []
+    layout = w.module.layout
+    for kind in who.kinds:
+        table = layout.site_of((kind,))[layout.cells(who.kinds)]
+        table = np.append(table, len(layout.cells((kind,)))).astype(np.int32)
+        name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, f"number among {kind} of each cell of the group; past the end: none")
+        text = f"{name}[:-1]" if who.axis is not None else f"{name}[{who.site.text}]"
+        axes = (who.axis,) if who.axis is not None else who.site.axes
+        found.append((w.module.field(target, kind), CellVar(Value(text, "i32", axes), (kind,)), frame))
+    return found
+
+
+def write(
+    declared: ir.VarField,
+    who: AgentVar | CellVar | None,
+    keys: tuple[ir.Expr, ...],
+    target: ir.FieldRead,
+    value: Value,
+    frame: Frame,
+    w: Writer,
+) -> None:
+    """Writes one field where the place's condition holds."""
+    attribute = attribute_name(declared)
+    levels = len(target.type.by)
+    dtype = reads.storage(declared, w)
+    if who is None or who.axis is not None:
+        axis = () if who is None else (who.axis,)
+        over = tuple(a for a in frame.axes if a not in axis)
+        mask = None if frame.mask is None else reduce("any", frame.mask, over)
+        if any(a in value.axes for a in over):
+            value = _settled(value, frame, over)
+        before = Value(w.current(attribute), dtype, axis, levels)  # type: ignore[arg-type]
+        w.assign(attribute, _entries(before, mask, keys, target, value, frame, w).text)
+        return
+    index = who.index if isinstance(who, AgentVar) else who.site
+    size = w.module.num_agents if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
+    _scatter(attribute, index, size, keys, target, value, levels, frame, w)
+
+
+def _settled(value: Value, frame: Frame, over: tuple[Axis, ...]) -> Value:
+    """All instances that reach one target have one value: the one of any instance that happens."""
+    masked = select(frame.mask, as_dtype(value, "i32") if value.dtype in ("u8", "bool") else value, literal(0, "i32" if value.dtype != "f32" else "f32"))
+    gone = tuple(a for a in over if a in masked.axes)
+    where = [masked.axes.index(a) for a in gone]
+    text = f"jnp.max({masked.text}, axis={tuple(where)})"
+    kept = tuple(a for a in masked.axes if a not in gone)
+    return as_dtype(Value(text, masked.dtype, kept), value.dtype)
+
+
+def _entries(before: Value, mask: Value | None, keys: tuple[ir.Expr, ...], target: ir.FieldRead, value: Value, frame: Frame, w: Writer) -> Value:
+    """Returns the field with the value in its place: the whole, or one entry of a row."""
+    if mask is not None and mask.text == "False":
+        return before
+    if not keys:
+        if mask is None and not (value.axes == before.axes and value.levels == before.levels):
+            return _filled(before, value)
+        if mask is not None and before.levels:
+            mask = replace(mask, text=_with_levels(mask, before.axes, before.levels), axes=before.axes, levels=before.levels)
+        return select(mask, value, before)
+    key = lower(keys[0], frame.always(), w)
+    key = to_words(key, keys[0].type.words, target.type.by[0])
+    lead = ":, " * len(before.axes)
+    if key.literal:
+        old = replace(before, text=f"{before.text}[{lead}{key.text}]", levels=0)
+        new = select(mask, value, old)
+        return replace(before, text=f"{before.text}.at[{lead}{key.text}].set({new.text})")
+    words = len(target.type.by[0])
+    chosen = f"{aligned(key, before.axes)}[..., None] == jnp.arange({words}, dtype=jnp.uint8)"
+    if before.axes:
+        chosen += f"[{', '.join(['None'] * len(before.axes))}, :]"
+    hit = f"({chosen})" if mask is None else f"(({chosen}) & {wrapped(replace(mask, text=aligned(mask, before.axes)))}[..., None])"
+    new = value.text if value.literal or not value.axes else f"{wrapped(replace(value, text=aligned(value, before.axes)))}[..., None]"
+    return replace(before, text=f"jnp.where({hit}, {new}, {before.text})")
+
+
+def _with_levels(mask: Value, axes: tuple[Axis, ...], levels: int) -> str:
+    if not mask.axes:
+        return mask.text
+    text = aligned(mask, axes)
+    return f"{wrapped(replace(mask, text=text))}[{', '.join([':'] * len(axes) + ['None'] * levels)}]"
+
+
+def _filled(before: Value, value: Value) -> Value:
+    return replace(before, text=f"jnp.full_like({before.text}, {value.text})") if not value.axes and not value.levels else select(
+        literal(True, "bool"), value, before
+    )
+
+
+def _scatter(
+    attribute: str, index: Value, size: int, keys: tuple[ir.Expr, ...], target: ir.FieldRead, value: Value, levels: int, frame: Frame, w: Writer
+) -> None:
+    """Writes at computed places; instances that do not happen write past the end."""
+    axes = union(index.axes, () if frame.mask is None else frame.mask.axes, value.axes)
+    at = select(frame.mask, index, literal(size, "i32"))
+    shape = ", ".join(str(a.size) for a in axes)
+    at_text = aligned(at, axes) if at.axes else at.text
+    if axes and at.axes != axes:
+        at_text = f"jnp.broadcast_to({at_text}, ({shape},))"
+    column = ""
+    if keys:
+        key = to_words(lower(keys[0], frame.always(), w), keys[0].type.words, target.type.by[0])
+        if key.literal or not key.axes:
+            column = f", {key.text}"
+        else:
+            key_text = aligned(key, axes) if key.axes != axes else key.text
+            column = f", {key_text}"
+    value_text = aligned(value, axes) if value.axes and value.axes != axes else value.text
+    if levels and not keys and value.axes and not value.levels:
+        value_text = f"{wrapped(replace(value, text=value_text))}[{', '.join([':'] * len(axes) + ['None'] * levels)}]"
+    w.assign(attribute, f"{w.current(attribute)}.at[{at_text}{column}].set({value_text}, mode=\"drop\")")
+
+
+def add(s: ir.Add, frame: Frame, w: Writer) -> None:
+    """Collects `add value to target`; the sums are applied at the end of the phase."""
+    target, keys = split(s.target)
+    for declared, who, place in targets(target, frame, w):
+        if target.type.kind == "agents":
+            _add_member(s, declared, who, place, w)
+            continue
+        value = lower(s.value, place.always(), w)
+        value = as_dtype(value, "f32" if target.type.kind == "real" else "i32")
+        _add_number(declared, who, keys, target, value, place, w)
+
+
+def _add_number(
+    declared: ir.VarField, who: AgentVar | CellVar | None, keys: tuple[ir.Expr, ...], target: ir.FieldRead, value: Value, frame: Frame, w: Writer
+) -> None:
+    attribute = attribute_name(declared)
+    masked = _masked(value, frame)
+    levels = len(target.type.by)
+    if keys:
+        key = to_words(lower(keys[0], frame.always(), w), keys[0].type.words, target.type.by[0])
+        words = len(target.type.by[0])
+        masked = _one_hot(masked, key, words)
+    sums = w.added.setdefault(attribute, [])
+    if who is None or who.axis is not None:
+        axis = () if who is None else (who.axis,)
+        total = reduce("sum", masked, tuple(a for a in frame.axes if a not in axis))
+        sums.append(w.keep(f"{attribute}_added", replace(total, text=aligned(total, axis) if total.axes else total.text, axes=axis if total.axes else ())))  # type: ignore[arg-type]
+        return
+    index = who.index if isinstance(who, AgentVar) else who.site
+    size = w.module.num_agents if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
+    axes = union(index.axes, masked.axes)
+    rest = tuple(a for a in frame.axes if a not in axes)
+    total = reduce("sum", masked, rest)
+    at = aligned(index, axes)
+    if index.axes != axes:
+        at = f"jnp.broadcast_to({at}, ({', '.join(str(a.size) for a in axes)},))"
+    dims = f"{size}" + "".join(f", {len(by)}" for by in target.type.by)
+    zero = f"jnp.zeros(({dims},), {'jnp.float32' if total.dtype == 'f32' else 'jnp.int32'})"
+    amount = total.text if not total.axes else (aligned(total, axes) if not total.levels else _row_aligned(total, axes))
+    shape = (Axis(f"all of {attribute}", size, 0),)
+    sums.append(w.keep(f"{attribute}_added", Value(f"{zero}.at[{at}].add({amount}, mode=\"drop\")", total.dtype, shape, levels)))
+
+
+def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> str:
+    if value.axes == axes:
+        return value.text
+    return f"{wrapped(value)}[{', '.join([':' if a in value.axes else 'None' for a in axes] + [':'] * value.levels)}]"
+
+
+def _masked(value: Value, frame: Frame) -> Value:
+    if frame.mask is None:
+        return value
+    mask = frame.mask
+    if value.levels:
+        axes = union(mask.axes, value.axes)
+        text = f"{wrapped(replace(mask, text=aligned(mask, axes)))}[{', '.join([':'] * len(axes) + ['None'] * value.levels)}]" if mask.axes else mask.text
+        row = _row_aligned(value, axes)
+        return Value(f"jnp.where({text}, {row}, 0)", value.dtype, axes, value.levels)
+    return select(mask, value, literal(0, value.dtype))
+
+
+def _one_hot(value: Value, key: Value, words: int) -> Value:
+    """Returns a row that has the value at the key's word and 0 elsewhere."""
+    axes = union(value.axes, key.axes)
+    lead = f"[{', '.join(['None'] * len(axes))}, :]" if axes else ""
+    word = key.text if key.literal or not key.axes else f"{wrapped(replace(key, text=aligned(key, axes)))}[..., None]"
+    amount = value.text if value.literal or not value.axes else f"{wrapped(replace(value, text=aligned(value, axes)))}[..., None]"
+    zero = "jnp.float32(0.0)" if value.dtype == "f32" else "jnp.int32(0)"
+    return Value(f"jnp.where({word} == jnp.arange({words}, dtype=jnp.uint8){lead}, {amount}, {zero})", value.dtype, axes, 1)
+
+
+def _add_member(s: ir.Add, declared: ir.VarField, who: AgentVar | CellVar | None, frame: Frame, w: Writer) -> None:
+    """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
+    attribute = attribute_name(declared)
+    n = w.module.num_agents
+    if n > 32:
+        raise NotSupported(f"a set of agents in a game of {n} agents (at most 32)", s.origin)
+    member = lower(s.value, frame.always(), w)
+    dtype = "jnp.uint8" if n <= 8 else "jnp.uint32"
+    if who is None:
+        raise NotSupported("a world field that is a set of agents", s.origin)
+    index = who.index if isinstance(who, AgentVar) else who.site
+    size = n if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
+    axes = union(index.axes, member.axes, () if frame.mask is None else frame.mask.axes)
+    at = select(frame.mask, index, literal(size, "i32"))
+    shape = ", ".join(str(a.size) for a in axes)
+    places = [f"jnp.broadcast_to({aligned(x, axes)}, ({shape},))" if x.axes != axes else x.text for x in (at, member)]
+    table = f"jnp.zeros(({size}, {n}), bool).at[{places[0]}, {places[1]}].set(True, mode=\"drop\")"
+    name = w.keep(f"{attribute}_joined", Value(table, "bool"))
+    text = f"{w.current(attribute)} | as_bits({name.text}, {dtype})"
+    w.late.append((attribute, text, name.text))
+
+
+def finish(w: Writer) -> None:
+    """Applies the sums of the phase, brings capped fields into their range, and joins sets."""
+    for attribute, sums in w.added.items():
+        declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
+        dtype = reads.storage(declared, w)
+        wide = "i32" if declared.type.kind == "int" else "f32"
+        text = wrapped(as_dtype(Value(w.current(attribute), dtype), wide))
+        for total in sums:
+            text += f" + {wrapped(total)}"
+        if declared.capped:
+            text = f"jnp.clip({text}, {int(declared.type.low)}, {int(declared.type.high)})"
+        w.assign(attribute, as_dtype(Value(text, wide), dtype).text)
+    for attribute, _, joined in w.late:
+        dtype = "jnp.uint8" if w.module.num_agents <= 8 else "jnp.uint32"
+        w.assign(attribute, f"{w.current(attribute)} | as_bits({joined}, {dtype})")
+
+
+def all_fields(game: ir.Game) -> list[ir.VarField]:
+    """Returns every field of a game in the order of State."""
+    return [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
+
+
+__all__ = ["add", "all_fields", "binary", "both", "finish", "set_", "split", "write"]

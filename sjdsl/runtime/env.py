@@ -1,0 +1,193 @@
+"""The environment interface: one compiled game, arrays in and arrays out, ready for `jit`, `vmap` and `scan`."""
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+from jax.custom_batching import custom_vmap
+
+from sjdsl.compiler import ir
+from sjdsl.runtime.draws import key_words
+from sjdsl.runtime.tokens import TokenPlane, channel_names, to_channels
+
+State = Any
+Params = Any
+Info = dict[str, Any]
+
+
+class Environment:
+    """One environment of a compiled game; `vmap` it for many.
+
+    Attributes:
+      name, title, hash: the game; two games share a hash if and only if their rules are equal.
+      num_agents, num_actions, action_names, episode_length.
+      observation_shape: `(N, rows, cols, P)` for tokens, `(N, rows, cols, C)` for onehot; observation_dtype: uint8.
+      token_planes: what each of the P planes means; channel_names: names of the C one-hot channels.
+      params: the run-time parameters, a pytree; the defaults of `reset` and `step`.
+      game: the typed rules; module: the generated code.
+    """
+
+    def __init__(self, game: ir.Game, module: ModuleType, params: Params, game_hash: str, observation: Literal["tokens", "onehot"]):
+        self.game = game
+        self.module = module
+        self.params = params
+        self.hash = game_hash
+        self.observation = observation
+        self.reset = jax.jit(self._reset)
+        self.step = jax.jit(self._step)
+        self.step_env = jax.jit(self._step_env)
+        self.observe = jax.jit(self._observe)
+
+    @property
+    def name(self) -> str:
+        return self.game.name
+
+    @property
+    def title(self) -> str:
+        return self.game.title
+
+    @property
+    def num_agents(self) -> int:
+        return self.game.agents.number
+
+    @property
+    def num_actions(self) -> int:
+        return len(self.game.agents.actions)
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        return self.game.agents.actions
+
+    @property
+    def token_planes(self) -> tuple[TokenPlane, ...]:
+        return self.module.TOKEN_PLANES
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        return channel_names(self.token_planes)
+
+    @property
+    def observation_shape(self) -> tuple[int, int, int, int]:
+        window = self.game.window
+        depth = len(self.token_planes) if self.observation == "tokens" else len(self.channel_names)
+        return self.num_agents, window.ahead + 1 + window.behind, window.left + 1 + window.right, depth
+
+    @property
+    def observation_dtype(self) -> jnp.dtype:
+        return jnp.dtype(jnp.uint8)
+
+    @property
+    def episode_length(self) -> int:
+        """Steps until truncation under `params`."""
+        return int(self.module.episode_length(self.params))
+
+    def __repr__(self) -> str:
+        return f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, {self.num_actions} actions, {self.observation}>"
+
+    def _reset(self, key: Array, params: Params | None = None) -> tuple[Array, State]:
+        """Returns the first observation and state of an episode. `key`: a typed key, or two uint32 words (old style)."""
+        params = self.params if params is None else params
+        state = self.module.reset(params, key_words(key))
+        return self._observe(state, params), state
+
+    def _step(
+        self, key: Array, state: State, actions: Array, params: Params | None = None
+    ) -> tuple[Array, State, Array, Array, Info]:
+        """One step; a finished episode is followed by the first state of the next.
+
+        Args:
+          key: consumed; the step's draws (and those of a reset) come from it alone.
+          state: of `reset` or `step`.
+          actions: `[N]` int, numbers of `action_names`; any other number is `stay`.
+          params: instead of `env.params`.
+        Returns:
+          observation (of the state returned); state; reward `[N]` float32, raw; done bool; info: `truncated`, `terminated` bool,
+          `events` int32 `[N]` or scalar counts of this step, `metrics` float32 scalars, `terminal_observation` (before the
+          reset; costs nothing under `jit` when unused).
+        """
+        params = self.params if params is None else params
+        words = key_words(key)
+        ended, reward, done, info = self._transition(words, state, actions, params)
+        state = reset_where(self.module.reset, done, words, params, ended)
+        info["terminal_observation"] = self._observe(ended, params)
+        return self._observe(state, params), state, reward, done, info
+
+    def _step_env(
+        self, key: Array, state: State, actions: Array, params: Params | None = None
+    ) -> tuple[Array, State, Array, Array, Info]:
+        """As `step`, without the reset."""
+        params = self.params if params is None else params
+        state, reward, done, info = self._transition(key_words(key), state, actions, params)
+        info["terminal_observation"] = observation = self._observe(state, params)
+        return observation, state, reward, done, info
+
+    def _transition(self, words: Array, state: State, actions: Array, params: Params) -> tuple[State, Array, Array, Info]:
+        actions = jnp.asarray(actions).astype(jnp.int32)
+        if actions.shape != (self.num_agents,):
+            raise ValueError(f"actions have shape {actions.shape}, one for each agent is wanted: ({self.num_agents},)")
+        state, out = self.module.step(state, actions, params, words)
+        metrics = self.module.measures(state, params)
+        state = state.replace(step=state.step + 1)
+        truncated = (state.step >= self.module.episode_length(params)) & ~out.ended
+        info = {"truncated": truncated, "terminated": out.ended, "events": self._events(out), "metrics": metrics}
+        return state, out.reward, truncated | out.ended, info
+
+    def _events(self, out: Any) -> dict[str, Array]:
+        """Returns the counts of a step by event; a `by` event gives `name[word]` for each word."""
+        from sjdsl.compiler.identifiers import param_attribute
+
+        counts = {}
+        for event in self.game.events:
+            value = getattr(out, f"event_{param_attribute(event.name)}")
+            if event.by:
+                counts |= {f"{event.name}[{word}]": value[..., i] for i, word in enumerate(event.by)}
+            else:
+                counts[event.name] = value
+        return counts
+
+    def _observe(self, state: State, params: Params | None = None) -> Array:
+        """Returns the observation of a state."""
+        tokens = self.module.observe(state, self.params if params is None else params)
+        if self.observation == "tokens":
+            return tokens
+        return to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
+
+    def allowed_actions(self, state: State, params: Params | None = None) -> Array:
+        """Returns which actions each agent may take: `[N, A]` bool."""
+        return self.module.allowed_actions(state, self.params if params is None else params)
+
+    def cells(self, state: State) -> tuple[Array, Array]:
+        """Returns the (row, col) of each agent on the map, int32 `[N]` each; negative for those who are away."""
+        rows, cols = self.module.FRAME
+        pad = self.module.PAD
+        return state.position // cols - pad, state.position % cols - pad
+
+
+def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
+    """Returns the first state of an episode where `done`, else `state`.
+
+    For a batch the resets are computed only if some environment is done: a `select` in every step would cost more than most
+    phases. A second `vmap` around turns the choice back into a select; the values are the same.
+    """
+
+    @custom_vmap
+    def choose(done: Array, words: Array, params: Params, state: State) -> State:
+        return lax.cond(done, lambda: reset(params, words), lambda: state)
+
+    @choose.def_vmap
+    def batched(size: int, in_batched: Any, done: Array, words: Array, params: Params, state: State) -> tuple[State, Any]:
+        done_batched, words_batched, params_batched, state_batched = in_batched
+        state = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (size, *x.shape)), state, state_batched)
+        done = done if done_batched else jnp.broadcast_to(done, (size,))
+        axes = (jax.tree.map(lambda b: 0 if b else None, params_batched), 0 if words_batched else None)
+
+        def fresh() -> State:
+            new = jax.vmap(reset, in_axes=axes, axis_size=size)(params, words)
+            return jax.tree.map(lambda n, o: jnp.where(done.reshape((size,) + (1,) * (o.ndim - 1)), n, o), new, state)
+
+        return lax.cond(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
+
+    return choose(done, words, params, state)

@@ -1,0 +1,126 @@
+"""Static geometry: tables of a map, in a frame padded so that no window or shape ever leaves it.
+
+A cell is its index in the padded frame, `(row + pad) * columns + column + pad`; cell 0, in the padding, is nowhere. Everything
+here runs once, when a module is loaded, on NumPy arrays.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))  # (row, column) of north, east, south, west
+Rows = Sequence[str]
+
+
+def frame_size(rows: Rows, pad: int) -> tuple[int, int]:
+    """Returns the rows and columns of the padded frame."""
+    return len(rows) + 2 * pad, len(rows[0]) + 2 * pad
+
+
+def cells_of(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
+    """Returns the cells with one of the glyphs in reading order: `[S]` int32."""
+    columns = len(rows[0]) + 2 * pad
+    found = [(r + pad) * columns + c + pad for r, row in enumerate(rows) for c, g in enumerate(row) if g in glyphs]
+    return np.array(found, np.int32)
+
+
+def values_of(rows: Rows, values: Mapping[str, float], dtype: str) -> np.ndarray:
+    """Returns the value of each cell whose glyph has one, in reading order: `[S]`."""
+    return np.array([values[g] for row in rows for g in row if g in values], dtype)
+
+
+def painted(rows: Rows, pad: int, values: Mapping[str, int]) -> np.ndarray:
+    """Returns the frame with each glyph's value, 0 outside the map: `[cells]` uint8."""
+    frame = np.zeros(frame_size(rows, pad), np.uint8)
+    frame[pad : pad + len(rows), pad : pad + len(rows[0])] = [[values[g] for g in row] for row in rows]
+    return frame.reshape(-1)
+
+
+def inside(rows: Rows, pad: int) -> np.ndarray:
+    """Returns which cells of the frame are on the map: `[cells]` bool."""
+    frame = np.zeros(frame_size(rows, pad), bool)
+    frame[pad : pad + len(rows), pad : pad + len(rows[0])] = True
+    return frame.reshape(-1)
+
+
+def blocking(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
+    """Returns which cells of the frame have one of the glyphs: `[cells]` bool."""
+    frame = np.zeros(frame_size(rows, pad)[0] * frame_size(rows, pad)[1], bool)
+    frame[cells_of(rows, pad, glyphs)] = True
+    return frame
+
+
+def site_numbers(rows: Rows, pad: int, cells: np.ndarray) -> np.ndarray:
+    """Returns each cell's number among `cells`, past their end for all others: `[cells of the frame]` int32."""
+    height, width = frame_size(rows, pad)
+    table = np.full(height * width, len(cells), np.int32)
+    table[cells] = np.arange(len(cells))
+    return table
+
+
+def next_cells(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
+    """Returns where a step leads, `[cells * 4]` int32 by cell and direction.
+
+    The cell itself where the step leaves the map or enters a cell with one of the glyphs.
+    """
+    _, width = frame_size(rows, pad)
+    open_ = inside(rows, pad) & ~blocking(rows, pad, glyphs)
+    cells = np.arange(open_.size)
+    table = np.stack([cells] * 4, 1)
+    here = np.flatnonzero(inside(rows, pad))
+    for direction, (dr, dc) in enumerate(DIRECTIONS):
+        target = here + dr * width + dc
+        table[here, direction] = np.where(open_[target], target, here)
+    return table.reshape(-1).astype(np.int32)
+
+
+def shape_offsets(rows: Rows, pad: int, cells: Sequence[tuple[int, int]]) -> np.ndarray:
+    """Returns what to add to an agent's cell for each heading and (ahead, right) of a shape: `[4, K]` int32."""
+    _, width = frame_size(rows, pad)
+    table = []
+    for heading in range(4):
+        ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
+        table.append([(a * ahead[0] + c * right[0]) * width + a * ahead[1] + c * right[1] for a, c in cells])
+    return np.array(table, np.int32)
+
+
+def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], glyphs: str) -> np.ndarray:
+    """Returns which shape cells are on the map and not behind a cell with one of the glyphs, which ends its lane.
+
+    Args:
+      offsets: `[4, K]` of `shape_offsets`; lanes: number of cells of each lane, in order.
+    Returns:
+      `[cells * 4]` bits, bit k for shape cell k: uint8 for up to 8 cells, else uint32.
+    """
+    blocked, on_map = blocking(rows, pad, glyphs), inside(rows, pad)
+    here = np.flatnonzero(on_map)
+    bits = np.zeros((on_map.size, 4), np.uint64)
+    for heading in range(4):
+        number = 0
+        for length in lanes:
+            live = np.ones(here.size, bool)
+            for _ in range(length):
+                target = here + offsets[heading, number]
+                bits[here, heading] |= (live & on_map[target]).astype(np.uint64) << np.uint64(number)
+                live &= ~blocked[target]
+                number += 1
+    return bits.reshape(-1).astype(np.uint8 if offsets.shape[1] <= 8 else np.uint32)
+
+
+def neighbours(cells: np.ndarray, numbers: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+    """Returns, for each cell, the numbers of the cells of an undirected shape around it: `[S, K]` int32."""
+    return numbers[cells[:, None] + offsets[0][None]]
+
+
+def near_masks(around: np.ndarray, size: int) -> np.ndarray:
+    """Returns `[ceil(size / 32), S]` uint32: bit k of word w is set if cell 32 w + k is a neighbour.
+
+    Args:
+      around: `[S, K]` int, numbers of the neighbours, `size` for none.
+      size: number of cells that can be neighbours.
+    """
+    masks = np.zeros((-(-size // 32), len(around)), np.uint32)
+    for site, row in enumerate(around):
+        for other in row[row < size]:
+            masks[other // 32, site] |= np.uint32(1) << np.uint32(other % 32)
+    return masks

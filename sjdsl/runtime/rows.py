@@ -1,0 +1,53 @@
+"""Rows of numbers by word, sets of agents as bits, shares and ramps."""
+
+import jax.numpy as jnp
+from jax import Array
+
+
+def entry(row: Array, key: Array) -> Array:
+    """Returns `row[..., key]`: one entry of each row. Shapes `[..., K]` and `[...]`."""
+    words = jnp.arange(row.shape[-1], dtype=key.dtype).reshape((1,) * key.ndim + (-1,))
+    return jnp.sum(jnp.where(key[..., None] == words, row, 0), axis=-1, dtype=row.dtype)
+
+
+def lowest(row: Array) -> Array:
+    """Returns the first word with a positive entry, 0 if there is none: `[..., K]` -> `[...]` uint8."""
+    return jnp.argmax(row > 0, axis=-1).astype(jnp.uint8)
+
+
+def highest(row: Array) -> Array:
+    """Returns the last word with a positive entry, the last of all if there is none: `[..., K]` -> `[...]` uint8."""
+    return (row.shape[-1] - 1 - jnp.argmax(row[..., ::-1] > 0, axis=-1)).astype(jnp.uint8)
+
+
+def mix(row: Array) -> Array:
+    """Returns the shares of a row's entries, float32; of an empty row zeros (never used: guards are checked)."""
+    total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
+    return row.astype(jnp.float32) / jnp.where(total > 0, total, 1)
+
+
+def ramp(value: Array, zero_at: Array, one_at: Array) -> Array:
+    """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
+    return jnp.clip((value - zero_at) / (one_at - zero_at), 0.0, 1.0)
+
+
+def as_bits(members: Array, dtype: jnp.dtype) -> Array:
+    """Returns sets as bits: `[..., N]` bool -> `[...]`, bit i for agent i."""
+    bit = jnp.ones((), dtype) << jnp.arange(members.shape[-1], dtype=dtype).reshape((1,) * (members.ndim - 1) + (-1,))
+    return jnp.sum(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1, dtype=dtype)
+
+
+def reached(blocked: Array, on_map: Array, first: Array) -> Array:
+    """Returns which shape cells a lane reaches when some cells end lanes.
+
+    Args:
+      blocked: `[..., K]` bool, cells that are the last of their lane.
+      on_map: `[..., K]` bool, cells that exist.
+      first: `[K]` bool, first cells of the lanes.
+    """
+    live, out = jnp.ones(blocked.shape[:-1], bool), []
+    for k in range(blocked.shape[-1]):
+        live = live | first[k]
+        out.append(live & on_map[..., k])
+        live = live & ~(blocked[..., k] & on_map[..., k])
+    return jnp.stack(out, axis=-1)
