@@ -10,12 +10,14 @@ from sjdsl.interpreter.state import HEADINGS, Value
 
 
 def evaluate(e: ir.Expr, here: Instance) -> Value:
-    """Returns the value of an expression; reals as float32, numbers checked against their proven interval."""
+    """Returns the value of an expression; reals as float32, numbers and words checked against what their type allows."""
     value = _value(e, here)
     if e.type.kind == "real":
         value = numbers.real(value)
     if e.type.kind in ("int", "real"):
         numbers.check_interval(value, e.type, e)
+    if e.type.kind == "word" and not e.type.by:
+        assert value in e.type.words, (value, e)
     return value
 
 
@@ -55,7 +57,7 @@ def _value(e: ir.Expr, here: Instance) -> Value:
             return numbers.shares(evaluate(e.row, here))
         case ir.Ramp():
             return numbers.ramp(*(evaluate(x, here) for x in (e.value, e.zero_at, e.one_at)))
-        case ir.Named():
+        case ir.Named() | ir.Narrowed():
             return evaluate(e.value, here)
         case ir.EventTotal():
             return sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word))

@@ -67,10 +67,9 @@ def read(game: ir.Game, world: World, e: ir.Expr, totals: Mapping[tuple[str, str
 
 
 def _forbidden(board: Board, world: World, agent: int) -> set[int]:
-    here = Instance(board, world, names={"agent": agent})
-    return {
-        action for forbid in board.game.agents.forbids if evaluate(forbid.condition, here) for action in forbid.actions
-    }
+    here, agents = Instance(board, world, names={"agent": agent}), board.game.agents
+    found = {action for forbid in agents.forbids if evaluate(forbid.condition, here) for action in forbid.actions}
+    return found - {agents.actions.index("stay")}
 
 
 def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, ...]:

@@ -98,6 +98,10 @@ def test_fields_parameters_and_names(here):
     assert evaluate(ir.Local(type=g.INT, name="kept"), here.binding({"kept": 9})) == 9
     assert evaluate(ir.Step(type=g.INT), here) == 6
     assert evaluate(ir.Named(type=g.INT, name="n", value=g.number(2)), here) == 2
+    red = g.of_agent("colour", g.word_type(*RW))
+    assert evaluate(ir.Narrowed(type=g.word_type("red", "blue"), value=red), here) == "red"
+    with pytest.raises(AssertionError):
+        evaluate(ir.Narrowed(type=g.word_type("blue"), value=red), here)
     assert default_params(GAME)["payoff"] == ((3, -1), (5, 1))
 
 
@@ -114,7 +118,7 @@ def test_a_field_of_nobody_is_a_mistake_but_a_guard_protects(here):
     [("index", 0), ("heading", "east"), ("moved", False), ("away", False), ("row", 0), ("col", 0)],
 )
 def test_attributes_of_agents(here, name, expected):
-    type_ = ir.CONDITION if name in ("moved", "away") else g.word_type("north") if name == "heading" else g.INT
+    type_ = ir.CONDITION if name in ("moved", "away") else g.word_type("north", "east") if name == "heading" else g.INT
     assert evaluate(ir.Attribute(type=type_, owner=g.agent(), name=name), here) == expected
 
 
