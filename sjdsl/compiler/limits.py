@@ -2,6 +2,8 @@
 
 import re
 
+from lark import Token, Tree
+
 from sjdsl.compiler import errors
 from sjdsl.compiler.diagnostics import Diagnostic
 from sjdsl.compiler.source import Source, Span
@@ -28,6 +30,13 @@ MAX_FIELDS = 128
 MAX_PHASES = 64
 MAX_TURNS = 128
 
+CHAINS = ("sum", "prod", "expr", "and_e")
+STATEMENTS = frozenset(
+    "cite size param episode kind group field timer map agents shape define schedule phase observe metrics checks variant "
+    "override drop glyph blocks acts moves forbid window show hide event mean final require always once conserved monotone "
+    "symmetric expect let draw each pick first match when chance set add give tally send remove move mark end".split()
+)
+
 
 def too_much(what: str, given: int | str, limit: int, span: Span, help_: str = "") -> Diagnostic:
     """Returns the error for something there is too much of."""
@@ -47,3 +56,23 @@ def check_text(source: Source) -> list[Diagnostic]:
         span = source.span(long.start(), long.start())
         return [too_much("characters in one line", len(long.group()), MAX_LINE, span, "break the line")]
     return []
+
+
+def check_tree(tree: Tree[Token], source: Source) -> list[Diagnostic]:
+    """Returns what is too large about a text without syntax errors: nested too deeply, too many statements."""
+    statements = 0
+    todo: list[tuple[Tree[Token], int]] = [(tree, 0)]
+    while todo:
+        node, depth = todo.pop()
+        depth += len(node.children) if node.data in CHAINS else 1
+        if depth > MAX_TREE:
+            return [Diagnostic(errors.TOO_DEEP, _span(node, source), {"limit": MAX_TREE})]
+        statements += node.data in STATEMENTS
+        if statements > MAX_STATEMENTS:
+            return [too_much("statements in one file", "more", MAX_STATEMENTS, _span(node, source))]
+        todo += [(child, depth) for child in reversed(node.children) if isinstance(child, Tree)]
+    return []
+
+
+def _span(node: Tree[Token], source: Source) -> Span:
+    return source.span(node.meta.start_pos, node.meta.start_pos)

@@ -1,10 +1,10 @@
 """How reading goes on after a syntax error: the small change that lets most of the text behind it be read.
 
-Assumes that `stack` cannot read token `at`; guarantees that reading goes on behind `at` or with a shallower stack.
+Assumes that the stack cannot read the next token; guarantees that it can read one after the change.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler.automaton import END, Automaton, Stack, accepted, levels, open_marks, reach, read
@@ -13,94 +13,146 @@ from sjdsl.compiler.diagnostics import nearest
 AHEAD = 12  # tokens looked at behind an error
 ENOUGH = 3  # tokens that must follow for a change to be believed
 
-SENTENCES = (
-    "EACH", "PICK", "FIRST", "MATCH", "WHEN", "CHANCE", "LET", "DRAW", "SET", "ADD", "GIVE", "TALLY", "SEND", "REMOVE", "MOVE",
-    "MARK", "END",
-)  # fmt: skip
-SECTIONS = (
-    "CITE", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS", "SHAPE", "DEFINE", "SCHEDULE",
-    "PHASE", "OBSERVE", "METRICS", "CHECKS", "VARIANT",
-)  # fmt: skip
-INNER = (
-    "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN", "FINAL", "REQUIRE", "ALWAYS",
-    "ONCE", "CONSERVED", "MONOTONE", "SYMMETRIC", "EXPECT", "DROP", "OTHERWISE", "WHERE",
-)  # fmt: skip
-RESUMING = frozenset((*SENTENCES, *SECTIONS, *INNER, "LBRACE", "RBRACE", END))
+SENTENCES = frozenset(
+    "EACH PICK FIRST MATCH WHEN CHANCE LET DRAW SET ADD GIVE TALLY SEND REMOVE MOVE MARK END".split()
+)
+SECTIONS = frozenset(
+    "CITE SIZE PARAM EPISODE KIND GROUP FIELD TIMER MAP AGENTS SHAPE DEFINE SCHEDULE PHASE OBSERVE METRICS CHECKS VARIANT".split()
+)
+ENTRIES = frozenset(
+    "GLYPH BLOCKS ACTS MOVES FORBID WINDOW SHOW HIDE EVENT MEAN FINAL REQUIRE ALWAYS ONCE CONSERVED MONOTONE SYMMETRIC EXPECT "
+    "DROP OTHERWISE WHERE".split()
+)
+RESUMING = SENTENCES | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
 
-# Words other languages use, with ours.
+# Words of other languages, with ours.
 FOREIGN = {
-    "if": "when", "else": "otherwise", "elif": "otherwise", "foreach": "each", "every": "each", "any": "each", "def": "define",
-    "function": "define", "rule": "phase", "step": "phase", "const": "param", "constant": "param", "parameter": "param",
-    "players": "agents", "player": "agents", "agent": "agents", "tile": "kind", "object": "kind", "reward": "give", "random": "chance",
-    "probability": "chance", "var": "let", "assign": "set", "import": "extends", "inherits": "extends", "type": "kind",
-    "order": "schedule", "count_event": "tally", "invariant": "always", "assert": "require", "teleport": "send", "respawn": "send",
-    "counter": "timer", "variable": "field", "stop": "end", "none": "nobody",
+    "if": "when", "else": "otherwise", "elif": "otherwise", "foreach": "each", "every": "each", "def": "define",
+    "function": "define", "rule": "phase", "const": "param", "constant": "param", "parameter": "param", "players": "agents",
+    "player": "agents", "agent": "agents", "object": "kind", "random": "chance", "probability": "chance", "var": "let",
+    "assign": "set", "import": "extends", "order": "schedule", "invariant": "always", "assert": "require", "teleport": "send",
+    "counter": "timer", "variable": "field", "stop": "end", "none": "nobody", "null": "nobody",
 }  # fmt: skip
 
 Sort = Literal["near", "name", "earlier name", "insert", "replace", "delete", "close", "unclose", "skip"]
+BONUS = {"near": 6.0, "name": 2.0, "earlier name": 1.0, "insert": 0.0, "close": 0.0, "unclose": 0.0, "replace": -1.0, "delete": -1.5}
+IMBALANCE = 2.0  # what each brace without a partner costs
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """Where the table refused token `at`: `before` is the stack before the token that precedes it."""
+
+    automaton: Automaton
+    keywords: Mapping[str, str]
+    kinds: Sequence[str]
+    texts: Sequence[str]
+    closing: Sequence[int]
+    stack: Stack
+    before: Stack | None
+    at: int
 
 
 @dataclass(frozen=True)
 class Repair:
-    """The stack and the token to go on with; `kind`: the kind of token put in, `times` so often; `score`: how good it is."""
+    """The stack and the token to go on with; `kind`: the kind of token put in, `times` so often; `alone`: none is as good."""
 
     sort: Sort
     stack: Stack
     resume: int
     kind: str = ""
     times: int = 1
-    score: float = 0.0
-    unique: bool = True
-
-
-@dataclass(frozen=True)
-class Trouble:
-    """Where the table refused: `before` is the stack before the token that precedes `at`."""
-
-    automaton: Automaton
-    keywords: dict[str, str]
-    kinds: Sequence[str]
-    texts: Sequence[str]
-    stack: Stack
-    before: Stack | None
-    at: int
-
-    def ahead(self, stack: Stack | None, start: int) -> int:
-        """How many tokens behind `at` can be read from `start` on."""
-        return reach(self.automaton, stack, self.kinds, start, AHEAD) + start - self.at
+    alone: bool = True
 
     @property
-    def missing_braces(self) -> int:
-        """How many more `{` are open than there are `}` left (negative: too few are open)."""
-        left = self.kinds[self.at :]
-        return len(open_marks(self.stack, self.automaton.braces)) - left.count("RBRACE") + left.count("LBRACE")
+    def is_sure(self) -> bool:
+        return self.sort in ("near", "name", "earlier name")
 
 
-def find_repair(trouble: Trouble) -> Repair:
-    """Returns the change that lets most be read; skips to the next statement if no small one helps."""
-    sure = _near(trouble)
-    if sure is not None:
-        return sure
-    candidates = [replace(c, score=c.score + trouble.ahead(c.stack, c.resume)) for c in _candidates(trouble)]
-    best = max(candidates, key=lambda c: c.score, default=None)
-    if best is None or trouble.ahead(best.stack, best.resume) < ENOUGH:
+def find_repair(trouble: Trouble) -> Repair | None:
+    """Returns the change after which most can be read; to the next statement if no small one helps; None at the end."""
+    found = [(_score(trouble, c), c) for c in _candidates(trouble) if _seen(trouble, c) >= min(ENOUGH, _left(trouble))]
+    if not found:
         return _skip(trouble)
-    rivals = [c for c in candidates if c is not best and c.score == best.score]
-    return replace(best, unique=not rivals)
+    score, best = max(found, key=lambda pair: pair[0])
+    rivals = sum(other == score for other, _ in found)
+    return Repair(best.sort, best.stack, best.resume, best.kind, best.times, rivals == 1)
 
 
-def near_keyword(text: str, words: Sequence[str]) -> str:
-    """Returns the only word that `text` was most likely meant to be, or nothing."""
+def _left(trouble: Trouble) -> int:
+    return len(trouble.kinds) - trouble.at
+
+
+def _seen(trouble: Trouble, repair: Repair) -> int:
+    """How many tokens from the error on can be read after a change."""
+    behind = reach(trouble.automaton, repair.stack, trouble.kinds, repair.resume, AHEAD)
+    return min(AHEAD, behind + repair.resume - trouble.at)
+
+
+def _score(trouble: Trouble, repair: Repair) -> float:
+    unmatched = len(open_marks(repair.stack, trouble.automaton.braces)) - trouble.closing[repair.resume]
+    return _seen(trouble, repair) + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
+
+
+def _candidates(trouble: Trouble) -> Iterator[Repair]:
+    """The small changes: one word read as another, one token more or less, braces closed."""
+    automaton, stack, at = trouble.automaton, trouble.stack, trouble.at
+    kinds = accepted(automaton, stack)
+    for kind in near_keywords(trouble, kinds):
+        yield Repair("near", _read(automaton, stack, kind), at + 1, kind)
+    if trouble.texts[at] in trouble.keywords and "NAME" in kinds:
+        yield Repair("name", _read(automaton, stack, "NAME"), at + 1, "NAME")
+    if trouble.before is not None:
+        earlier = read(automaton, trouble.before, "NAME") if trouble.texts[at - 1] in trouble.keywords else None
+        if earlier is not None:
+            yield Repair("earlier name", earlier, at, "NAME")
+        if trouble.kinds[at - 1] == "RBRACE":
+            yield Repair("unclose", trouble.before, at)
+    for kind in kinds:
+        after = _read(automaton, stack, kind)
+        if kind != END:
+            yield Repair("insert", after, at, kind)
+        if trouble.kinds[at] != END:
+            yield Repair("replace", after, at + 1, kind)
+    if trouble.kinds[at] != END:
+        yield Repair("delete", stack, at + 1)
+    closed, times = read(automaton, stack, "RBRACE"), 1
+    while closed is not None and times <= 8:
+        yield Repair("close", closed, at, "RBRACE", times)
+        closed, times = read(automaton, closed, "RBRACE"), times + 1
+
+
+def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
+    after = read(automaton, stack, kind)
+    assert after is not None
+    return after
+
+
+def near_keywords(trouble: Trouble, kinds: Sequence[str]) -> list[str]:
+    """Returns the kinds of the keywords that a misspelt word may stand for, among those that can come here."""
+    if trouble.kinds[trouble.at] != "NAME":
+        return []
+    text = trouble.texts[trouble.at]
+    words = {word: kind for word, kind in trouble.keywords.items() if kind in kinds}
     if FOREIGN.get(text) in words:
-        return FOREIGN[text]
-    best = nearest(text, words)
-    if best and nearest(text, [w for w in words if w != best]) and _equally_near(text, best, words):
-        return ""
-    return best
+        return [words[FOREIGN[text]]]
+    near = []
+    while best := nearest(text, words):
+        near.append(words.pop(best))
+    return near
 
 
-def _equally_near(text: str, best: str, words: Sequence[str]) -> bool:
-    """Whether another word is as near: then taking the candidates in the other order changes the answer."""
-    others = [w for w in words if w != best]
-    second = nearest(text, others)
-    return nearest(text, [f"{second}"]) != "" and len(second) == len(best) and second[:1] == text[:1] != best[:1]
+def _skip(trouble: Trouble) -> Repair | None:
+    """Goes to the next statement, brace or end at which some level of the stack can read on."""
+    automaton, depth = trouble.automaton, 0
+    for resume in range(trouble.at, len(trouble.kinds)):
+        kind = trouble.kinds[resume]
+        if kind in RESUMING and depth == 0:
+            needed = 1 if kind in ("RBRACE", END) else ENOUGH
+            for level in levels(trouble.stack):
+                if reach(automaton, level, trouble.kinds, resume, needed) >= needed:
+                    return Repair("skip", level, resume)
+                if level.state in automaton.braces and kind != "RBRACE":
+                    break
+        depth = max(0, depth + (kind == "LBRACE") - (kind == "RBRACE"))
+    return None

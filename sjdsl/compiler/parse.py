@@ -1,0 +1,142 @@
+"""From text to tree: every independent syntax error of the file at once, or the tree of a text without any.
+
+    Source -> ast.File
+"""
+
+import re
+from functools import cache
+from importlib import resources
+
+from lark import Lark, Token, Tree
+
+from sjdsl.compiler import ast, errors
+from sjdsl.compiler.automaton import END, Automaton, Stack, make_automaton, read
+from sjdsl.compiler.build_ast import build_ast
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.limits import MAX_PROBLEMS, check_text, check_tree
+from sjdsl.compiler.repair import ENOUGH, Trouble, find_repair
+from sjdsl.compiler.scan import Scan, scan
+from sjdsl.compiler.source import Source
+from sjdsl.compiler.unexpected import word_error
+
+VERSION = "1"
+FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
+
+
+def parse(source: Source) -> ast.File:
+    """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
+    _raise(check_text(source))
+    problems = _check_version(source)
+    begun = not problems
+    if problems and not _begins_with_game(source):
+        raise CompileError(problems)
+    found = scan(source, parser())
+    problems += found.problems
+    if found.complete:
+        problems += _find_errors(found, begun)
+    _raise(problems)
+    tree = _tree(found.tokens)
+    _raise(check_tree(tree, source))
+    return build_ast(tree, source.name)
+
+
+def _raise(problems: list[Diagnostic]) -> None:
+    if problems:
+        raise CompileError(problems)
+
+
+@cache
+def parser() -> Lark:
+    """Returns the parser of the language, made once a process."""
+    grammar = resources.files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
+    return Lark(grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True)
+
+
+@cache
+def automaton() -> Automaton:
+    """Returns the parser's table, for finding errors."""
+    return make_automaton(parser())
+
+
+def _check_version(source: Source) -> list[Diagnostic]:
+    """Returns what is wrong with the version line; nothing if it is there and for this language."""
+    first = FIRST_LINE.search(source.text)
+    if first is None:
+        but = ": it holds only comments" if "#" in source.text else ": it is empty"
+        return [Diagnostic(errors.NO_VERSION, source.span(0, 0), {"known": VERSION, "but": but})]
+    line, start = first.group(1), first.start(1)
+    number = re.match(r"sj\s+([0-9][0-9._]*)", line)
+    if number and number.group(1) != VERSION:
+        span = source.span(start, start + number.end())
+        return [Diagnostic(errors.NEWER_LANGUAGE, span, {"version": number.group(1)[:20], "known": VERSION})]
+    if number or re.match(r"sj\b", line):
+        return []
+    word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
+    span = source.span(start, start + len(word))
+    return [Diagnostic(errors.NO_VERSION, span, {"known": VERSION, "but": f": it begins with `{word}`"})]
+
+
+def _begins_with_game(source: Source) -> bool:
+    first = FIRST_LINE.search(source.text)
+    return first is not None and re.match(r"game\b", first.group(1)) is not None
+
+
+def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
+    """Runs the table over the tokens; at each error a repair is chosen, and reading goes on behind it."""
+    table = automaton()
+    keywords = {t.pattern.value: t.name for t in parser().terminals if t.pattern.value.isalpha()}
+    kinds = [token.type for token in found.tokens] + [END]
+    texts = [str(token) for token in found.tokens] + [""]
+    closing = _closing(kinds)
+    stack: Stack = Stack(table.start, None)
+    if not begun:
+        stack = _read_all(table, stack, ("SJ", "INT"))
+    before: Stack | None = None
+    problems: dict[tuple[int, object], Diagnostic] = {}
+    at = quiet = 0
+    while len(problems) < MAX_PROBLEMS:
+        after = read(table, stack, kinds[at], at)
+        if after is not None and kinds[at] == END:
+            break
+        if after is not None:
+            before, stack, at = stack, after, at + 1
+            continue
+        trouble = Trouble(table, keywords, kinds, texts, closing, stack, before, at)
+        repair = find_repair(trouble)
+        if at >= quiet and not {at - 1, at} & found.mended:
+            problem = word_error(trouble, repair, found.tokens, found.source)
+            problems.setdefault(_identity(problem), problem)
+        if repair is None:
+            break
+        quiet = 0 if repair.is_sure else repair.resume + ENOUGH
+        before, stack, at = None, repair.stack, repair.resume
+    return list(problems.values())
+
+
+def _identity(problem: Diagnostic) -> tuple[int, object]:
+    """A reserved word used as a name is one mistake, however often the name is used."""
+    return (0, problem.facts["word"]) if problem.code is errors.RESERVED_WORD else (1, problem.span)
+
+
+def _closing(kinds: list[str]) -> list[int]:
+    """Returns for each token how many more `}` than `{` there are from it to the end."""
+    counts = [0]
+    for kind in reversed(kinds):
+        counts.append(counts[-1] + (kind == "RBRACE") - (kind == "LBRACE"))
+    return counts[::-1]
+
+
+def _read_all(table: Automaton, stack: Stack, kinds: tuple[str, ...]) -> Stack:
+    for kind in kinds:
+        after = read(table, stack, kind)
+        assert after is not None
+        stack = after
+    return stack
+
+
+def _tree(tokens: list[Token]) -> Tree[Token]:
+    """Returns the tree of tokens that are known to be without errors."""
+    reader = parser().parse_interactive("")
+    for token in tokens:
+        reader.feed_token(token)
+    return reader.feed_eof(tokens[-1])

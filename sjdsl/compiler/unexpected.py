@@ -1,0 +1,157 @@
+"""Words a syntax error for its author: what was found, what could have stood there, and what to write."""
+
+from collections.abc import Sequence
+
+from lark import Token
+
+from sjdsl.compiler import errors
+from sjdsl.compiler.automaton import END, accepted, open_marks
+from sjdsl.compiler.diagnostics import Diagnostic, Fix, Label
+from sjdsl.compiler.repair import SECTIONS, SENTENCES, Repair, Trouble
+from sjdsl.compiler.source import Source, Span
+
+SIGNS = {
+    "LBRACE": "{", "RBRACE": "}", "LPAR": "(", "RPAR": ")", "LSQB": "[", "RSQB": "]", "COMMA": ",", "COLON": ":", "EQUAL": "=",
+    "DOTS": "..", "ARROW": "->", "DOT": ".",
+}  # fmt: skip
+PHRASES = {"NAME": "a name", "STRING": 'a text in `"`', "INT": "a whole number", "DEC": "a number", END: "the end of the file"}
+VALUES = frozenset(("NAME", "INT", "DEC", "COUNT", "SUM", "CASE", "LPAR", "NOBODY", "SIGN"))
+OPERATORS = frozenset(("CMP", "SIGN", "TIMES", "AND", "OR", "IS", "IN", "ON", "CHOSE"))
+LONGEST = 7  # things named as expected
+
+
+def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
+    """Returns the diagnostic of one syntax error, as the repair explains it best."""
+    sort = repair.sort if repair is not None else "skip"
+    if repair is not None and sort == "name":
+        return _reserved(tokens[trouble.at], source)
+    if repair is not None and sort == "earlier name":
+        return _reserved(tokens[trouble.at - 1], source)
+    if repair is not None and (sort == "close" or (repair.kind == "RBRACE" and sort == "insert")):
+        return _open_block(trouble, repair, tokens, source)
+    return _unexpected(trouble, repair, tokens, source)
+
+
+def token_span(token: Token, source: Source) -> Span:
+    return Span(source.name, token.start_pos or 0, token.end_pos or 0, token.line or 1, token.column or 1)
+
+
+def _here(trouble: Trouble, tokens: Sequence[Token], source: Source) -> Span:
+    """The span of the refused token; at the end of the file, the place behind the last token."""
+    if trouble.at < len(tokens):
+        return token_span(tokens[trouble.at], source)
+    return _behind(tokens[-1], source) if tokens else source.span(0, 0)
+
+
+def _behind(token: Token, source: Source) -> Span:
+    return source.span(token.end_pos or 0, token.end_pos or 0)
+
+
+def _reserved(token: Token, source: Source) -> Diagnostic:
+    return Diagnostic(errors.RESERVED_WORD, token_span(token, source), {"word": str(token)})
+
+
+def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], source: Source) -> Diagnostic:
+    opened = open_marks(trouble.stack, trouble.automaton.braces)
+    opener = tokens[_suspect(tokens[: trouble.at], source, opened[0])]
+    here = _here(trouble, tokens, source)
+    if trouble.at == len(tokens):
+        help_ = "write `}` where it ends" if repair.times == 1 else f"write `}}` where it ends; {repair.times} are missing in all"
+        return Diagnostic(errors.OPEN_BLOCK, token_span(opener, source), {"help": help_})
+    label = Label(here, f"`{tokens[trouble.at]}` cannot stand inside it")
+    help_ = f"write `}}` before this `{tokens[trouble.at]}`, or where the block ends"
+    return Diagnostic(errors.OPEN_BLOCK, token_span(opener, source), {"help": help_}, (label,))
+
+
+def _suspect(tokens: Sequence[Token], source: Source, innermost: int) -> int:
+    """Returns the `{` that is probably not closed: one whose `}` begins a line further left than its own line does."""
+    opened: list[int] = []
+    suspect = innermost
+    for number, token in enumerate(tokens):
+        if token.type == "LBRACE":
+            opened.append(number)
+        elif token.type == "RBRACE" and opened:
+            opener = opened.pop()
+            if _begins_line(token, source) and _indent(token, source) < _indent(tokens[opener], source):
+                suspect = opener
+    return suspect
+
+
+def _line_start(token: Token, source: Source) -> int:
+    return source.text.rfind("\n", 0, token.start_pos or 0) + 1
+
+
+def _indent(token: Token, source: Source) -> int:
+    line = source.text[_line_start(token, source) : token.end_pos].expandtabs(4)
+    return len(line) - len(line.lstrip())
+
+
+def _begins_line(token: Token, source: Source) -> bool:
+    return not source.text[_line_start(token, source) : token.start_pos].strip()
+
+
+def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
+    here = _here(trouble, tokens, source)
+    found = f"`{tokens[trouble.at]}`" if trouble.at < len(tokens) else "the end of the file"
+    if len(found) > 40:
+        found = found[:38] + "...`"
+    kinds = accepted(trouble.automaton, trouble.stack)
+    expected, help_, fix, labels = expected_text(trouble, kinds), "", None, []
+    if repair is not None and repair.alone:
+        word = _word(trouble, repair.kind)
+        match repair.sort:
+            case "near":
+                help_, fix = f"did you mean `{word}`?", Fix(here, word)
+            case "replace" if repair.kind in SIGNS:
+                expected, fix = f"`{word}`", Fix(here, word)
+            case "insert" if repair.kind in SIGNS:
+                gap = _behind(tokens[trouble.at - 1], source) if trouble.at else source.span(0, 0)
+                expected, fix = f"`{word}`", Fix(gap, f" {word}")
+            case "insert" if word and word not in PHRASES.values():
+                help_ = f"write `{word}` before it"
+            case "insert" if repair.kind in PHRASES:
+                expected = PHRASES[repair.kind]
+            case "unclose":
+                labels.append(Label(token_span(tokens[trouble.at - 1], source), "is this `}` one too many?"))
+    labels += _context(trouble, kinds, tokens, source)
+    return Diagnostic(errors.UNEXPECTED, here, {"found": found, "expected": expected, "help": help_}, tuple(labels), fix)
+
+
+def _context(trouble: Trouble, kinds: Sequence[str], tokens: Sequence[Token], source: Source) -> list[Label]:
+    """Points at an open bracket that should have been closed, or at the end of the line before if the mistake may be there."""
+    closers = {"RPAR", "RSQB"} & set(kinds)
+    brackets = open_marks(trouble.stack, trouble.automaton.brackets)
+    if closers and brackets:
+        return [Label(token_span(tokens[brackets[0]], source), "opened here")]
+    if trouble.at and trouble.at < len(tokens) and tokens[trouble.at].line != tokens[trouble.at - 1].line and "RBRACE" not in kinds:
+        return [Label(token_span(tokens[trouble.at - 1], source), "after this")]
+    return []
+
+
+def _word(trouble: Trouble, kind: str) -> str:
+    if kind in SIGNS:
+        return SIGNS[kind]
+    return next((word for word, of in trouble.keywords.items() if of == kind), PHRASES.get(kind, ""))
+
+
+def expected_text(trouble: Trouble, kinds: Sequence[str]) -> str:
+    """Returns what can stand at a place, as a phrase: groups first, at most a few single words."""
+    left = set(kinds)
+    phrases = []
+    for group, phrase in ((SENTENCES, "a sentence"), (SECTIONS, "a declaration"), (VALUES, "a value")):
+        if group <= left:
+            phrases.append(phrase)
+            left -= group | ({"NOT"} if group is VALUES else set())
+    if left & {"SIGN", "TIMES"}:
+        phrases.append("an operator")
+        left -= OPERATORS | {"DOT", "LSQB"}
+    elif {"DOT", "LSQB"} <= left and len(left) > 2:
+        left -= {"DOT", "LSQB"}
+    named = [kind for kind in PHRASES if kind in left]
+    phrases += [PHRASES[kind] for kind in named]
+    words = sorted(f"`{_word(trouble, kind)}`" for kind in left if kind not in PHRASES and kind not in SIGNS)
+    signs = [f"`{SIGNS[kind]}`" for kind in SIGNS if kind in left]
+    phrases += words + signs
+    if len(phrases) > LONGEST:
+        phrases = [*phrases[: LONGEST - 1], "something else"]
+    return " or ".join(filter(None, (", ".join(phrases[:-1]), phrases[-1])))
