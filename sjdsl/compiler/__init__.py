@@ -1,1 +1,110 @@
-"""The compiler: one `.sj` text becomes one readable Python module, stage by stage."""
+"""The compiler: one `.sj` text becomes one readable Python module, stage by stage.
+
+    text -> ast.File -> Composition -> ir.Game -> ir.Game -> Program -> text
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler.compose import compose
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.elaborate import Overrides, elaborate
+from sjdsl.compiler.optimise import PASSES, Pass, optimise
+from sjdsl.compiler.parse import parse
+from sjdsl.compiler.program import Program
+from sjdsl.compiler.read import read_source
+from sjdsl.compiler.scope import Problems
+from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler.worldmap import inside_folder
+
+STAGES = ("ast", "ir", "optimised", "program", "python")
+
+
+@dataclass(frozen=True)
+class Build:
+    """A checked game: its typed rules, the warnings, and the texts they came from by name."""
+
+    game: ir.Game
+    warnings: tuple[Diagnostic, ...]
+    sources: dict[str, Source]
+
+
+def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> Build:
+    """Returns the typed rules of a game in a variant. Raises CompileError with every problem of the failing stage."""
+    game = compose(source, parse(source), tuple(variants), load_base)
+    typed, found = elaborate(game, overrides or Overrides())
+    if typed is None:
+        raise CompileError(found)
+    return Build(typed, tuple(found), game.sources)
+
+
+def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> Program:
+    """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
+    from sjdsl.compiler.lower import NotSupported, lower
+
+    try:
+        return lower(optimise(made.game, passes), Path(source.name).name)
+    except NotSupported as refused:
+        span = refused.origin or Span(source.name, 0, 0, 1, 1)
+        raise CompileError([Diagnostic(errors.NOT_SUPPORTED, span, {"what": refused.what})]) from None
+
+
+def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> str:
+    """Returns the Python module of a checked game."""
+    from sjdsl.compiler.render import render
+
+    return render(lower_build(made, source, passes), made.game)
+
+
+def compile_source(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> str:
+    """Returns the Python module for one `.sj` file. Raises CompileError with every problem of the failing stage."""
+    return compile_build(build(source, variants, overrides), source)
+
+
+def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
+    """Returns every error and warning of a file, in file order; what compiles has no errors."""
+    try:
+        made = build(source, variants, overrides)
+        lower_build(made, source)
+    except CompileError as error:
+        return error.diagnostics
+    return CompileError(made.warnings).diagnostics
+
+
+def load_base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:
+    """Returns the game a file `extends`, read from the file's own folder."""
+    problems = Problems()
+    path = inside_folder(name, span, source, problems)
+    if path is None:
+        raise CompileError(problems.found)
+    if not path.is_file():
+        from sjdsl.compiler.diagnostics import nearest
+
+        near = nearest(path.name, [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else [])
+        raise CompileError([Diagnostic(errors.NO_FILE, span, {"name": name, "nearest": near})])
+    found = read_source(path)
+    base = Source((Path(source.name).parent / name).as_posix(), found.text, path.parent)
+    return base, parse(base)
+
+
+def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True) -> Iterator[str]:
+    """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir` and `optimised`."""
+    from sjdsl.compiler import print_ast, print_ir, program
+
+    if stage == "ast":
+        yield from print_ast.lines(parse(source))
+        return
+    made = build(source, variants)
+    match stage:
+        case "ir":
+            yield from print_ir.game(made.game, positions).splitlines()
+        case "optimised":
+            yield from print_ir.game(optimise(made.game), positions).splitlines()
+        case "program":
+            yield from program.dump(lower_build(made, source))
+        case "python":
+            yield from compile_build(made, source).splitlines()
+        case _:
+            raise ValueError(f"no stage `{stage}`; the stages are {', '.join(STAGES)}")

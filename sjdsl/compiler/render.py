@@ -3,6 +3,7 @@
 import hashlib
 from functools import cache
 from importlib.resources import files
+from pathlib import PurePosixPath
 
 import jinja2
 import numpy as np
@@ -38,7 +39,7 @@ def render(program: Program, game: ir.Game) -> str:
         for module, names in KERNELS.items()
         if any(n in used for n in names)
     ]
-    imports.append("from sjdsl.runtime.tokens import TokenPlane")
+    imports.append("from sjdsl.runtime.planes import TokenPlane")
     facts = [(name, value) for name, value in program.facts if name != "SCHEDULE"]
     turns = next(value for name, value in program.facts if name == "SCHEDULE").split(", ")
     marks = [a.name for a in program.state if a.name.startswith("mark_")]
@@ -97,7 +98,6 @@ def _function(f: Function) -> dict[str, object]:
 def _line(line: Line) -> str:
     if line.origin is None:
         return line.text
-    return f"{line.text}  # {_escaped(line.origin.file)}:{line.origin.line}"
+    return f"{line.text}  # {_escaped(PurePosixPath(line.origin.file).name)}:{line.origin.line}"
 
 
-__all__ = ["game_hash", "np", "render"]

@@ -13,7 +13,6 @@ from jax import Array
 
 _ROTATIONS = ((13, 15, 26, 6), (17, 29, 16, 24))
 _PARITY = 0x1BD11BDA
-RETURN = 0x52455455  # streams of those who return from being away differ from the send's by this
 
 
 def key_words(key: Array) -> Array:

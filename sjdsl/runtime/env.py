@@ -11,7 +11,8 @@ from jax.custom_batching import custom_vmap
 
 from sjdsl.compiler import ir
 from sjdsl.runtime.draws import key_words
-from sjdsl.runtime.tokens import TokenPlane, channel_names, to_channels
+from sjdsl.runtime.planes import TokenPlane, channel_names
+from sjdsl.runtime.tokens import to_channels
 
 State = Any
 Params = Any

@@ -1,35 +1,11 @@
-"""Token planes: what each byte of a `tokens` observation means, and the one-hot form of the same information."""
-
-from dataclasses import dataclass
-from typing import Literal
+"""The one-hot form of token planes: the same information, a channel for each value."""
 
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.runtime.planes import TokenPlane, channel_names
 
-@dataclass(frozen=True)
-class TokenPlane:
-    """One uint8 plane of an observation.
-
-    encoding `word`: value v means `labels[v]`; `bits`: bit k means `labels[k]`; `number`: the value itself, 0 .. `high`.
-    """
-
-    name: str
-    encoding: Literal["word", "bits", "number"]
-    labels: tuple[str, ...] = ()
-    high: int = 0
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of the one-hot channels this plane becomes, in order."""
-        if self.encoding == "number":
-            return (self.name,)
-        return tuple(f"{self.name}: {label}" for label in self.labels)
-
-
-def channel_names(planes: tuple[TokenPlane, ...]) -> tuple[str, ...]:
-    """Returns the names of all one-hot channels, plane by plane."""
-    return tuple(name for plane in planes for name in plane.channels)
+__all__ = ["TokenPlane", "channel_names", "to_channels"]
 
 
 def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype, scale_numbers: bool = False) -> Array:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.context import NotSupported
-from sjdsl.runtime.tokens import TokenPlane
+from sjdsl.runtime.planes import TokenPlane
 
 HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
 

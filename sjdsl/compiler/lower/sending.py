@@ -7,7 +7,7 @@ from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, Writer, iota
 from sjdsl.compiler.lower.expressions import lower, owner
 from sjdsl.compiler.lower.values import Axis, Value, as_dtype, both, invert, literal, reduce, select
-from sjdsl.runtime.draws import RETURN
+from sjdsl.compiler.streams import RETURN
 
 FACINGS = ("north", "east", "south", "west")
 

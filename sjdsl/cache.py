@@ -1,0 +1,51 @@
+"""Generated modules on disk, keyed by the rules' hash and the compiler's version; a damaged entry is made again."""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from sjdsl import __version__
+
+
+def cache_folder() -> Path:
+    """Returns where generated modules are kept: `$SJDSL_CACHE`, else the user's cache folder."""
+    given = os.environ.get("SJDSL_CACHE")
+    if given:
+        return Path(given)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "sjdsl"
+
+
+def cached_text(key: str, make: Callable[[], str]) -> tuple[str, str]:
+    """Returns the module's text and the name of the file it is kept in.
+
+    Two processes may write one entry at once: each writes a file of its own and renames it into place. A folder that cannot be
+    written to means no cache, not an error.
+    """
+    path = cache_folder() / f"{key}_{__version__}_{_compiler_digest()}.py"
+    try:
+        digest, _, text = path.read_text(encoding="utf-8").partition("\n")
+        if digest == f"# {hashlib.sha256(text.encode()).hexdigest()}":
+            return text, str(path)
+    except (OSError, UnicodeDecodeError):
+        pass
+    text = make()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False, encoding="utf-8") as file:
+            file.write(f"# {hashlib.sha256(text.encode()).hexdigest()}\n{text}")
+        os.replace(file.name, path)
+    except OSError:
+        pass
+    return text, str(path)
+
+
+def _compiler_digest() -> str:
+    """Returns 8 digits that change with the compiler's own sources, so that work on it never meets old entries."""
+    folder = Path(__file__).parent
+    digest = hashlib.sha256()
+    for path in sorted([*(folder / "compiler").rglob("*.py"), *(folder / "compiler").rglob("*.j2")]):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:8]

@@ -1,0 +1,56 @@
+"""What no node of the IR can see alone: checked after the front end and after every pass in tests.
+
+Raises AssertionError: a game that fails is a bug of the compiler, never of its author.
+"""
+
+from collections import Counter
+
+from sjdsl.compiler import ir
+
+
+def verify(game: ir.Game) -> ir.Game:
+    """Returns the game if its parts fit together."""
+    names = [t.name for t in (game.start, *game.schedule) if isinstance(t, ir.Phase)]
+    assert len(set(names)) == len(names), names
+    shapes = {s.name for s in game.shapes}
+    kinds = {k.name for k in game.kinds}
+    for node in ir.walk(game):
+        match node:
+            case ir.Near(shape=shape) | ir.Mark(shape=shape):
+                assert shape in shapes, node
+            case ir.Member(who="cell"):
+                assert node.kinds and set(node.kinds) <= kinds, node
+            case ir.Word():
+                assert node.value in node.type.words, node
+            case ir.Chose(action=action):
+                assert 0 <= action < len(game.agents.actions), node
+            case ir.Case():
+                assert node.arms, node
+            case _:
+                pass
+    _check_streams(game)
+    _check_map(game)
+    return game
+
+
+def _check_streams(game: ir.Game) -> None:
+    """Every drawing sentence has a stream of its own; sends of one pool share theirs."""
+    streams: Counter[int] = Counter()
+    for turn in (game.start, *game.schedule):
+        pools: set[int] = set()
+        for node in ir.walk(turn):
+            match node:
+                case ir.Draw(stream=stream) | ir.Pick(stream=stream) | ir.Chance(stream=stream) | ir.Match(stream=stream) | ir.Move(stream=stream):
+                    streams[stream] += 1
+                case ir.Send() if node.pool not in pools:
+                    pools.add(node.pool)
+                    streams.update((node.order_stream, node.heading_stream))
+                case _:
+                    pass
+    assert all(n == 1 for n in streams.values()), streams
+
+
+def _check_map(game: ir.Game) -> None:
+    glyphs = {g.glyph for g in game.glyphs}
+    assert len(glyphs) == len(game.glyphs), game.glyphs
+    assert game.rows and all(len(row) == len(game.rows[0]) and set(row) <= glyphs for row in game.rows), game.rows

@@ -1,0 +1,33 @@
+"""Where the bundled games are, and how a game is found by name or path."""
+
+from pathlib import Path
+
+from sjdsl.compiler.diagnostics import nearest
+
+
+def games_folder() -> Path:
+    """Returns the folder of the bundled games: inside the installed package, or `games/` of a source tree."""
+    here = Path(__file__).resolve().parent
+    inside = here / "games"
+    return inside if inside.is_dir() else here.parent / "games"
+
+
+def bundled() -> list[str]:
+    """Returns the names of the bundled games."""
+    return sorted(p.stem for p in games_folder().glob("*.sj"))
+
+
+def find_game(name: str | Path) -> Path:
+    """Returns the file of a game: a path to any `.sj` file, or the name of a bundled game.
+
+    Raises FileNotFoundError naming the nearest bundled game.
+    """
+    path = Path(name)
+    if path.suffix == ".sj" or path.is_file():
+        return path
+    found = games_folder() / f"{name}.sj"
+    if found.is_file() and path.name == str(name):
+        return found
+    near = nearest(str(name), bundled())
+    meant = f"; did you mean `{near}`?" if near else f"; the bundled games are {', '.join(bundled())}"
+    raise FileNotFoundError(f"there is no game `{name}` and no file of that name{meant}")

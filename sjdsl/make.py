@@ -1,0 +1,89 @@
+"""`make`: from a name or a `.sj` file to an environment."""
+
+import linecache
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Literal
+
+from sjdsl.cache import cached_text
+from sjdsl.compiler import Build, build, compile_build
+from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.read import read_source
+from sjdsl.compiler.render import game_hash
+from sjdsl.compiler.source import Source, Span
+from sjdsl.games_folder import find_game
+from sjdsl.parameters import build_params, split_sizes
+from sjdsl.runtime.env import Environment
+
+
+def make(
+    game: str | Path,
+    variant: str | None = None,
+    num_agents: int | None = None,
+    params: Mapping[str, Any] | None = None,
+    map: str | Path | tuple[str, ...] | None = None,
+    observation: Literal["tokens", "onehot"] = "tokens",
+) -> Environment:
+    """Returns the environment of a game.
+
+    Args:
+      game: the name of a bundled game, or a path to any `.sj` file.
+      variant: a variant of the file; several, applied left to right, as `"a+b"`.
+      num_agents: instead of the file's number; compile-time.
+      params: numbers of the game by name. A `param` changes the environment's default `Params`; a `size` is compile-time.
+      map: another map for the game's legend: a text file, or its rows.
+      observation: `tokens` or `onehot`, uint8 both.
+    Raises:
+      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError: the arguments.
+    """
+    if observation not in ("tokens", "onehot"):
+        raise ValueError(f"observation is `tokens` or `onehot`, not {observation!r}")
+    source = read_source(find_game(game))
+    variants = () if not variant else tuple(variant.split("+"))
+    first = build_variant(source, variants, Overrides(rows=map_rows(map, source)))
+    given = dict(params or {})
+    sizes, run_time = split_sizes([s.name for s in first.game.sizes], [p.name for p in first.game.params], given)
+    made = first
+    if sizes or num_agents is not None:
+        made = build_variant(source, variants, Overrides(sizes, num_agents, map_rows(map, source)))
+        if num_agents is not None and made.game.agents.number != num_agents:
+            raise ValueError(f"num_agents={num_agents} and a size disagree: the game has {made.game.agents.number} agents")
+    key = game_hash(made.game)
+    text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))
+    module = load_module(text, file, made.game.name)
+    return Environment(made.game, module, build_params(made.game, module, run_time), key, observation)
+
+
+def build_variant(source: Source, variants: tuple[str, ...], overrides: Overrides) -> Build:
+    """Returns the checked rules; warnings are for `sjdsl check`, not for those who only use a game."""
+    return build(source, variants, overrides)
+
+
+def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[str, ...] | None:
+    """Returns the rows of a map given by its file or by itself; it is checked against the game's legend later."""
+    if map is None:
+        return None
+    if isinstance(map, tuple | list):
+        return tuple(map)
+    from sjdsl.compiler.scope import Problems
+    from sjdsl.compiler.worldmap import parse_rows
+
+    path = Path(map)
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no map file `{map}`")
+    problems = Problems()
+    rows = parse_rows(path.read_bytes(), str(map), Span(source.name, 0, 0, 1, 1), problems)
+    if problems.found:
+        raise CompileError(problems.found)
+    return rows
+
+
+def load_module(text: str, file: str, name: str) -> ModuleType:
+    """Returns a generated module; its lines show in tracebacks."""
+    module = ModuleType(f"sjdsl.generated.{name}")
+    module.__file__ = file
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    exec(compile(text, file, "exec"), module.__dict__)
+    return module

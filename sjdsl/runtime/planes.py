@@ -1,0 +1,29 @@
+"""What the planes of an observation mean, without JAX."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class TokenPlane:
+    """One uint8 plane of an observation.
+
+    encoding `word`: value v means `labels[v]`; `bits`: bit k means `labels[k]`; `number`: the value itself, 0 .. `high`.
+    """
+
+    name: str
+    encoding: Literal["word", "bits", "number"]
+    labels: tuple[str, ...] = ()
+    high: int = 0
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the one-hot channels this plane becomes, in order."""
+        if self.encoding == "number":
+            return (self.name,)
+        return tuple(f"{self.name}: {label}" for label in self.labels)
+
+
+def channel_names(planes: tuple[TokenPlane, ...]) -> tuple[str, ...]:
+    """Returns the names of all one-hot channels, plane by plane."""
+    return tuple(name for plane in planes for name in plane.channels)
