@@ -20,13 +20,17 @@ class Stack:
 
 @dataclass(frozen=True, eq=False)
 class Automaton:
-    """`states`: for each state, symbol -> ("shift", state) or ("reduce", rule); `braces`: the states just after a `{`."""
+    """The parser's table.
+
+    `states`: for each state, symbol -> ("shift", state) or ("reduce", rule). `after`: the states that end with a kind of token.
+    `words`: the kinds of tokens written in one way only, with their text.
+    """
 
     states: Mapping[int, Mapping[str, Any]]
     start: int
     end: int
-    braces: frozenset[int]
-    brackets: frozenset[int]
+    after: Mapping[str, frozenset[int]]
+    words: Mapping[str, str]
 
 
 def make_automaton(parser: Lark) -> Automaton:
@@ -38,10 +42,13 @@ def make_automaton(parser: Lark) -> Automaton:
             symbol: ("reduce", argument) if hasattr(argument, "expansion") else ("shift", argument)
             for symbol, (_, argument) in row.items()
         }
-    shifts = {(symbol, argument) for row in table.values() for symbol, (kind, argument) in row.items() if kind == "shift"}
-    braces = frozenset(state for symbol, state in shifts if symbol == "LBRACE")
-    brackets = frozenset(state for symbol, state in shifts if symbol in ("LPAR", "LSQB"))
-    return Automaton(table, conf.start_state, conf.end_state, braces, brackets)
+    after: dict[str, set[int]] = {}
+    for row in table.values():
+        for symbol, (kind, argument) in row.items():
+            if kind == "shift":
+                after.setdefault(symbol, set()).add(argument)
+    words = {terminal.name: terminal.pattern.value for terminal in parser.terminals if terminal.pattern.type == "str"}
+    return Automaton(table, conf.start_state, conf.end_state, {k: frozenset(v) for k, v in after.items()}, words)
 
 
 def read(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
@@ -95,6 +102,19 @@ def levels(stack: Stack) -> Iterator[Stack]:
         level = level.below
 
 
-def open_marks(stack: Stack, states: frozenset[int]) -> list[int]:
-    """Returns the tokens that opened what is still open (`automaton.braces` or `.brackets`), innermost first."""
-    return [level.token for level in levels(stack) if level.state in states]
+def open_marks(automaton: Automaton, stack: Stack, opening: str, closing: str) -> list[int]:
+    """Returns the tokens of kind `opening` that have no `closing` yet, innermost first."""
+    opened, closed = [], 0
+    for level in levels(stack):
+        if level.state in automaton.after[closing]:
+            closed += 1
+        elif level.state in automaton.after[opening]:
+            if not closed:
+                opened.append(level.token)
+            closed = max(0, closed - 1)
+    return opened
+
+
+def open_braces(automaton: Automaton, stack: Stack) -> list[int]:
+    """Returns the `{` that are open, innermost first."""
+    return open_marks(automaton, stack, "LBRACE", "RBRACE")

@@ -10,7 +10,7 @@ from sjdsl.compiler.source import Source, Span
 
 MAX_BYTES = 1 << 20
 MAX_LINE = 4096  # characters
-MAX_TOKENS = 65_536
+MAX_TOKENS = 32_768
 MAX_STATEMENTS = 4096
 MAX_DEPTH = 64  # brackets around one place, signs and `not` before one value
 MAX_TREE = 160  # the same, and operators in a row, links of an `otherwise` chain, blocks

@@ -84,7 +84,6 @@ def _begins_with_game(source: Source) -> bool:
 def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
     """Runs the table over the tokens; at each error a repair is chosen, and reading goes on behind it."""
     table = automaton()
-    keywords = {t.pattern.value: t.name for t in parser().terminals if t.pattern.value.isalpha()}
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]
     closing = _closing(kinds)
@@ -93,7 +92,7 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
         stack = _read_all(table, stack, ("SJ", "INT"))
     before: Stack | None = None
     problems: dict[tuple[int, object], Diagnostic] = {}
-    at = quiet = 0
+    at = quiet = unclosed = 0
     while len(problems) < MAX_PROBLEMS:
         after = read(table, stack, kinds[at], at)
         if after is not None and kinds[at] == END:
@@ -101,13 +100,16 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
         if after is not None:
             before, stack, at = stack, after, at + 1
             continue
-        trouble = Trouble(table, keywords, kinds, texts, closing, stack, before, at)
+        trouble = Trouble(table, kinds, texts, closing, stack, before, at)
         repair = find_repair(trouble)
-        if at >= quiet and not {at - 1, at} & found.mended:
+        forgiven = repair is not None and repair.sort == "close" and repair.times <= unclosed
+        if at >= quiet and not forgiven and not {at - 1, at} & found.mended:
             problem = word_error(trouble, repair, found.tokens, found.source)
             problems.setdefault(_identity(problem), problem)
         if repair is None:
             break
+        if repair.kind in ("LBRACE", "RBRACE"):  # a block written without braces is one mistake
+            unclosed += repair.times if repair.kind == "LBRACE" else -repair.times
         quiet = 0 if repair.is_sure else repair.resume + ENOUGH
         before, stack, at = None, repair.stack, repair.resume
     return list(problems.values())

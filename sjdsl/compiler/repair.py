@@ -3,11 +3,11 @@
 Assumes that the stack cannot read the next token; guarantees that it can read one after the change.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from sjdsl.compiler.automaton import END, Automaton, Stack, accepted, levels, open_marks, reach, read
+from sjdsl.compiler.automaton import END, Automaton, Stack, accepted, levels, open_braces, reach, read
 from sjdsl.compiler.diagnostics import nearest
 
 AHEAD = 12  # tokens looked at behind an error
@@ -25,8 +25,9 @@ ENTRIES = frozenset(
 )
 RESUMING = SENTENCES | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
 
-# Words of other languages, with ours.
+# Words and signs of other languages, with ours.
 FOREIGN = {
+    "=": "==", "==": "=", "<>": "!=", "=>": "->",
     "if": "when", "else": "otherwise", "elif": "otherwise", "foreach": "each", "every": "each", "def": "define",
     "function": "define", "rule": "phase", "const": "param", "constant": "param", "parameter": "param", "players": "agents",
     "player": "agents", "agent": "agents", "object": "kind", "random": "chance", "probability": "chance", "var": "let",
@@ -44,7 +45,6 @@ class Trouble:
     """Where the table refused token `at`: `before` is the stack before the token that precedes it."""
 
     automaton: Automaton
-    keywords: Mapping[str, str]
     kinds: Sequence[str]
     texts: Sequence[str]
     closing: Sequence[int]
@@ -71,7 +71,7 @@ class Repair:
 
 def find_repair(trouble: Trouble) -> Repair | None:
     """Returns the change after which most can be read; to the next statement if no small one helps; None at the end."""
-    found = [(_score(trouble, c), c) for c in _candidates(trouble) if _seen(trouble, c) >= min(ENOUGH, _left(trouble))]
+    found = [(_score(trouble, c), c) for c in _candidates(trouble) if _seen(trouble, c) >= _needed(trouble, c)]
     if not found:
         return _skip(trouble)
     score, best = max(found, key=lambda pair: pair[0])
@@ -79,8 +79,9 @@ def find_repair(trouble: Trouble) -> Repair | None:
     return Repair(best.sort, best.stack, best.resume, best.kind, best.times, rivals == 1)
 
 
-def _left(trouble: Trouble) -> int:
-    return len(trouble.kinds) - trouble.at
+def _needed(trouble: Trouble, repair: Repair) -> int:
+    """How many tokens must be read for a change to be believed: few for a word that is nearly right."""
+    return 1 if repair.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
 
 
 def _seen(trouble: Trouble, repair: Repair) -> int:
@@ -90,7 +91,7 @@ def _seen(trouble: Trouble, repair: Repair) -> int:
 
 
 def _score(trouble: Trouble, repair: Repair) -> float:
-    unmatched = len(open_marks(repair.stack, trouble.automaton.braces)) - trouble.closing[repair.resume]
+    unmatched = len(open_braces(trouble.automaton, repair.stack)) - trouble.closing[repair.resume]
     return _seen(trouble, repair) + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
 
 
@@ -100,10 +101,10 @@ def _candidates(trouble: Trouble) -> Iterator[Repair]:
     kinds = accepted(automaton, stack)
     for kind in near_keywords(trouble, kinds):
         yield Repair("near", _read(automaton, stack, kind), at + 1, kind)
-    if trouble.texts[at] in trouble.keywords and "NAME" in kinds:
+    if _is_keyword(trouble, at) and "NAME" in kinds:
         yield Repair("name", _read(automaton, stack, "NAME"), at + 1, "NAME")
     if trouble.before is not None:
-        earlier = read(automaton, trouble.before, "NAME") if trouble.texts[at - 1] in trouble.keywords else None
+        earlier = read(automaton, trouble.before, "NAME") if _is_keyword(trouble, at - 1) else None
         if earlier is not None:
             yield Repair("earlier name", earlier, at, "NAME")
         if trouble.kinds[at - 1] == "RBRACE":
@@ -122,6 +123,10 @@ def _candidates(trouble: Trouble) -> Iterator[Repair]:
         closed, times = read(automaton, closed, "RBRACE"), times + 1
 
 
+def _is_keyword(trouble: Trouble, at: int) -> bool:
+    return trouble.automaton.words.get(trouble.kinds[at], "").isalpha()
+
+
 def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
     after = read(automaton, stack, kind)
     assert after is not None
@@ -130,12 +135,14 @@ def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
 
 def near_keywords(trouble: Trouble, kinds: Sequence[str]) -> list[str]:
     """Returns the kinds of the keywords that a misspelt word may stand for, among those that can come here."""
-    if trouble.kinds[trouble.at] != "NAME":
-        return []
     text = trouble.texts[trouble.at]
-    words = {word: kind for word, kind in trouble.keywords.items() if kind in kinds}
+    words = {word: kind for kind, word in trouble.automaton.words.items() if kind in kinds}
+    words |= {"==": "CMP", "!=": "CMP"} if "CMP" in kinds else {}
     if FOREIGN.get(text) in words:
         return [words[FOREIGN[text]]]
+    if trouble.kinds[trouble.at] != "NAME":
+        return []
+    words = {word: kind for word, kind in words.items() if word.isalpha()}
     near = []
     while best := nearest(text, words):
         near.append(words.pop(best))
@@ -152,7 +159,7 @@ def _skip(trouble: Trouble) -> Repair | None:
             for level in levels(trouble.stack):
                 if reach(automaton, level, trouble.kinds, resume, needed) >= needed:
                     return Repair("skip", level, resume)
-                if level.state in automaton.braces and kind != "RBRACE":
+                if level.state in automaton.after["LBRACE"] and kind != "RBRACE":
                     break
         depth = max(0, depth + (kind == "LBRACE") - (kind == "RBRACE"))
     return None

@@ -77,7 +77,7 @@ def _is_within_limits(found: Scan, token: Token) -> bool:
         found.problems.append(Diagnostic(errors.TOO_DEEP, span, {"limit": MAX_DEPTH}))
         return False
     if len(found.tokens) > MAX_TOKENS:
-        _too_much(found, token, "words and signs in one file", "more", MAX_TOKENS)
+        _too_much(found, token, "words and signs in one file", f"at least {MAX_TOKENS + 1}", MAX_TOKENS)
         return False
     return True
 

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 from lark import Token
 
 from sjdsl.compiler import errors
-from sjdsl.compiler.automaton import END, accepted, open_marks
+from sjdsl.compiler.automaton import END, accepted, open_braces, open_marks
 from sjdsl.compiler.diagnostics import Diagnostic, Fix, Label
-from sjdsl.compiler.repair import SECTIONS, SENTENCES, Repair, Trouble
+from sjdsl.compiler.repair import SECTIONS, SENTENCES, Repair, Trouble, near_keywords
 from sjdsl.compiler.source import Source, Span
 
-SIGNS = {
-    "LBRACE": "{", "RBRACE": "}", "LPAR": "(", "RPAR": ")", "LSQB": "[", "RSQB": "]", "COMMA": ",", "COLON": ":", "EQUAL": "=",
-    "DOTS": "..", "ARROW": "->", "DOT": ".",
-}  # fmt: skip
 PHRASES = {"NAME": "a name", "STRING": 'a text in `"`', "INT": "a whole number", "DEC": "a number", END: "the end of the file"}
+MISPLACED = (
+    (SENTENCES, SECTIONS, "a sentence stands inside a `phase`"),
+    (SECTIONS, SENTENCES, "a declaration stands outside the phases"),
+)
 VALUES = frozenset(("NAME", "INT", "DEC", "COUNT", "SUM", "CASE", "LPAR", "NOBODY", "SIGN"))
 OPERATORS = frozenset(("CMP", "SIGN", "TIMES", "AND", "OR", "IS", "IN", "ON", "CHOSE"))
 LONGEST = 7  # things named as expected
@@ -52,7 +52,7 @@ def _reserved(token: Token, source: Source) -> Diagnostic:
 
 
 def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], source: Source) -> Diagnostic:
-    opened = open_marks(trouble.stack, trouble.automaton.braces)
+    opened = open_braces(trouble.automaton, trouble.stack)
     opener = tokens[_suspect(tokens[: trouble.at], source, opened[0])]
     here = _here(trouble, tokens, source)
     if trouble.at == len(tokens):
@@ -92,46 +92,62 @@ def _begins_line(token: Token, source: Source) -> bool:
 
 def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
     here = _here(trouble, tokens, source)
-    found = f"`{tokens[trouble.at]}`" if trouble.at < len(tokens) else "the end of the file"
-    if len(found) > 40:
-        found = found[:38] + "...`"
     kinds = accepted(trouble.automaton, trouble.stack)
-    expected, help_, fix, labels = expected_text(trouble, kinds), "", None, []
+    expected, fix, labels = expected_text(trouble, kinds), None, ()
+    help_ = _help(trouble, kinds)
     if repair is not None and repair.alone:
-        word = _word(trouble, repair.kind)
+        word = trouble.automaton.words.get(repair.kind, "")
         match repair.sort:
             case "near":
-                help_, fix = f"did you mean `{word}`?", Fix(here, word)
-            case "replace" if repair.kind in SIGNS:
+                word = word or "=="
+                help_, fix = help_ or f"did you mean `{word}`?", Fix(here, word)
+            case "replace" if word and not word.isalpha():
                 expected, fix = f"`{word}`", Fix(here, word)
-            case "insert" if repair.kind in SIGNS:
-                gap = _behind(tokens[trouble.at - 1], source) if trouble.at else source.span(0, 0)
-                expected, fix = f"`{word}`", Fix(gap, f" {word}")
-            case "insert" if word and word not in PHRASES.values():
-                help_ = f"write `{word}` before it"
-            case "insert" if repair.kind in PHRASES:
-                expected = PHRASES[repair.kind]
+            case "insert" if word and not word.isalpha():
+                gap = _behind(tokens[trouble.at - 1], source)
+                expected, fix = f"`{word}`", Fix(gap, word if word in ")],:." else f" {word}")
+            case "insert" if word:
+                help_ = help_ or f"write `{word}` before it"
+            case "insert":
+                expected = PHRASES.get(repair.kind, expected)
             case "unclose":
-                labels.append(Label(token_span(tokens[trouble.at - 1], source), "is this `}` one too many?"))
-    labels += _context(trouble, kinds, tokens, source)
-    return Diagnostic(errors.UNEXPECTED, here, {"found": found, "expected": expected, "help": help_}, tuple(labels), fix)
+                labels = (Label(token_span(tokens[trouble.at - 1], source), "is this `}` one too many?"),)
+    labels = labels or _context(trouble, repair, tokens, source)
+    facts = {"found": _found(trouble, tokens), "expected": expected, "help": help_}
+    return Diagnostic(errors.UNEXPECTED, here, facts, labels, fix)
 
 
-def _context(trouble: Trouble, kinds: Sequence[str], tokens: Sequence[Token], source: Source) -> list[Label]:
-    """Points at an open bracket that should have been closed, or at the end of the line before if the mistake may be there."""
-    closers = {"RPAR", "RSQB"} & set(kinds)
-    brackets = open_marks(trouble.stack, trouble.automaton.brackets)
-    if closers and brackets:
-        return [Label(token_span(tokens[brackets[0]], source), "opened here")]
-    if trouble.at and trouble.at < len(tokens) and tokens[trouble.at].line != tokens[trouble.at - 1].line and "RBRACE" not in kinds:
-        return [Label(token_span(tokens[trouble.at - 1], source), "after this")]
-    return []
+def _found(trouble: Trouble, tokens: Sequence[Token]) -> str:
+    if trouble.at == len(tokens):
+        return "end of the file"
+    text = str(tokens[trouble.at])
+    return f"`{text}`" if len(text) <= 40 else f"`{text[:37]}...`"
 
 
-def _word(trouble: Trouble, kind: str) -> str:
-    if kind in SIGNS:
-        return SIGNS[kind]
-    return next((word for word, of in trouble.keywords.items() if of == kind), PHRASES.get(kind, ""))
+def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
+    """Returns what may have been meant, whatever the repair: the sign for `=`, a near keyword, another place."""
+    kind, text = trouble.kinds[trouble.at], trouble.texts[trouble.at]
+    if text == "=" and "CMP" in kinds:
+        return "numbers are compared with `==`, words with `is`"
+    for group, other, help_ in MISPLACED:
+        if kind in group and other <= set(kinds):
+            return help_
+    near = [trouble.automaton.words.get(kind, "") for kind in near_keywords(trouble, kinds)]
+    return f"did you mean `{near[0]}`?" if len(near) == 1 and near[0] else ""
+
+
+def _context(
+    trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
+) -> tuple[Label, ...]:
+    """Points at an open bracket that should have been closed, or at the end of the line before if something is missing there."""
+    brackets = open_marks(trouble.automaton, trouble.stack, "LPAR", "RPAR")
+    brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
+    if brackets and {"RPAR", "RSQB"} & set(accepted(trouble.automaton, trouble.stack)):
+        return (Label(token_span(tokens[max(brackets)], source), "opened here"),)
+    inserted = repair is not None and repair.sort == "insert"
+    if inserted and 0 < trouble.at < len(tokens) and tokens[trouble.at].line != tokens[trouble.at - 1].line:
+        return (Label(token_span(tokens[trouble.at - 1], source), "after this"),)
+    return ()
 
 
 def expected_text(trouble: Trouble, kinds: Sequence[str]) -> str:
@@ -144,14 +160,11 @@ def expected_text(trouble: Trouble, kinds: Sequence[str]) -> str:
             left -= group | ({"NOT"} if group is VALUES else set())
     if left & {"SIGN", "TIMES"}:
         phrases.append("an operator")
-        left -= OPERATORS | {"DOT", "LSQB"}
-    elif {"DOT", "LSQB"} <= left and len(left) > 2:
-        left -= {"DOT", "LSQB"}
-    named = [kind for kind in PHRASES if kind in left]
-    phrases += [PHRASES[kind] for kind in named]
-    words = sorted(f"`{_word(trouble, kind)}`" for kind in left if kind not in PHRASES and kind not in SIGNS)
-    signs = [f"`{SIGNS[kind]}`" for kind in SIGNS if kind in left]
-    phrases += words + signs
+        left -= OPERATORS
+    if len(left) + len(phrases) > 1:
+        left -= {"DOT", "LSQB"} | ({"LPAR"} if "DOT" in left else set())
+    phrases += [PHRASES[kind] for kind in PHRASES if kind in left]
+    phrases += sorted(f"`{trouble.automaton.words.get(kind, kind)}`" for kind in left - PHRASES.keys())
     if len(phrases) > LONGEST:
         phrases = [*phrases[: LONGEST - 1], "something else"]
     return " or ".join(filter(None, (", ".join(phrases[:-1]), phrases[-1])))

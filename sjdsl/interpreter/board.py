@@ -1,6 +1,6 @@
 """What never changes in a game: the kind of every cell, the cells of every kind, declarations by name."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 from sjdsl.compiler import ir, print_ir
@@ -13,6 +13,7 @@ class Board:
 
     kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
     pools: the first `send` written for each pool of sends, start first, then in the order of the schedule.
+    closed: whether an expression names nothing around it, as far as asked, by its identity.
     """
 
     game: ir.Game
@@ -25,6 +26,7 @@ class Board:
     world_fields: dict[str, ir.VarField]
     cell_fields: dict[tuple[str, str], ir.VarField]
     pools: dict[Pool, ir.Send]
+    closed: dict[int, tuple[ir.Expr, bool]] = field(default_factory=dict)
 
     @property
     def agents(self) -> int:

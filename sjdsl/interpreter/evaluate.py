@@ -5,12 +5,21 @@ from typing import Literal, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members, numbers
+from sjdsl.interpreter.closed import is_closed
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import HEADINGS, Value
 
 
 def evaluate(e: ir.Expr, here: Instance) -> Value:
     """Returns the value of an expression; reals as float32, numbers and words checked against what their type allows."""
+    if isinstance(e, ir.Named | ir.Count | ir.Sum) and is_closed(e, here.board):
+        if id(e) not in here.known:
+            here.known[id(e)] = (e, _checked(e, here))
+        return here.known[id(e)][1]
+    return _checked(e, here)
+
+
+def _checked(e: ir.Expr, here: Instance) -> Value:
     value = _value(e, here)
     if e.type.kind == "real":
         value = numbers.real(value)
@@ -23,17 +32,17 @@ def evaluate(e: ir.Expr, here: Instance) -> Value:
 
 def _value(e: ir.Expr, here: Instance) -> Value:
     match e:
+        case ir.Member() | ir.Local():
+            assert e.name in here.names, f"`{e.name}` has no value here"
+            return here.names[e.name]
+        case ir.FieldRead():
+            return _field(e, here)
         case ir.Number() | ir.Word() | ir.Truth():
             return e.value
         case ir.Nobody():
             return None
         case ir.ParamRef():
             return here.world.params[e.name]
-        case ir.Member() | ir.Local():
-            assert e.name in here.names, f"`{e.name}` has no value here"
-            return here.names[e.name]
-        case ir.FieldRead():
-            return _field(e, here)
         case ir.Attribute():
             return _attribute(e, here)
         case ir.At():

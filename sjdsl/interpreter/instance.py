@@ -1,8 +1,9 @@
 """One instance of a sentence: the state it reads, the variables around it, and its number among all instances."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
+from sjdsl.compiler import ir
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.draws import Draws
 from sjdsl.interpreter.state import Value, World
@@ -13,7 +14,8 @@ class Instance:
     """Where reading and writing happens.
 
     world: the snapshot. actions: one for each agent, after `forbid`. draws: None where nothing may be drawn.
-    totals: for checks, (event, word or None) -> how often it was counted so far.
+    totals: for checks, (event, word or None) -> how often it was counted so far. known: values that are the same in
+      every instance on this state, by the identity of their expression.
     """
 
     board: Board
@@ -23,19 +25,23 @@ class Instance:
     names: Mapping[str, Value] = field(default_factory=dict)
     number: int = 0
     totals: Mapping[tuple[str, str | None], int] = field(default_factory=dict)
+    known: dict[int, tuple[ir.Expr, Value]] = field(default_factory=dict)
 
     def binding(self, names: Mapping[str, Value]) -> "Instance":
         """Returns this instance with more variables and the same number."""
-        return replace(self, names={**self.names, **names})
+        return self._with({**self.names, **names}, self.number)
 
     def inside(self, names: Mapping[str, Value], digit: int, radix: int) -> "Instance":
         """Returns the instance for one member of a quantifier written inside this one."""
         assert 0 <= digit < radix, (digit, radix)
-        return replace(self, names={**self.names, **names}, number=self.number * radix + digit)
+        return self._with({**self.names, **names}, self.number * radix + digit)
 
     def only(self, names: Mapping[str, Value]) -> "Instance":
         """Returns an instance on the same state in which only these variables exist."""
-        return replace(self, names=dict(names), number=0)
+        return self._with(names, 0)
+
+    def _with(self, names: Mapping[str, Value], number: int) -> "Instance":
+        return Instance(self.board, self.world, self.actions, self.draws, names, number, self.totals, self.known)
 
     def word(self, stream: int, number: int) -> int:
         """Returns word `number` of a stream of this step."""
