@@ -1,7 +1,6 @@
 """Trainers for any compiled game: PPO with shared parameters, evaluation, and the files of a run."""
 
 from .config import Config, ConfigError
-from .environment import Environment
 from .evaluate import Estimate, Evaluation, estimate, evaluate, save_evaluation, summarise
 from .policies import Policy, PolicyError, load_policy, random_policy, trained_policy
 from .ppo import Train, TrainState, make_train
@@ -11,7 +10,6 @@ from .run import Result, RunError, train
 __all__ = [
     "Config",
     "ConfigError",
-    "Environment",
     "Estimate",
     "Evaluation",
     "Policy",

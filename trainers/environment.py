@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.runtime.tokens import TokenPlane
+from sjdsl.runtime.planes import TokenPlane
 
 
 class Environment(Protocol):
@@ -18,6 +18,7 @@ class Environment(Protocol):
     num_actions: int
     action_names: tuple[str, ...]
     token_planes: tuple[TokenPlane, ...]
+    params: Any  # pytree of the game's numbers; not part of `hash`
 
     def reset(self, key: Array) -> tuple[Array, Any]:
         """Returns the observation `[N, V, V, P]` uint8 and the state of a new episode."""

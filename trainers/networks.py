@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from flax.linen.initializers import orthogonal
 from jax import Array
 
-from sjdsl.runtime.tokens import TokenPlane, to_channels
+from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.tokens import to_channels
 
 from .convolution import convolve
 

@@ -15,6 +15,7 @@ from typing import Any
 import flax.serialization
 import jax
 import numpy as np
+from jax.tree_util import keystr, tree_leaves_with_path
 
 from .config import Config
 from .environment import Environment, reset_shapes
@@ -39,6 +40,7 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
         "game": {
             "name": env.name,
             "hash": env.hash,
+            "params": {keystr(path, simple=True): leaf for path, leaf in tree_leaves_with_path(env.params)},
             "num_agents": env.num_agents,
             "action_names": list(env.action_names),
             "observation_shape": list(observation.shape),

@@ -12,7 +12,7 @@ from jax import Array
 from sjdsl.trainers import Config, TrainState, make_train
 from sjdsl.trainers.ppo import make_network
 
-from sjdsl.runtime.tokens import TokenPlane
+from sjdsl.runtime.planes import TokenPlane
 
 
 @flax.struct.dataclass
@@ -36,7 +36,7 @@ class Probe:
     num_actions: int = 2
     episode_length: int = 100
     hash: str = "probe"
-    params: None = None
+    params: tuple[float, ...] = ()
     token_planes: tuple[TokenPlane, ...] = (TokenPlane("shown", "word", tuple("abcdef")),)
 
     @property

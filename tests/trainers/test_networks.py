@@ -8,7 +8,7 @@ import pytest
 from sjdsl.trainers.convolution import convolve
 from sjdsl.trainers.networks import ActorCritic
 
-from sjdsl.runtime.tokens import TokenPlane
+from sjdsl.runtime.planes import TokenPlane
 
 PLANES = (
     TokenPlane("content", "word", ("outside", "none", "mine")),

@@ -10,14 +10,15 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
+import optax
 import pytest
-from probes import QUICK, constant, dilemma, matching
-from sjdsl.trainers import Config, PolicyError, Result, RunError, evaluate, load_policy, run, train
+from flax.training.train_state import TrainState as Learner
+from probes import QUICK, matching
+from sjdsl.trainers import Config, PolicyError, Result, RunError, Train, TrainState, evaluate, load_policy, run, train
 from sjdsl.trainers.progress import show_progress
 from sjdsl.trainers.run_folder import read_parameters
 
 CONFIG = Config(**{**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_every": 8, "seed": 5})
-LEARNS_LITTLE = Config(**{**QUICK, "total_timesteps": 16 * 16 * 4})
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +43,7 @@ def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
     assert manifest["game"] == {
         "name": "matching",
         "hash": "probe",
+        "params": {},
         "num_agents": 2,
         "action_names": ["action_0", "action_1"],
         "observation_shape": [2, 1, 1, 1],
@@ -108,6 +110,23 @@ def test_a_run_never_writes_over_another(result: Result) -> None:
         train(matching(), CONFIG, result.run_dir, "none")
 
 
+def _quick_to_compile(diverges_after: int) -> Train:
+    """Returns a run that learns nothing; its parameter counts the updates."""
+
+    def init(key: jax.Array) -> TrainState:
+        learner = Learner.create(apply_fn=None, params={"updates": jnp.zeros(())}, tx=optax.sgd(1.0))
+        return TrainState(key, learner, None, jnp.int32(0))
+
+    def update(state: TrainState) -> tuple[TrainState, dict[str, jax.Array]]:
+        updates = state.updates + 1
+        learner = state.learner.replace(params={"updates": updates.astype(jnp.float32)})
+        loss = jnp.where(updates > diverges_after, jnp.nan, 1.0)
+        metrics = {"episodes": updates, "collective_return": jnp.float32(2), "agent_return": jnp.ones(2), "loss": loss}
+        return state.replace(learner=learner, updates=updates), metrics
+
+    return Train(init, update)
+
+
 def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     @contextmanager
     def interrupt(*_: object) -> Iterator[object]:
@@ -119,19 +138,23 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytes
         yield show
 
     monkeypatch.setattr(run, "show_progress", interrupt)
+    monkeypatch.setattr(run, "make_train", lambda *_: _quick_to_compile(diverges_after=100))
     with pytest.raises(KeyboardInterrupt):
-        train(dilemma(), LEARNS_LITTLE, tmp_path / "run", "none")
+        train(matching(), CONFIG, tmp_path / "run", "none")
     assert _manifest(tmp_path / "run")["status"] == "interrupted"
     assert [row["update"] for row in _rows(tmp_path / "run")] == [1, 2, 3]
     assert (tmp_path / "run" / "learning_curve.png").exists()
-    assert (tmp_path / "run" / "checkpoints" / "00000003.msgpack").exists()
-    load_policy(tmp_path / "run", dilemma())
+    assert read_parameters(tmp_path / "run" / "checkpoints" / "00000003.msgpack")["updates"] == 3.0
 
 
-def test_a_diverged_run_stops_with_its_last_good_parameters(tmp_path: Path) -> None:
-    with pytest.raises(RunError, match="the loss became nan in update 1"):
-        train(constant(float("nan")), LEARNS_LITTLE, tmp_path / "run", "none")
+def test_a_diverged_run_stops_with_its_last_good_parameters(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: _quick_to_compile(diverges_after=4))
+    with pytest.raises(RunError, match="the loss became nan in update 5"):
+        train(matching(), CONFIG, tmp_path / "run", "none")
     assert "the loss became nan" in str(_manifest(tmp_path / "run")["status"])
+    assert [row["loss"] for row in _rows(tmp_path / "run")] == [1.0, 1.0, 1.0, 1.0, None]
+    (stored,) = (tmp_path / "run" / "checkpoints").glob("*.msgpack")
+    assert read_parameters(stored)["updates"] == 4.0
 
 
 def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
