@@ -1,6 +1,7 @@
 """Evaluation: whole episodes of any policy, and what can be said from them."""
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -123,10 +124,11 @@ def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _P
 def estimate(samples: np.ndarray) -> Estimate:
     """Returns the mean of `[E]` samples and its 95 % interval by Student's t; infinitely wide for one sample."""
     samples = np.asarray(samples, np.float64)
-    mean = samples.mean()
+    mean = float(samples.mean())
     if len(samples) < 2:
-        return Estimate(mean, -np.inf, np.inf)
-    margin = stats.t.ppf(0.975, len(samples) - 1) * samples.std(ddof=1) / np.sqrt(len(samples))
+        return Estimate(mean, -math.inf, math.inf)
+    quantile = stats.t.ppf(0.975, len(samples) - 1)
+    margin = float(quantile * samples.std(ddof=1) / np.sqrt(len(samples)))
     return Estimate(mean, mean - margin, mean + margin)
 
 
