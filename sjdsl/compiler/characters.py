@@ -20,6 +20,7 @@ SIGNS = {
 QUOTES = "“”„«»‘’'`"
 # Letters of other scripts that look like ours.
 LETTERS = dict(zip("аеорсухіјѕԁԛԝαορνικτ", "aeopcyxijsdqwaopvikt", strict=True))
+NO_NAME = "name"  # what a word is read as of which no letter is known
 CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]|\r(?!\n)")
 
 
@@ -120,7 +121,7 @@ def _word(source: Source, text: str, at: int, last: Token | None, keywords: dict
     end = re.compile(r"\w*").match(text, at).end()  # type: ignore[union-attr]
     plain = _plain(text[start:end])
     help_ = "names are written in small letters `a` to `z`, digits and `_`"
-    help_ += f": `{plain}`" if plain != text[start:end].strip("_") else ""
+    help_ += f": `{plain}`" if plain != NO_NAME else ""
     problem = _bad(source, start, end, text[at], plain, help_)
     return Mended(problem, _token(source, keywords.get(plain, "NAME"), plain, start, end), end)
 
@@ -130,4 +131,4 @@ def _plain(word: str) -> str:
     letters = "".join(LETTERS.get(c, c) for c in word.lower())
     letters = unicodedata.normalize("NFKD", letters)
     plain = re.sub(r"[^a-z0-9_]", "", "".join(LETTERS.get(c, c) for c in letters)).lstrip("0123456789_")
-    return plain or "name"
+    return plain or NO_NAME

@@ -31,11 +31,13 @@ MAX_PHASES = 64
 MAX_TURNS = 128
 
 CHAINS = ("sum", "prod", "expr", "and_e")
-STATEMENTS = frozenset(
-    "cite size param episode kind group field timer map agents shape define schedule phase observe metrics checks variant "
-    "override drop glyph blocks acts moves forbid window show hide event mean final require always once conserved monotone "
-    "symmetric expect let draw each pick first match when chance set add give tally send remove move mark end".split()
-)
+STATEMENTS = frozenset((
+    "cite", "size", "param", "episode", "kind", "group", "field", "timer", "map", "agents", "shape", "define",
+    "schedule", "phase", "observe", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
+    "moves", "forbid", "window", "show", "hide", "event", "mean", "final", "require", "always", "once", "conserved",
+    "monotone", "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
+    "add", "give", "tally", "send", "remove", "move", "mark", "end",
+))  # fmt: skip
 
 
 def too_much(what: str, given: int | str, limit: int, span: Span, help_: str = "") -> Diagnostic:

@@ -93,13 +93,15 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
     before: Stack | None = None
     problems: dict[tuple[int, object], Diagnostic] = {}
     at = quiet = unclosed = 0
-    while len(problems) < MAX_PROBLEMS:
+    repairs = 0
+    while repairs < MAX_PROBLEMS:
         after = read(table, stack, kinds[at], at)
         if after is not None and kinds[at] == END:
             break
         if after is not None:
             before, stack, at = stack, after, at + 1
             continue
+        repairs += 1
         trouble = Trouble(table, kinds, texts, closing, stack, before, at)
         repair = find_repair(trouble)
         forgiven = repair is not None and repair.sort == "close" and repair.times <= unclosed

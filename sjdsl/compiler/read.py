@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from sjdsl.compiler import errors
-from sjdsl.compiler.diagnostics import Code, CompileError, nearest
-from sjdsl.compiler.diagnostics import Diagnostic
+from sjdsl.compiler.diagnostics import Code, CompileError, Diagnostic, nearest
 from sjdsl.compiler.limits import MAX_BYTES
 from sjdsl.compiler.source import Source, Span
 

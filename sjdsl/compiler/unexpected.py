@@ -1,13 +1,14 @@
 """Words a syntax error for its author: what was found, what could have stood there, and what to write."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from lark import Token
 
 from sjdsl.compiler import errors
 from sjdsl.compiler.automaton import END, accepted, open_braces, open_marks
 from sjdsl.compiler.diagnostics import Diagnostic, Fix, Label
-from sjdsl.compiler.repair import SECTIONS, SENTENCES, Repair, Trouble, near_keywords
+from sjdsl.compiler.repair import COMMITTED, SECTIONS, SENTENCES, Repair, Trouble, near_keywords
 from sjdsl.compiler.source import Source, Span
 
 PHRASES = {"NAME": "a name", "STRING": 'a text in `"`', "INT": "a whole number", "DEC": "a number", END: "the end of the file"}
@@ -22,12 +23,11 @@ LONGEST = 7  # things named as expected
 
 def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
     """Returns the diagnostic of one syntax error, as the repair explains it best."""
-    sort = repair.sort if repair is not None else "skip"
-    if repair is not None and sort == "name":
-        return _reserved(tokens[trouble.at], source)
-    if repair is not None and sort == "earlier name":
-        return _reserved(tokens[trouble.at - 1], source)
-    if repair is not None and (sort == "close" or (repair.kind == "RBRACE" and sort == "insert")):
+    if repair is not None and repair.place < trouble.at and trouble.before is not None:
+        trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
+    if repair is not None and repair.sort == "name":
+        return Diagnostic(errors.RESERVED_WORD, _here(trouble, tokens, source), {"word": str(tokens[repair.place])})
+    if repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert"):
         return _open_block(trouble, repair, tokens, source)
     return _unexpected(trouble, repair, tokens, source)
 
@@ -47,33 +47,31 @@ def _behind(token: Token, source: Source) -> Span:
     return source.span(token.end_pos or 0, token.end_pos or 0)
 
 
-def _reserved(token: Token, source: Source) -> Diagnostic:
-    return Diagnostic(errors.RESERVED_WORD, token_span(token, source), {"word": str(token)})
-
-
 def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], source: Source) -> Diagnostic:
-    opened = open_braces(trouble.automaton, trouble.stack)
-    opener = tokens[_suspect(tokens[: trouble.at], source, opened[0])]
-    here = _here(trouble, tokens, source)
-    if trouble.at == len(tokens):
-        help_ = "write `}` where it ends" if repair.times == 1 else f"write `}}` where it ends; {repair.times} are missing in all"
-        return Diagnostic(errors.OPEN_BLOCK, token_span(opener, source), {"help": help_})
-    label = Label(here, f"`{tokens[trouble.at]}` cannot stand inside it")
-    help_ = f"write `}}` before this `{tokens[trouble.at]}`, or where the block ends"
-    return Diagnostic(errors.OPEN_BLOCK, token_span(opener, source), {"help": help_}, (label,))
+    opener, closer = _suspect(tokens[: trouble.at], source)
+    opener = open_braces(trouble.automaton, trouble.stack)[0] if opener is None else opener
+    help_ = "write `}` where it ends"
+    if repair.times > 1:
+        help_ += f"; {repair.times} are missing in all"
+    labels: tuple[Label, ...] = ()
+    if closer is not None:
+        labels = (Label(token_span(tokens[closer], source), "this `}` seems to close a block around it"),)
+    elif trouble.at < len(tokens):
+        labels = (Label(_here(trouble, tokens, source), f"`{tokens[trouble.at]}` cannot stand inside it"),)
+    return Diagnostic(errors.OPEN_BLOCK, token_span(tokens[opener], source), {"help": help_}, labels)
 
 
-def _suspect(tokens: Sequence[Token], source: Source, innermost: int) -> int:
-    """Returns the `{` that is probably not closed: one whose `}` begins a line further left than its own line does."""
+def _suspect(tokens: Sequence[Token], source: Source) -> tuple[int | None, int | None]:
+    """Returns the `{` that is probably not closed, and the `}` taken for its own: one that begins a line further left."""
     opened: list[int] = []
-    suspect = innermost
+    suspect: tuple[int | None, int | None] = (None, None)
     for number, token in enumerate(tokens):
         if token.type == "LBRACE":
             opened.append(number)
         elif token.type == "RBRACE" and opened:
             opener = opened.pop()
             if _begins_line(token, source) and _indent(token, source) < _indent(tokens[opener], source):
-                suspect = opener
+                suspect = (opener, number)
     return suspect
 
 
@@ -101,7 +99,7 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
             case "near":
                 word = word or "=="
                 help_, fix = help_ or f"did you mean `{word}`?", Fix(here, word)
-            case "replace" if word and not word.isalpha():
+            case "replace" if word and not word.isalpha() and repair.kind not in COMMITTED:
                 expected, fix = f"`{word}`", Fix(here, word)
             case "insert" if word and not word.isalpha():
                 gap = _behind(tokens[trouble.at - 1], source)
@@ -132,7 +130,7 @@ def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
     for group, other, help_ in MISPLACED:
         if kind in group and other <= set(kinds):
             return help_
-    near = [trouble.automaton.words.get(kind, "") for kind in near_keywords(trouble, kinds)]
+    near = [trouble.automaton.words.get(kind, "") for kind in near_keywords(trouble, trouble.at, kinds)]
     return f"did you mean `{near[0]}`?" if len(near) == 1 and near[0] else ""
 
 
@@ -144,8 +142,8 @@ def _context(
     brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
     if brackets and {"RPAR", "RSQB"} & set(accepted(trouble.automaton, trouble.stack)):
         return (Label(token_span(tokens[max(brackets)], source), "opened here"),)
-    inserted = repair is not None and repair.sort == "insert"
-    if inserted and 0 < trouble.at < len(tokens) and tokens[trouble.at].line != tokens[trouble.at - 1].line:
+    missing = repair is not None and repair.sort == "insert" and "RBRACE" not in accepted(trouble.automaton, trouble.stack)
+    if missing and 0 < trouble.at < len(tokens) and tokens[trouble.at].line != tokens[trouble.at - 1].line:
         return (Label(token_span(tokens[trouble.at - 1], source), "after this"),)
     return ()
 
