@@ -3,9 +3,10 @@
     Source -> ast.File
 """
 
+import os
 import re
 from functools import cache
-from importlib import resources
+from pathlib import Path
 
 from lark import Lark, Token, Tree
 
@@ -19,6 +20,7 @@ from sjdsl.compiler.scan import Scan, scan
 from sjdsl.compiler.source import Source
 from sjdsl.compiler.unexpected import word_error
 
+HERE = Path(__file__).parent
 VERSION = "1"
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
@@ -47,9 +49,19 @@ def _raise(problems: list[Diagnostic]) -> None:
 
 @cache
 def parser() -> Lark:
-    """Returns the parser of the language, made once a process."""
-    grammar = resources.files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
-    return Lark(grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True)
+    """Returns the parser of the language, made once a process; its tables are kept from one process to the next."""
+    grammar = (HERE.parent / "grammar" / "sj.lark").read_text("utf-8")
+    return Lark(grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True, cache=_kept_tables())
+
+
+def _kept_tables() -> str | bool:
+    """Returns where the tables are kept: beside the compiled Python files, nowhere if nothing can be written there."""
+    folder = HERE / "__pycache__"
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError:
+        return False
+    return str(folder / "sj.lark.tables") if os.access(folder, os.W_OK) else False
 
 
 @cache
