@@ -1,0 +1,67 @@
+"""Maps as the manual draws them: glyphs of cells, agents over them as arrows."""
+
+from typing import Any
+
+from sjdsl.compiler import ir
+from .plays import HEADINGS, Place, View
+
+ARROWS = dict(zip("^>v<", HEADINGS, strict=True))
+Cells = dict[tuple[str, str], list[Any]]
+
+
+def draw(game: ir.Game, view: View) -> list[str]:
+    """Returns the rows of the map as they look now; a cell in a state without a glyph has its kind's own."""
+    arrows = {place: arrow for arrow, h in ARROWS.items() for place, heading in zip(view.places, view.heading, strict=True) if h == heading}
+    number: dict[str, int] = {}
+    rows = []
+    for r, row in enumerate(game.rows):
+        drawn = ""
+        for c, glyph in enumerate(row):
+            kind = kind_of(game, glyph)
+            index = number.setdefault(kind, 0)
+            number[kind] += 1
+            here = {name: values[index] for (k, name), values in view.cells.items() if k == kind}
+            drawn += arrows.get((r, c)) or glyph_of(game, kind, here)
+        rows.append(drawn)
+    return rows
+
+
+def read(game: ir.Game, rows: list[str], view: View) -> tuple[list[Place], list[str], Cells]:
+    """Returns what a picture shows: agents in reading order, their headings, and the fields its glyphs speak of."""
+    assert [len(r) for r in rows] == [len(r) for r in game.rows], "the picture is not as large as the map"
+    places: list[Place] = []
+    heading: list[str] = []
+    cells = {key: list(values) for key, values in view.cells.items()}
+    number: dict[str, int] = {}
+    for r, row in enumerate(rows):
+        for c, glyph in enumerate(row):
+            kind = kind_of(game, game.rows[r][c])
+            index = number.setdefault(kind, 0)
+            number[kind] += 1
+            if glyph in ARROWS:
+                places.append((r, c))
+                heading.append(ARROWS[glyph])
+                continue
+            assert kind_of(game, glyph) == kind, f"row {r}, column {c}: the map has no `{glyph}` there"
+            for name, value in meaning(game, glyph).items():
+                cells[kind, name][index] = value
+    assert len(places) == game.agents.number, f"{len(places)} agents in the picture, not {game.agents.number}"
+    return places, heading, cells
+
+
+def kind_of(game: ir.Game, glyph: str) -> str:
+    return next(g.kind for g in game.glyphs if g.glyph == glyph)
+
+
+def meaning(game: ir.Game, glyph: str) -> dict[str, Any]:
+    """Returns the values a glyph stands for, of the fields that tell the kind's glyphs apart."""
+    shown = next(g for g in game.glyphs if g.glyph == glyph)
+    kind = next(k for k in game.kinds if k.name == shown.kind)
+    told = {name for g in game.glyphs if g.kind == shown.kind for name, _ in g.starts}
+    return {f.name: f.start for f in kind.fields if f.name in told} | dict(shown.starts)
+
+
+def glyph_of(game: ir.Game, kind: str, here: dict[str, Any]) -> str:
+    glyphs = [g.glyph for g in game.glyphs if g.kind == kind]
+    fitting = [g for g in glyphs if all(here[name] == value for name, value in meaning(game, g).items())]
+    return (fitting or glyphs)[0]

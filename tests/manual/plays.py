@@ -1,0 +1,217 @@
+"""Two ways to play an example, seen alike: the reference interpreter and the compiled step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from sjdsl.compiler import Build, ir
+from sjdsl.interpreter.draws import Threefry
+from sjdsl.interpreter.observe import observe
+from sjdsl.interpreter.planes import planes
+from sjdsl.interpreter.state import Cell, default_params
+from sjdsl.interpreter.step import action_mask, reset, step
+
+HEADINGS = ("north", "east", "south", "west")
+Key = tuple[int, int]
+Place = tuple[int, int] | None
+
+
+@dataclass
+class View:
+    """What can be seen of a game after a reset or a step, as plain values: words as texts, agents as numbers.
+
+    cells: (kind, field) -> a value for each cell. events: name or `name[word]` -> a count, or one for each agent.
+    away: ticks until each agent returns, 0 for those here and those removed. observation: agents x rows x columns x planes.
+    """
+
+    steps: int
+    places: list[Place]
+    heading: list[str]
+    away: list[int]
+    cells: dict[tuple[str, str], list[Any]]
+    agents: dict[str, list[Any]]
+    world: dict[str, Any]
+    allowed: list[list[bool]]
+    observation: np.ndarray
+    reward: list[float] = field(default_factory=list)
+    events: dict[str, Any] = field(default_factory=dict)
+    metrics: dict[str, float] = field(default_factory=dict)
+    truncated: bool = False
+    terminated: bool = False
+
+
+class Play(Protocol):
+    """One run of a game."""
+
+    def reset(self, key: Key) -> View: ...
+
+    def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
+        """Puts agents and cells as a picture shows them."""
+        ...
+
+    def step(self, actions: Sequence[int], key: Key) -> View: ...
+
+
+class Interpreted:
+    """A run in the reference interpreter. `params`: values by name, nested as the interpreter keeps them."""
+
+    def __init__(self, built: Build, params: dict[str, Any]):
+        self.game = built.game
+        self.params = default_params(self.game) | params
+
+    def reset(self, key: Key) -> View:
+        self.world = reset(self.game, self.params, Threefry(*key))
+        return self._view()
+
+    def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
+        self.world.position = [None if p is None else Cell(*p) for p in places]
+        self.world.heading = [HEADINGS.index(h) for h in heading]
+        self.world.cells |= {key: list(values) for key, values in cells.items()}
+        return self._view()
+
+    def step(self, actions: Sequence[int], key: Key) -> View:
+        self.world, out = step(self.game, self.world, actions, self.params, Threefry(*key))
+        view = self._view()
+        view.reward = [float(r) for r in out.reward]
+        view.events = self._events(out.events)
+        view.metrics = {name: float(value) for name, value in out.measures.items()}
+        view.truncated, view.terminated = out.truncated and not out.terminated, out.terminated
+        return view
+
+    def _events(self, counts: dict[str, Any]) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for event in self.game.events:
+            count = counts[event.name]
+            if not event.by:
+                found[event.name] = count
+            for number, word in enumerate(event.by):
+                found[f"{event.name}[{word}]"] = [c[number] for c in count] if event.per_agent else count[number]
+        return found
+
+    def _view(self) -> View:
+        world = self.world
+        return View(
+            steps=world.step,
+            places=[None if p is None else (p.row, p.col) for p in world.position],
+            heading=[HEADINGS[h] for h in world.heading],
+            away=[0 if a is None else a.ticks for a in world.away],
+            cells={key: [_plain(v) for v in values] for key, values in world.cells.items()},
+            agents={name: [_plain(v) for v in values] for name, values in world.agents.items()},
+            world={name: _plain(v) for name, v in world.fields.items()},
+            allowed=action_mask(self.game, world),
+            observation=observe(self.game, world),
+        )
+
+
+def _plain(value: Any) -> Any:
+    """Returns a value of the interpreter without NumPy, rows as lists."""
+    if isinstance(value, tuple):
+        return [_plain(v) for v in value]
+    return float(value) if isinstance(value, np.floating) else value
+
+
+def plane_names(game: ir.Game) -> dict[str, tuple[int, tuple[str, ...]]]:
+    """Returns for each plane of an observation its number and labels."""
+    return {plane.name: (number, plane.labels) for number, plane in enumerate(planes(game))}
+
+
+class Compiled:
+    """A run of the compiled step, one `jit` for step and view together."""
+
+    def __init__(self, built: Build, text: str, params: dict[str, Any]):
+        import jax
+
+        from sjdsl.make import load_module
+        from sjdsl.parameters import build_params
+
+        self.game = built.game
+        self.module = load_module(text, f"<{self.game.name}>", self.game.name)
+        self.params = build_params(self.game, self.module, params)
+        self.run = jax.jit(self._run)
+        self.look = jax.jit(lambda state: (self.module.allowed_actions(state, self.params), self.module.observe(state, self.params)))
+
+    def _run(self, state: Any, actions: Any, key: Any) -> Any:
+        state, out = self.module.step(state, actions, self.params, key)
+        return state, out, self.module.measures(state, self.params), state.step + 1 >= self.module.episode_length(self.params)
+
+    def reset(self, key: Key) -> View:
+        self.state = self.module.reset(self.params, np.array(key, np.uint32))
+        return self._view()
+
+    def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
+        from sjdsl.compiler.lower.context import attribute_name
+
+        (_, cols), pad = self.module.FRAME, self.module.PAD
+        position = [0 if p is None else (p[0] + pad) * cols + p[1] + pad for p in places]
+        changed: dict[str, Any] = {
+            "position": np.array(position, np.int32),
+            "heading": np.array([HEADINGS.index(h) for h in heading], np.int32),
+        }
+        for (kind, name), values in cells.items():
+            declared = next(f for k in self.game.kinds if k.name == kind for f in k.fields if f.name == name)
+            attribute = attribute_name(declared)
+            coded = [declared.type.words.index(v) if declared.type.kind == "word" else v for v in values]
+            changed[attribute] = np.array(coded, getattr(self.state, attribute).dtype)
+        self.state = self.state.replace(**changed)
+        return self._view()
+
+    def step(self, actions: Sequence[int], key: Key) -> View:
+        self.state, out, measures, last = self.run(self.state, np.array(actions, np.int32), np.array(key, np.uint32))
+        self.state = self.state.replace(step=self.state.step + 1)
+        view = self._view()
+        view.reward = [float(r) for r in out.reward]
+        view.events = self._events(out)
+        view.metrics = {name: float(value) for name, value in measures.items()}
+        view.terminated = bool(out.ended)
+        view.truncated = bool(last) and not view.terminated
+        return view
+
+    def _events(self, out: Any) -> dict[str, Any]:
+        from sjdsl.compiler.identifiers import param_attribute
+
+        found: dict[str, Any] = {}
+        for event in self.game.events:
+            count = np.asarray(getattr(out, f"event_{param_attribute(event.name)}"))
+            if not event.by:
+                found[event.name] = count.tolist()
+            for number, word in enumerate(event.by):
+                found[f"{event.name}[{word}]"] = count[..., number].tolist()
+        return found
+
+    def _view(self) -> View:
+        state, (_, cols), pad = self.state, self.module.FRAME, self.module.PAD
+        allowed, observation = self.look(state)
+        places = [None if p == 0 else (p // cols - pad, p % cols - pad) for p in np.asarray(state.position).tolist()]
+        return View(
+            steps=int(state.step),
+            places=places,
+            heading=[HEADINGS[h] for h in np.asarray(state.heading).tolist()],
+            away=np.asarray(getattr(state, "away", np.zeros(len(places), int))).tolist(),
+            cells={(k.name, f.name): self._values(f) for k in self.game.kinds for f in k.fields},
+            agents={f.name: self._values(f) for f in self.game.agents.fields},
+            world={f.name: self._values(f) for f in self.game.fields},
+            allowed=np.asarray(allowed).tolist(),
+            observation=np.asarray(observation),
+        )
+
+    def _values(self, declared: ir.VarField) -> Any:
+        from sjdsl.compiler.lower.context import attribute_name
+
+        return _decoded(np.asarray(getattr(self.state, attribute_name(declared))).tolist(), declared.type, self.game.agents.number)
+
+
+def _decoded(value: Any, type_: ir.Type, agents: int) -> Any:
+    """Returns a stored value as the interpreter has it."""
+    if isinstance(value, list):
+        return [_decoded(v, type_, agents) for v in value]
+    match type_.kind:
+        case "word":
+            return type_.words[value]
+        case "agent":
+            return None if value < 0 else value
+        case "agents":
+            return frozenset(i for i in range(agents) if value >> i & 1)
+        case _:
+            return value

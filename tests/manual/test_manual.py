@@ -1,0 +1,144 @@
+"""Every example of the manual is compiled and run, and what the manual says of it is compared.
+
+Quickly in the reference interpreter; once more, marked slow, in the compiled step beside the interpreter on the same draws.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sjdsl.compiler import Build, build, compile_build
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.source import Source
+from .blocks import Example, examples, frames, manual_blocks
+from .plays import Compiled, Interpreted, Play, View
+from .scripts import given_params, perform, read_script
+
+RUNNING = [e for e in examples() if e.said("result") or not e.said("error")]
+
+
+def _id(example: Example) -> str:
+    return example.name
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Returns a folder with the manual's games in files, for those that extend one."""
+    path = tmp_path_factory.mktemp("manual")
+    for name, text in frames().items():
+        (path / f"{name}.sj").write_text(text, encoding="utf-8")
+    for block in manual_blocks():
+        if "file" in block.info:
+            (path / block.info["file"]).write_text(block.text, encoding="utf-8")
+    return path
+
+
+def source_of(example: Example, folder: Path) -> Source:
+    return Source(f"{example.name}.sj", example.source, folder)
+
+
+@cache
+def built(example: Example, folder: Path, variants: tuple[str, ...] = ()) -> Build:
+    return build(source_of(example, folder), variants, Overrides())
+
+
+def test_every_example_says_what_becomes_of_it():
+    silent = [e.name for e in examples() if not e.expected and "frame" not in e.block.info]
+    assert not silent
+    assert len({e.name for e in examples()}) == len(examples())
+
+
+@pytest.mark.parametrize("example", [e for e in examples() if not e.said("error")], ids=_id)
+def test_example_compiles(example, folder):
+    found = built(example, folder).warnings
+    if example.frame is None and "frame" not in example.block.info:
+        compare(example, found, example.said("warning"))
+    elif example.said("warning"):
+        compare(example, [d for d in found if d.span.file == f"{example.name}.sj"], example.said("warning"))
+
+
+@pytest.mark.parametrize("example", [e for e in examples() if e.said("error")], ids=_id)
+def test_example_is_refused(example, folder):
+    for block in example.said("error"):
+        variants = tuple(v for v in re.findall(r"^variant (\S+)", block.text, re.MULTILINE) for v in v.split("+"))
+        with pytest.raises(CompileError) as refused:
+            compile_build(build(source_of(example, folder), variants), source_of(example, folder))
+        compare(example, [d for d in refused.value.diagnostics if d.code.severity == "error"], (block,))
+
+
+def compare(example: Example, found: Sequence[Diagnostic], blocks: Sequence) -> None:
+    """Compares diagnostics with lines like `SJ204 line 3` and, where it is written, the message."""
+    lines = [x for b in blocks for x in b.text.splitlines() if x.startswith("SJ")]
+    ordered = sorted(found, key=lambda d: (d.span.line, d.code.code))
+    shown = [f"{d.code.code} line {d.span.line - example.offset}: {d.message}" for d in ordered]
+    assert len(shown) == len(lines), shown
+    for line, full in zip(lines, shown, strict=True):
+        assert line == full or line == full.partition(":")[0], shown
+
+
+@pytest.mark.parametrize("example", [e for e in examples() if e.said("result")], ids=_id)
+def test_example_runs_as_the_manual_says(example, folder):
+    for block in example.said("result"):
+        script = read_script(block)
+        game = built(example, folder, script.variants).game
+        play = Interpreted(built(example, folder, script.variants), given_params(game, script.params))
+        perform(script, game, play, lambda name, seed, steps: rest(name, seed, steps, folder))
+
+
+def rest(name: str, seed: int, steps: int, folder: Path) -> View:
+    """Returns another example after some steps in which nobody does anything."""
+    example = next(e for e in examples() if e.name == name)
+    play = Interpreted(built(example, folder), {})
+    view = play.reset((seed, 0))
+    stay = built(example, folder).game.agents.actions.index("stay")
+    for step in range(1, steps + 1):
+        view = play.step([stay] * len(view.places), (seed, step))
+    return view
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("example", RUNNING, ids=_id)
+def test_compiled_example_equals_the_interpreted(example, folder):
+    for block in example.said("result"):
+        script = read_script(block)
+        made = built(example, folder, script.variants)
+        text = compile_build(made, source_of(example, folder))
+        params = given_params(made.game, script.params)
+        play = Both(Interpreted(made, params), Compiled(made, text, params))
+        perform(script, made.game, play, lambda name, seed, steps: rest(name, seed, steps, folder))
+    if not example.said("result"):
+        compile_build(built(example, folder), source_of(example, folder))
+
+
+class Both:
+    """The interpreter and the compiled step on the same draws; every view is compared."""
+
+    def __init__(self, first: Play, second: Play):
+        self.plays = first, second
+
+    def reset(self, key):
+        return self._same([play.reset(key) for play in self.plays])
+
+    def arrange(self, places, heading, cells):
+        return self._same([play.arrange(places, heading, cells) for play in self.plays])
+
+    def step(self, actions, key):
+        return self._same([play.step(actions, key) for play in self.plays])
+
+    def _same(self, views: list[View]) -> View:
+        for part in fields(View):
+            first, second = (getattr(view, part.name) for view in views)
+            if part.name in ("reward", "metrics"):
+                first, second = (list(x.values()) if isinstance(x, dict) else x for x in (first, second))
+                assert np.allclose(first, second, rtol=1e-6, atol=1e-6), (part.name, first, second)
+            elif part.name == "observation":
+                assert np.array_equal(first, second), "the observations differ"
+            else:
+                assert first == second, (part.name, first, second)
+        return views[0]
