@@ -18,7 +18,7 @@ KERNELS = {
     "sjdsl.runtime.movement": ("resolve",),
     "sjdsl.runtime.placing": ("choose", "pair", "place"),
     "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
-    "sjdsl.runtime.view": ("paint", "windows"),
+    "sjdsl.runtime.view": ("paint", "planes_of", "windows"),
 }
 
 

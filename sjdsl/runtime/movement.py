@@ -3,8 +3,6 @@
 import jax.numpy as jnp
 from jax import Array, lax
 
-UNROLL = 12  # agents up to which the pairs are written out as scalars; above, a loop compiles smaller
-
 
 def resolve(position: Array, target: Array, word: Array) -> Array:
     """Returns the cells after all agents have moved at once.
@@ -42,12 +40,7 @@ def _spread(into: Array, lost: Array) -> Array:
     bit = (jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)).astype(jnp.uint32)
     waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
     stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)
-    if n <= UNROLL:
-        for _ in range(n - 1):
-            for i in range(n):
-                stays = stays | jnp.where((waits[i] & stays) != 0, jnp.uint32(1 << i), jnp.uint32(0))
-    else:
-        stays = lax.fori_loop(0, n - 1, lambda _, s: s | _waiting(waits, bit, s), stays)
+    stays = lax.fori_loop(0, n - 1, lambda _, s: s | _waiting(waits, bit, s), stays)
     return (stays & bit) != 0
 
 

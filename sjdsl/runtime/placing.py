@@ -14,14 +14,22 @@ def place(cells: Array, ranks: Array, position: Array, sent: Array) -> tuple[Arr
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
     """
-    new, placed = [], []
-    for agent in range(position.shape[0]):
+    index = jnp.arange(position.shape[0], dtype=jnp.int32)
+
+    def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
+        return jnp.any(state[0])
+
+    def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        left, ranks, position, placed = state
+        first = index == jnp.argmax(left).astype(jnp.int32)
         best = jnp.argmax(ranks)
-        taken = sent[agent] & (ranks[best] > 0)
-        new.append(jnp.where(taken, cells[best], position[agent]))
-        placed.append(taken)
-        ranks = ranks.at[best].set(jnp.where(taken, jnp.uint32(0), ranks[best]), mode="promise_in_bounds")
-    return jnp.stack(new), jnp.stack(placed)
+        there = first & left & (ranks[best] > 0)
+        ranks = ranks.at[best].set(jnp.uint32(0), mode="promise_in_bounds")
+        return left & ~first, ranks, jnp.where(there, cells[best], position), placed | there
+
+    # a turn for each agent sent, not for each agent: most steps send nobody
+    start = (sent, ranks, position, jnp.zeros_like(sent))
+    return lax.while_loop(waiting, place_one, start)[2:]
 
 
 def choose(ranks: Array, number: Array) -> Array:

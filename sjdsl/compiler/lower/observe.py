@@ -69,7 +69,7 @@ def observe(w: Writer) -> str:
         columns.insert(2, _marks(marks, planes))
     columns += _own(axes, w)
     away = reads.present(AgentVar(iota(axes[0]), axes[0]), w)
-    stack = f"jnp.stack([{', '.join(_full(c, axes) for c in columns)}], axis=-1)"
+    stack = f"planes_of({', '.join(_full(c, axes) for c in columns)})"
     if away is None:
         return stack
     return f"jnp.where({wrapped(away)}[:, None, None, None], {stack}, 0)"
