@@ -1,0 +1,70 @@
+"""The command `sjdsl`: one module a subcommand, imported when it is called, so that `check` never waits for JAX."""
+
+import sys
+from collections.abc import Sequence
+from difflib import get_close_matches
+from importlib import import_module
+from typing import NoReturn
+
+import click
+
+from sjdsl.cli.faults import report_fault
+
+COMMANDS = {
+    "bench": "Measure how fast games run.",
+    "check": "Say what is wrong with a game.",
+    "compile": "Write a game as a Python module.",
+    "dump": "Show a game after one stage of the compiler.",
+    "evaluate": "Play a trained policy against a random one.",
+    "explain": "Explain the code of a message, such as SJ101.",
+    "list": "List games: agents, actions, parameters, variants.",
+    "render": "Draw a game as a GIF or PNG.",
+    "train": "Train agents in a game.",
+}
+
+
+class Commands(click.Group):
+    """The subcommands, each imported when first asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        del ctx
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        del ctx
+        return import_module(f"sjdsl.cli.{cmd_name}").command if cmd_name in COMMANDS else None
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Lists the commands without importing them."""
+        del ctx
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            near = get_close_matches(args[0], COMMANDS, n=1)
+            meant = f"did you mean `{near[0]}`?" if near else f"the commands are {', '.join(COMMANDS)}"
+            raise click.UsageError(f"there is no command `{args[0]}`; {meant}", ctx)
+        return super().resolve_command(ctx, args)
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="sjdsl", message="sjdsl %(version)s")
+def commands() -> None:
+    """Compiles social-dilemma games written in `.sj` files into JAX environments, and trains agents in them."""
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command; returns the exit status: 0 done, 1 something is wrong with the game or files, 2 with the call."""
+    try:
+        result = commands.main(arguments, prog_name="sjdsl", standalone_mode=False)
+    except click.exceptions.Exit as exit_:
+        return exit_.exit_code
+    except Exception as error:
+        return report_fault(error)
+    return result if isinstance(result, int) else 0
+
+
+def main() -> NoReturn:
+    """Runs the command line of this process."""
+    sys.exit(run())

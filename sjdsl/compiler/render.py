@@ -16,6 +16,12 @@ from sjdsl.compiler.program import KERNELS, Attribute, Constant, Function, Line,
 
 
 
+FORBIDDING = (
+    "allowed = jnp.take_along_axis(allowed_actions(state, params), actions[:, None], axis=1)[:, 0]",
+    "actions = jnp.where(allowed, actions, STAY)",
+)
+
+
 @cache
 def _template() -> jinja2.Template:
     text = files("sjdsl.compiler").joinpath("templates/module.py.j2").read_text(encoding="utf-8")
@@ -60,6 +66,7 @@ def render(program: Program, game: ir.Game) -> str:
         param_defaults=[f"{a.name}={a.default}" for a in program.params],
         state_defaults=[f"{a.name}={a.default}" for a in program.state],
         outcome_defaults=[f"{a.name}={a.default}" for a in program.outcome],
+        forbidding=FORBIDDING if game.agents.forbids else (),
         cleared=cleared,
         turns=[t for t in turns if t],
         functions=[_function(f) for f in program.functions],

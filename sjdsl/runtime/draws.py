@@ -36,10 +36,15 @@ def words_at(key: Array, stream: int, numbers: Array) -> Array:
     Returns:
       uint32 of the shape of `numbers`.
     """
+    return _threefry(key, jnp.uint32(stream), numbers)
+
+
+@jax.jit  # one function of the program for each shape, however many rules draw
+def _threefry(key: Array, stream: Array, numbers: Array) -> Array:
     shape = (1,) * numbers.ndim
     k0, k1 = key[0].reshape(shape), key[1].reshape(shape)
     keys = (k0, k1, k0 ^ k1 ^ jnp.uint32(_PARITY))
-    x0 = jnp.uint32(stream) + keys[0]
+    x0 = stream + keys[0]
     x1 = numbers + keys[1]
     for group in range(5):
         for rotation in _ROTATIONS[group % 2]:

@@ -41,6 +41,7 @@ class Environment:
         self.step = jax.jit(self._step)
         self.step_env = jax.jit(self._step_env)
         self.observe = jax.jit(self._observe)
+        self._tokens = jax.jit(module.observe)  # one function of the program, however often a step observes
 
     @property
     def name(self) -> str:
@@ -151,7 +152,7 @@ class Environment:
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
-        tokens = self.module.observe(state, self.params if params is None else params)
+        tokens = self._tokens(state, self.params if params is None else params)
         if self.observation == "tokens":
             return tokens
         return to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))

@@ -1,0 +1,66 @@
+"""The measured program: random play of many environments, with nothing that a compiler could leave out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from sjdsl.bench import yardstick
+from sjdsl.runtime.env import Environment
+
+YARDSTICK = "yardstick"
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something to be measured: `step(state, actions, key) -> (state, reward, observation)` of one environment."""
+
+    name: str
+    num_agents: int
+    num_actions: int
+    reset: Callable[[], Any]
+    step: Callable[[Any, Array, Array], tuple[Any, Array, Array]]
+    env: Environment | None = None
+
+
+def yardstick_task() -> Task:
+    """Returns the step written by hand."""
+    return Task(YARDSTICK, yardstick.NUM_AGENTS, yardstick.NUM_ACTIONS, yardstick.reset, yardstick.step)
+
+
+def game_task(env: Environment, name: str = "") -> Task:
+    """Returns `env.step`, its reset at the end of an episode included."""
+
+    def step(state: Any, actions: Array, key: Array) -> tuple[Any, Array, Array]:
+        observation, state, reward, _, _ = env.step(key, state, actions)
+        return state, reward, observation
+
+    def reset() -> Any:
+        return env.reset(jax.random.key(0))[1]
+
+    return Task(name or env.name, env.num_agents, env.num_actions, reset, step, env)
+
+
+def make_loop(task: Task, num_envs: int, num_steps: int) -> Callable[[Array], Array]:
+    """Returns a function of a key that plays and returns the sum of all rewards and observations."""
+
+    def run(key: Array) -> Array:
+        def body(carry: tuple[Any, Array, Array], _: None) -> tuple[tuple[Any, Array, Array], None]:
+            state, total, key = carry
+            key, k_action, k_step = jax.random.split(key, 3)
+            action = jax.random.randint(k_action, (num_envs, task.num_agents), 0, task.num_actions)
+            state, reward, observation = jax.vmap(task.step)(state, action, jax.random.split(k_step, num_envs))
+            return (state, total + reward.sum() + observation.astype(jnp.float32).sum(), key), None
+
+        start = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), task.reset())
+        return jax.lax.scan(body, (start, jnp.float32(0), key), None, num_steps)[0][1]
+
+    return run
+
+
+def steps_for(num_envs: int) -> int:
+    """Returns how many steps one timing takes: long enough for a clock, short enough to wait for."""
+    return max(50, 40_000 // num_envs)

@@ -1,0 +1,69 @@
+"""`sjdsl check`: everything that is wrong with a game, in it and in each of its variants."""
+
+import json
+
+import click
+
+from sjdsl.cli.diagnostics import count_severities, has_error, print_diagnostics, texts_of
+from sjdsl.cli.game_file import open_game, split_variants, variant_option
+from sjdsl.compiler import check, load_base
+from sjdsl.compiler.compose import compose
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.parse import parse
+from sjdsl.compiler.source import Source
+
+Found = dict[tuple[str, ...], list[Diagnostic]]
+
+
+@click.command("check")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@variant_option
+@click.option("--json", "as_json", is_flag=True, help="Print the diagnostics as JSON.")
+def command(files: tuple[str, ...], variant: str | None, as_json: bool) -> int:
+    """Says everything that is wrong with games: FILE is a `.sj` file or the name of a bundled game.
+
+    Without --variant the game itself and each of its variants are checked. The exit status is 1 if there is an error,
+    0 if there are only warnings.
+    """
+    everything: list[Diagnostic] = []
+    for file in files:
+        try:
+            source = open_game(file)
+            found = find_problems(source, variant)
+        except CompileError as error:  # unreadable
+            found = {(): list(error.diagnostics)}
+        everything += [d for problems in found.values() for d in problems]
+        if not as_json:
+            _print_problems(file, found)
+    if as_json:
+        from sjdsl.compiler.report import to_json
+
+        click.echo(json.dumps(to_json(everything, texts_of(everything)), indent=2))
+    return int(has_error(everything))
+
+
+def find_problems(source: Source, variant: str | None = None) -> Found:
+    """Returns the diagnostics of a game by variant, in the order of the file; each is listed once, where it first appears."""
+    if variant is not None:
+        names = [split_variants(variant)]
+    else:
+        try:
+            names = [(), *((name,) for name in compose(source, parse(source), (), load_base).variants)]
+        except CompileError as error:
+            return {(): list(error.diagnostics)}
+    found: Found = {}
+    for name in names:
+        known = [d for problems in found.values() for d in problems]
+        found[name] = [d for d in check(source, name) if d not in known]
+    return found
+
+
+def _print_problems(file: str, found: Found) -> None:
+    for name, problems in found.items():
+        if problems and len(found) > 1 and name:
+            click.echo(f"in variant `{'+'.join(name)}` of {file}:\n")
+        print_diagnostics(problems)
+    problems = [d for each in found.values() for d in each]
+    variants = ", ".join("+".join(name) for name in found if name)
+    scope = f" (with variant{'s' if variants.count(',') else ''} {variants})" if variants else ""
+    click.echo(f"{file}{scope}: {count_severities(problems) or 'no problems'}")

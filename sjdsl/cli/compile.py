@@ -1,0 +1,105 @@
+"""`sjdsl compile`: games as Python modules in `generated/`, and whether those there are the ones the games make."""
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from sjdsl.cli.diagnostics import print_diagnostics
+from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
+from sjdsl.compiler import build, compile_build
+from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.read import read_source
+from sjdsl.games_folder import bundled
+
+FOLDER = Path("generated")
+
+
+@dataclass(frozen=True)
+class Module:
+    """A generated module and where it belongs."""
+
+    path: Path
+    text: str
+
+    @property
+    def summary(self) -> str:
+        """`generated/coins.py  13.0 kB  289 lines`."""
+        return f"{self.path}  {len(self.text.encode()) / 1000:.1f} kB  {self.text.count(chr(10))} lines"
+
+
+@click.command("compile")
+@click.argument("files", nargs=-1, metavar="FILE...")
+@click.option("--all", "everything", is_flag=True, help="All bundled games.")
+@click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date.")
+@variant_option
+@map_option
+def command(
+    files: tuple[str, ...], everything: bool, output: str | None, only_check: bool, variant: str | None, map_file: str | None
+) -> int:
+    """Writes each game as a Python module: generated/NAME.py, a variant as generated/NAME_VARIANT.py.
+
+    FILE is a `.sj` file or the name of a bundled game. The same game gives the same bytes wherever it is compiled.
+    """
+    if everything == bool(files):
+        raise click.UsageError("name the games to compile, or say --all", click.get_current_context())
+    if output and only_check:
+        raise click.UsageError("-o and --check exclude each other", click.get_current_context())
+    names = bundled() if everything else files
+    modules = [compile_game(name, variant, map_file, output) for name in names]
+    _refuse_clashes(modules)
+    if only_check:
+        return _report_differences(modules, strays_of(modules) if everything else [])
+    for module in modules:
+        write_module(module)
+        click.echo(module.summary)
+    return 0
+
+
+def compile_game(name: str, variant: str | None, map_file: str | None, output: str | None) -> Module:
+    """Returns the module of a game; its warnings go to the terminal. Raises CompileError."""
+    source = read_source(game_path(name))
+    variants = split_variants(variant)
+    made = build(source, variants, Overrides(rows=read_map(map_file, source)))
+    print_diagnostics(made.warnings, made.sources, err=True)
+    path = Path(output or FOLDER)
+    if path.suffix != ".py":
+        path = path / f"{'_'.join((made.game.name, *variants))}.py"
+    return Module(path, compile_build(made, source))
+
+
+def write_module(module: Module) -> None:
+    """Writes a module whole or not at all."""
+    module.path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = module.path.with_name(f"{module.path.name}.{os.getpid()}")
+    unfinished.write_text(module.text, encoding="utf-8", newline="\n")
+    os.replace(unfinished, module.path)
+
+
+def strays_of(modules: Iterable[Module]) -> list[Path]:
+    """Returns the modules in the folder that no game makes."""
+    return sorted(set(FOLDER.glob("*.py")) - {module.path for module in modules})
+
+
+def _report_differences(modules: list[Module], strays: list[Path]) -> int:
+    problems = []
+    for module in modules:
+        if not module.path.is_file():
+            problems.append(f"{module.path} is missing")
+        elif module.path.read_bytes() != module.text.encode():
+            problems.append(f"{module.path} is not what its game makes")
+    problems += [f"{path} is made by no game" for path in strays]
+    for problem in problems:
+        click.echo(problem)
+    click.echo("compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date")
+    return int(bool(problems))
+
+
+def _refuse_clashes(modules: list[Module]) -> None:
+    paths = [module.path for module in modules]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise click.ClickException(f"two of these games would be written to {path}")

@@ -1,0 +1,72 @@
+"""What there is to know about a game before playing it, as plain values that JSON can hold."""
+
+import math
+from typing import Any
+
+from sjdsl.cli.game_file import open_game
+from sjdsl.compiler import ast, build, ir, load_base
+from sjdsl.compiler.compose import Composition, compose
+from sjdsl.compiler.parse import parse
+from sjdsl.compiler.print_ir import expression
+
+
+def describe(name: str) -> dict[str, Any]:
+    """Returns the title, variants, map, agents, actions, numbers and metrics of a game. Raises CompileError."""
+    source = open_game(name)
+    composed = compose(source, parse(source), (), load_base)
+    game = build(source).game
+    return {
+        "game": game.name,
+        "title": game.title,
+        "file": source.name,
+        "cites": list(game.cites),
+        "variants": [{"name": v.name.text, "title": v.title.text if v.title else ""} for v in composed.variants.values()],
+        "agents": game.agents.number,
+        "map": {"rows": len(game.rows), "columns": len(game.rows[0])},
+        "episode": expression(game.episode),
+        "actions": list(game.agents.actions),
+        "window": game.window.model_dump(exclude={"origin"}),
+        "kinds": [{"name": k.name, "fields": {f.name: _values(f.type) for f in k.fields}} for k in game.kinds],
+        "params": [_number(p.name, p.type, p.value, (p.type.low, p.type.high)) for p in game.params],
+        "sizes": [_number(s.name, s.type, s.value, _written_limits(composed, s.name)) for s in game.sizes],
+        "metrics": [{"name": e.name, "sort": "event", "by": list(e.by), "per_agent": e.per_agent} for e in game.events]
+        + [{"name": m.name, "sort": "mean" if m.mean else "final"} for m in game.measures],
+    }
+
+
+def _number(name: str, type_: ir.Type, value: Any, limits: tuple[Any, Any]) -> dict[str, Any]:
+    low, high = (None if isinstance(x, float) and math.isinf(x) else x for x in limits)
+    unit = "word" if type_.kind == "word" else type_.unit
+    return {"name": name, "unit": unit, "default": _by_word(value, type_.by), "low": low, "high": high}
+
+
+def _by_word(value: Any, by: tuple[tuple[str, ...], ...]) -> Any:
+    """Returns the nested values of a table as a mapping by word."""
+    return {word: _by_word(v, by[1:]) for word, v in zip(by[0], value, strict=True)} if by else value
+
+
+def _written_limits(game: Composition, name: str) -> tuple[str | float | None, str | float | None]:
+    """Returns the limits of a size as its file has them; the compiler has already narrowed them to its value."""
+    declared = game.constants[name]
+    low, high = (_written(game, bound) for bound in (declared.low, declared.high))
+    return low, high
+
+
+def _written(game: Composition, bound: ast.Expr | None) -> str | int | None:
+    if bound is None:
+        return None
+    text = game.sources[bound.span.file].text[bound.span.start : bound.span.end]
+    return int(text) if text.isdigit() else text
+
+
+def _values(type_: ir.Type) -> str | list[str]:
+    """Returns the words of a field, or what else it holds."""
+    match type_.kind:
+        case "word":
+            return list(type_.words)
+        case "int" | "real":
+            return f"{type_.low:g} .. {type_.high:g}"
+        case "agent":
+            return "agent"
+        case _:
+            return "set of agent"

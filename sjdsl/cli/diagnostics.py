@@ -1,0 +1,49 @@
+"""Prints diagnostics with the text they are about, in colour on a terminal."""
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import click
+
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.read import read_source
+from sjdsl.compiler.source import Source
+
+
+def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False) -> None:
+    """Prints diagnostics as a person reads them; texts that `sources` lacks are read from their files."""
+    if not found:
+        return
+    from sjdsl.compiler.report import render
+
+    stream = sys.stderr if err else sys.stdout
+    colour = stream.isatty() and not os.environ.get("NO_COLOR")
+    click.echo(render(found, {**texts_of(found), **(sources or {})}, colour), err=err, color=colour)
+
+
+def texts_of(found: Sequence[Diagnostic]) -> dict[str, Source]:
+    """Returns the files that diagnostics are about, by name, as far as they can be read."""
+    names = {d.span.file for d in found} | {label.span.file for d in found for label in d.labels}
+    texts = {}
+    for name in names:
+        try:
+            texts[name] = read_source(Path(name))
+        except CompileError:
+            continue  # that it cannot be read is what the diagnostic says
+    return texts
+
+
+def count_severities(found: Sequence[Diagnostic]) -> str:
+    """Returns `2 errors, 1 warning`; empty if there are none."""
+    parts = []
+    for severity in ("error", "warning"):
+        number = sum(d.code.severity == severity for d in found)
+        if number:
+            parts.append(f"{number} {severity}{'s' if number > 1 else ''}")
+    return ", ".join(parts)
+
+
+def has_error(found: Sequence[Diagnostic]) -> bool:
+    return any(d.code.severity == "error" for d in found)

@@ -1,0 +1,84 @@
+"""The environment that a command line describes, and the options that describe it."""
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.cli.game_file import game_path, map_option, variant_option
+
+if TYPE_CHECKING:
+    from sjdsl.runtime.env import Environment
+
+Command = Callable[..., Any]
+
+
+def environment_options(command: Command) -> Command:
+    """Adds --variant, --map, --agents and --param to a command; they arrive as `variant`, `map_file`, `agents`, `params`."""
+    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="Instead of the game's number of agents.")
+    params = click.option(
+        "--param", "params", multiple=True, metavar="NAME=VALUE", help="A number of the game, such as apple=2 or regrow[red]=0.1."
+    )
+    return variant_option(map_option(number(params(command))))
+
+
+def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
+    """Returns `name=value` and `name[word]=value` as a mapping, with one level for each bracket."""
+    values: dict[str, Any] = {}
+    for text in given:
+        path, equals, value = text.partition("=")
+        if not equals or not path.strip():
+            raise click.UsageError(f"`{text}` is not of the form name=value", click.get_current_context(silent=True))
+        *outer, last = path.strip().replace("]", "").split("[")
+        inner = values
+        for name in outer:
+            inner = inner.setdefault(name.strip(), {})
+            if not isinstance(inner, dict):
+                raise click.UsageError(f"`{name}` is given both as a whole and by word", click.get_current_context(silent=True))
+        inner[last.strip()] = _read_value(value.strip())
+    return values
+
+
+def _read_value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+def describe_environment(
+    game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Returns the arguments of `make_environment` as values that JSON can hold and that hold in every folder."""
+    path = game_path(game)
+    return {
+        "game": game if path.stem == game else str(path.resolve()),
+        "variant": variant,
+        "map": map_file and str(Path(map_file).resolve()),
+        "num_agents": agents,
+        "params": dict(params),
+    }
+
+
+def make_environment(described: Mapping[str, Any], observation: str = "tokens") -> "Environment":
+    """Returns the environment. Raises CompileError, and ClickException for arguments that do not fit the game."""
+    import sjdsl
+
+    try:
+        return sjdsl.make(**described, observation=observation)
+    except (ValueError, TypeError, FileNotFoundError) as error:
+        if _is_ours(error):
+            raise
+        raise click.ClickException(str(error)) from None
+
+
+def _is_ours(error: Exception) -> bool:
+    """Returns whether an error comes from deeper than the checks of arguments: then it is a bug, and its traceback is wanted."""
+    frames = []
+    trace = error.__traceback__
+    while trace is not None:
+        frames.append(trace.tb_frame.f_globals.get("__name__", ""))
+        trace = trace.tb_next
+    return frames[-1] not in ("sjdsl.make", "sjdsl.parameters", "sjdsl.games_folder")

@@ -1,0 +1,63 @@
+"""`sjdsl evaluate`: what a trained policy earns, beside a random one in the same episodes."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.cli.environment import make_environment
+
+if TYPE_CHECKING:
+    from sjdsl.runtime.env import Environment
+    from sjdsl.trainers import Estimate
+
+FILE = "evaluation.json"
+
+
+@click.command("evaluate")
+@click.argument("run", metavar="RUN")
+@click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option("--greedy", is_flag=True, help="Take the likeliest action instead of drawing one.")
+def command(run: str, episodes: int, seed: int, greedy: bool) -> None:
+    """Plays the policy of RUN, a folder that `sjdsl train` wrote, and a random one; the figures go to its evaluation.json."""
+    path = Path(run)
+    evaluate_run(path, make_environment(_provenance(path)), episodes, seed, greedy)
+
+
+def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool = False) -> None:
+    """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's."""
+    import jax
+
+    from sjdsl.trainers import evaluate, load_policy, random_policy, save_evaluation, summarise
+
+    key = jax.random.key(seed)
+    trained = evaluate(env, load_policy(path, env, greedy=greedy), key, episodes)
+    save_evaluation(trained, path / FILE)
+    chance = summarise(evaluate(env, random_policy(env), key, episodes))
+    figures = summarise(trained)
+    rows = [("", "trained", "random"), *((name, _interval(figures[name]), _interval(chance[name])) for name in figures)]
+    shown = [row for row in rows if " of agent " not in row[0] or row[0].startswith("return")]
+    widths = [max(len(row[column]) for row in shown) for column in range(3)]
+    click.echo(f"\n{env.title or env.name}: means of {episodes} episodes with their 95 % intervals")
+    for row in shown:
+        click.echo("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+    earned, guessed = _interval(figures["collective return"]), _interval(chance["collective return"])
+    click.echo(f"trained return {earned} against {guessed} of a random policy")
+
+
+def _interval(figure: "Estimate") -> str:
+    """Returns `97.3 [95.1, 99.4]`."""
+    return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
+
+
+def _provenance(run_dir: Path) -> dict[str, Any]:
+    """Returns how the environment of a run was made."""
+    path = run_dir / "manifest.json"
+    if not path.is_file():
+        raise click.ClickException(f"{run_dir} is no folder of a run: it has no manifest.json")
+    provenance = json.loads(path.read_text(encoding="utf-8")).get("provenance") or {}
+    if "game" not in provenance:
+        raise click.ClickException(f"{run_dir} does not say which game it was; `sjdsl train` makes runs that do")
+    return provenance

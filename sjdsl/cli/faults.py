@@ -1,0 +1,41 @@
+"""What a user is told when something fails: their own mistakes in a line or a rendered diagnostic, ours as a traceback."""
+
+import sys
+
+import click
+
+
+def report_fault(error: Exception) -> int:
+    """Prints what went wrong and returns the exit status; raises again what is no mistake of the user."""
+    match error:
+        case click.Abort():
+            click.echo("interrupted", err=True)
+            return 130
+        case click.UsageError():
+            click.echo(f"error: {error.format_message()}", err=True)
+            if error.ctx is not None:
+                click.echo(f"see `{error.ctx.command_path} --help`", err=True)
+            return error.exit_code
+        case click.ClickException():
+            click.echo(f"error: {error.format_message()}", err=True)
+            return error.exit_code
+        case OSError() if error.filename is not None:
+            click.echo(f"error: {error.filename}: {(error.strerror or 'cannot be used').lower()}", err=True)
+            return 1
+    if _is_fault_of_a_run(error):
+        click.echo(f"error: {error}", err=True)
+        return 1
+    from sjdsl.compiler.diagnostics import CompileError
+
+    if isinstance(error, CompileError):
+        from sjdsl.cli.diagnostics import print_diagnostics
+
+        print_diagnostics(error.diagnostics, err=True)
+        return 1
+    raise error
+
+
+def _is_fault_of_a_run(error: Exception) -> bool:
+    """Returns whether a trainer refuses what it was given; such an error exists only once the trainers are imported."""
+    trainers = sys.modules.get("sjdsl.trainers")
+    return trainers is not None and isinstance(error, trainers.ConfigError | trainers.PolicyError | trainers.RunError)

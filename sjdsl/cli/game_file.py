@@ -1,0 +1,50 @@
+"""The game that a command line names: a bundled one, or any `.sj` file."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sjdsl.compiler.read import read_source
+from sjdsl.compiler.source import Source
+from sjdsl.games_folder import find_game
+
+
+def open_game(name: str) -> Source:
+    """Returns the text of a game. Raises ClickException for an unknown name, CompileError for an unreadable file."""
+    return read_source(game_path(name))
+
+
+def game_path(name: str) -> Path:
+    """Returns the file of a game, as short as it can be said from here."""
+    try:
+        path = find_game(name)
+    except FileNotFoundError as error:
+        raise click.ClickException(str(error)) from None
+    return path.relative_to(Path.cwd()) if path.is_absolute() and path.is_relative_to(Path.cwd()) else path
+
+
+def split_variants(text: str | None) -> tuple[str, ...]:
+    """Returns the variants of `a+b`, left to right."""
+    return tuple(text.split("+")) if text else ()
+
+
+def read_map(file: str | None, source: Source) -> tuple[str, ...] | None:
+    """Returns the rows of a map file, or None without one. Raises CompileError for what is no map."""
+    if file is None:
+        return None
+    from sjdsl.make import map_rows
+
+    try:
+        return map_rows(file, source)
+    except FileNotFoundError as error:
+        raise click.ClickException(str(error)) from None
+
+
+def variant_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    return click.option("--variant", metavar="V", help="A variant of the game; several as a+b.")(command)
+
+
+def map_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    return click.option("--map", "map_file", metavar="FILE", help="Another map for the game's legend: a text file.")(command)

@@ -1,0 +1,94 @@
+"""`sjdsl list`: the games there are, in short, or all there is to set in one of them."""
+
+import json
+from typing import Any
+
+import click
+
+from sjdsl.cli.describe import describe
+from sjdsl.games_folder import bundled
+
+
+@click.command("list")
+@click.argument("games", nargs=-1, metavar="[GAME...]")
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def command(games: tuple[str, ...], as_json: bool) -> None:
+    """Lists the bundled games in short, or all about the GAMEs named: bundled ones and `.sj` files."""
+    found = [describe(name) for name in games or bundled()]
+    if as_json:
+        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+    elif games:
+        click.echo("\n\n".join(page(game) for game in found))
+    else:
+        for line in align([("game", "title", "agents", "map", "actions", "variants"), *map(_row, found)]):
+            click.echo(line)
+        click.echo("\n`sjdsl list GAME` shows actions, parameters, sizes, metrics and kinds")
+
+
+def _row(game: dict[str, Any]) -> tuple[str, ...]:
+    variants = ", ".join(v["name"] for v in game["variants"])
+    return game["game"], game["title"], str(game["agents"]), _map(game), str(len(game["actions"])), variants
+
+
+def _map(game: dict[str, Any]) -> str:
+    return f"{game['map']['rows']} x {game['map']['columns']}"
+
+
+def page(game: dict[str, Any]) -> str:
+    """Returns all about one game, as a person reads it."""
+    window = game["window"]
+    view = f"{window['ahead']} ahead, {window['behind']} behind, {window['left']} left, {window['right']} right"
+    facts = [
+        ("file", game["file"]),
+        ("agents", str(game["agents"])),
+        ("map", _map(game)),
+        ("episode", f"{game['episode']} steps"),
+        ("window", view),
+        ("actions", ", ".join(game["actions"])),
+        ("metrics", ", ".join(map(_metric, game["metrics"]))),
+    ]
+    facts += [("cite", cite) for cite in game["cites"]]
+    lines = [f"{game['game']}: {game['title']}", *("  " + line for line in align(facts))]
+    kinds = [(k["name"], "; ".join(f"{name}: {_words(v)}" for name, v in k["fields"].items())) for k in game["kinds"]]
+    lines += _section("kinds", kinds)
+    for title in ("params", "sizes"):
+        lines += _section(title, [(n["name"], n["unit"], *_default(n)) for n in game[title]])
+    lines += _section("variants", [(v["name"], v["title"]) for v in game["variants"]])
+    return "\n".join(lines)
+
+
+def _section(title: str, rows: list[tuple[str, ...]]) -> list[str]:
+    return [f"  {title}", *("    " + line for line in align(rows))] if rows else []
+
+
+def _default(number: dict[str, Any]) -> tuple[str, str]:
+    low, high = number["low"], number["high"]
+    limits = "" if low is None and high is None else f"{_plain(low)} .. {_plain(high)}"
+    return _plain(number["default"]), limits
+
+
+def _plain(value: Any) -> str:
+    match value:
+        case None:
+            return ""
+        case dict():
+            return "{ " + ", ".join(f"{word}: {_plain(v)}" for word, v in value.items()) + " }"
+        case float():
+            return f"{value:g}"
+        case _:
+            return str(value)
+
+
+def _metric(metric: dict[str, Any]) -> str:
+    by = f" by {{ {', '.join(metric['by'])} }}" if metric.get("by") else ""
+    return f"{metric['sort']} {metric['name']}{by}"
+
+
+def _words(values: str | list[str]) -> str:
+    return values if isinstance(values, str) else ", ".join(values)
+
+
+def align(rows: list[tuple[str, ...]]) -> list[str]:
+    """Returns rows as lines with their columns under one another; a wide column does not push the others away."""
+    widest = [min(48, max(len(cell) for cell in column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widest, strict=True)).rstrip() for row in rows]

@@ -1,0 +1,34 @@
+"""Pictures as files: a GIF of many, or a PNG of one."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from PIL import Image
+
+MILLISECONDS = 120  # a frame is shown
+SAMPLES = 24  # frames whose colours make the palette
+
+
+def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS) -> None:
+    """Writes frames as an endless GIF with one palette, so that what does not change does not flicker."""
+    palette = _palette(frames)
+    plain = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    durations = [milliseconds] * (len(plain) - 1) + [8 * milliseconds]
+    plain[0].save(
+        path, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=False, disposal=1
+    )
+
+
+def save_png(frame: Image.Image, path: Path | str) -> None:
+    """Writes one picture."""
+    frame.save(path, format="PNG", optimize=True)
+
+
+def _palette(frames: Sequence[Image.Image]) -> Image.Image:
+    """Returns a palette for all frames, from a sample of them side by side."""
+    chosen = frames[:: max(1, len(frames) // SAMPLES)]
+    width, height = frames[0].size
+    sheet = Image.new("RGB", (width, height * len(chosen)))
+    for number, frame in enumerate(chosen):
+        sheet.paste(frame, (0, number * height))
+    return sheet.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)

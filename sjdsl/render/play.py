@@ -1,0 +1,44 @@
+"""Episodes to look at: snapshots of one environment under a policy."""
+
+from collections.abc import Callable, Iterator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from sjdsl.render.snapshot import Snapshot, take_snapshot
+from sjdsl.runtime.env import Environment
+
+Policy = Callable[[Array, Array], Array]
+
+
+def stay_policy(env: Environment) -> Policy:
+    """Returns the policy under which nobody does anything."""
+    stay = jnp.full(env.num_agents, env.action_names.index("stay"), jnp.int32)
+    return lambda key, observation: stay
+
+
+def random_policy(env: Environment) -> Policy:
+    """Returns the policy that draws every action with equal probability."""
+    return lambda key, observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
+
+
+def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every: int = 1) -> Iterator[Snapshot]:
+    """Yields the first state and then one of `every` states; after an episode's last step the next one begins.
+
+    Args:
+      policy: `(key, observation) -> actions [N]`.
+      num_steps: steps to play.
+    """
+    key, reset_key = jax.random.split(jax.random.key(seed))
+    observation, state = env.reset(reset_key)
+    returns = np.zeros(env.num_agents)
+    act = jax.jit(policy)
+    yield take_snapshot(env, state, returns)
+    for number in range(1, num_steps + 1):
+        key, action_key, step_key = jax.random.split(key, 3)
+        observation, state, reward, done, _ = env.step(step_key, state, act(action_key, observation))
+        returns = np.zeros(env.num_agents) if done else returns + np.asarray(reward)
+        if number % every == 0:
+            yield take_snapshot(env, state, returns)
