@@ -7,6 +7,7 @@ from PIL import Image
 
 MILLISECONDS = 120  # a frame is shown
 SAMPLES = 24  # frames whose colours make the palette
+COLOURS = 200  # leaves room for the one that says "as before"
 
 
 def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS) -> None:
@@ -15,7 +16,7 @@ def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int 
     plain = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     durations = [milliseconds] * (len(plain) - 1) + [8 * milliseconds]
     plain[0].save(
-        path, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=False, disposal=1
+        path, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=True
     )
 
 
@@ -31,4 +32,4 @@ def _palette(frames: Sequence[Image.Image]) -> Image.Image:
     sheet = Image.new("RGB", (width, height * len(chosen)))
     for number, frame in enumerate(chosen):
         sheet.paste(frame, (0, number * height))
-    return sheet.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    return sheet.quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
