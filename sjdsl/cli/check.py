@@ -4,7 +4,7 @@ import json
 
 import click
 
-from sjdsl.cli.diagnostics import count_severities, has_error, print_diagnostics, texts_of
+from sjdsl.cli.diagnostics import print_diagnostics, texts_of
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.compiler import check, load_base
 from sjdsl.compiler.compose import compose
@@ -39,7 +39,7 @@ def command(files: tuple[str, ...], variant: str | None, as_json: bool) -> int:
         from sjdsl.compiler.report import to_json
 
         click.echo(json.dumps(to_json(everything, texts_of(everything)), indent=2))
-    return int(has_error(everything))
+    return int(any(d.code.severity == "error" for d in everything))
 
 
 def find_problems(source: Source, variant: str | None = None) -> Found:
@@ -60,10 +60,10 @@ def find_problems(source: Source, variant: str | None = None) -> Found:
 
 def _print_problems(file: str, found: Found) -> None:
     for name, problems in found.items():
-        if problems and len(found) > 1 and name:
+        if problems and name and len(found) > 1:
             click.echo(f"in variant `{'+'.join(name)}` of {file}:\n")
         print_diagnostics(problems)
-    problems = [d for each in found.values() for d in each]
-    variants = ", ".join("+".join(name) for name in found if name)
-    scope = f" (with variant{'s' if variants.count(',') else ''} {variants})" if variants else ""
-    click.echo(f"{file}{scope}: {count_severities(problems) or 'no problems'}")
+    if not any(found.values()):
+        variants = ["+".join(name) for name in found if name]
+        beside = f", with variant{'s' if len(variants) > 1 else ''} {', '.join(variants)}" if variants else ""
+        click.echo(f"{file}: no problems{beside}")

@@ -10,6 +10,7 @@ import click
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
 from sjdsl.compiler import build, compile_build
+from sjdsl.compiler.diagnostics import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.read import read_source
 from sjdsl.games_folder import bundled
@@ -34,11 +35,18 @@ class Module:
 @click.argument("files", nargs=-1, metavar="FILE...")
 @click.option("--all", "everything", is_flag=True, help="All bundled games.")
 @click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date.")
+@click.option(
+    "--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date."
+)
 @variant_option
 @map_option
 def command(
-    files: tuple[str, ...], everything: bool, output: str | None, only_check: bool, variant: str | None, map_file: str | None
+    files: tuple[str, ...],
+    everything: bool,
+    output: str | None,
+    only_check: bool,
+    variant: str | None,
+    map_file: str | None,
 ) -> int:
     """Writes each game as a Python module: generated/NAME.py, a variant as generated/NAME_VARIANT.py.
 
@@ -49,7 +57,7 @@ def command(
     if output and only_check:
         raise click.UsageError("-o and --check exclude each other", click.get_current_context())
     names = bundled() if everything else files
-    modules = [compile_game(name, variant, map_file, output) for name in names]
+    modules = compile_games(names, variant, map_file, output)
     _refuse_clashes(modules)
     if only_check:
         return _report_differences(modules, strays_of(modules) if everything else [])
@@ -57,6 +65,19 @@ def command(
         write_module(module)
         click.echo(module.summary)
     return 0
+
+
+def compile_games(names: Iterable[str], variant: str | None, map_file: str | None, output: str | None) -> list[Module]:
+    """Returns the modules of games. Raises CompileError with what is wrong with any of them."""
+    modules, problems = [], []
+    for name in names:
+        try:
+            modules.append(compile_game(name, variant, map_file, output))
+        except CompileError as error:
+            problems += error.diagnostics
+    if problems:
+        raise CompileError(problems)
+    return modules
 
 
 def compile_game(name: str, variant: str | None, map_file: str | None, output: str | None) -> Module:
@@ -94,7 +115,9 @@ def _report_differences(modules: list[Module], strays: list[Path]) -> int:
     problems += [f"{path} is made by no game" for path in strays]
     for problem in problems:
         click.echo(problem)
-    click.echo("compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date")
+    click.echo(
+        "compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date"
+    )
     return int(bool(problems))
 
 

@@ -12,7 +12,9 @@ from sjdsl.compiler.read import read_source
 from sjdsl.compiler.source import Source
 
 
-def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False) -> None:
+def print_diagnostics(
+    found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False
+) -> None:
     """Prints diagnostics as a person reads them; texts that `sources` lacks are read from their files."""
     if not found:
         return
@@ -33,17 +35,3 @@ def texts_of(found: Sequence[Diagnostic]) -> dict[str, Source]:
         except CompileError:
             continue  # that it cannot be read is what the diagnostic says
     return texts
-
-
-def count_severities(found: Sequence[Diagnostic]) -> str:
-    """Returns `2 errors, 1 warning`; empty if there are none."""
-    parts = []
-    for severity in ("error", "warning"):
-        number = sum(d.code.severity == severity for d in found)
-        if number:
-            parts.append(f"{number} {severity}{'s' if number > 1 else ''}")
-    return ", ".join(parts)
-
-
-def has_error(found: Sequence[Diagnostic]) -> bool:
-    return any(d.code.severity == "error" for d in found)

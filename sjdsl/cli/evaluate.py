@@ -1,6 +1,7 @@
 """`sjdsl evaluate`: what a trained policy earns, beside a random one in the same episodes."""
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,8 +38,9 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     save_evaluation(trained, path / FILE)
     chance = summarise(evaluate(env, random_policy(env), key, episodes))
     figures = summarise(trained)
-    rows = [("", "trained", "random"), *((name, _interval(figures[name]), _interval(chance[name])) for name in figures)]
-    shown = [row for row in rows if " of agent " not in row[0] or row[0].startswith("return")]
+    names = [name for name in figures if name.startswith("return of") or " of agent " not in name]
+    names = [name for name in names if not math.isnan(figures[name].mean + chance[name].mean)]
+    shown = [("", "trained", "random"), *((name, _interval(figures[name]), _interval(chance[name])) for name in names)]
     widths = [max(len(row[column]) for row in shown) for column in range(3)]
     click.echo(f"\n{env.title or env.name}: means of {episodes} episodes with their 95 % intervals")
     for row in shown:

@@ -16,10 +16,22 @@ if TYPE_CHECKING:
 @click.option("--algorithm", type=click.Choice(["ippo"]), default="ippo", show_default=True)
 @click.option("--reward", type=click.Choice(["individual", "common"]), help="Whose reward an agent learns from.")
 @click.option("--preset", metavar="P", help="A preset such as quick, or a .toml file; it may name the game.")
-@click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help="A value of the configuration, such as total_timesteps=1e6.")
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="A value of the configuration, such as total_timesteps=1e6.",
+)
 @click.option("--seed", type=click.IntRange(min=0), help="0 unless the preset has another.")
 @click.option("--run", "run_dir", metavar="DIR", help="Where the run's files go; by default a new folder in runs/.")
-@click.option("--episodes", type=click.IntRange(min=0), default=30, show_default=True, help="Episodes of the evaluation at the end; 0 for none.")
+@click.option(
+    "--episodes",
+    type=click.IntRange(min=0),
+    default=30,
+    show_default=True,
+    help="Episodes of the evaluation at the end; 0 for none.",
+)
 @environment_options
 def command(
     game: str | None,

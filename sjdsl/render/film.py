@@ -15,9 +15,7 @@ def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int 
     palette = _palette(frames)
     plain = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     durations = [milliseconds] * (len(plain) - 1) + [8 * milliseconds]
-    plain[0].save(
-        path, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=True
-    )
+    plain[0].save(path, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=True)
 
 
 def save_png(frame: Image.Image, path: Path | str) -> None:

@@ -16,12 +16,12 @@ Policy = Callable[[Array, Array], Array]
 def stay_policy(env: Environment) -> Policy:
     """Returns the policy under which nobody does anything."""
     stay = jnp.full(env.num_agents, env.action_names.index("stay"), jnp.int32)
-    return lambda key, observation: stay
+    return lambda _key, _observation: stay
 
 
 def random_policy(env: Environment) -> Policy:
     """Returns the policy that draws every action with equal probability."""
-    return lambda key, observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
+    return lambda key, _observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
 
 
 def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every: int = 1) -> Iterator[Snapshot]:
