@@ -1,6 +1,6 @@
 """Turns the parser's tree into `ast` nodes: a table from grammar rule to class or small function.
 
-Assumes the tree of a text without syntax errors, no deeper than `limits.MAX_DEPTH`; adds and changes no meaning.
+Assumes the tree of a text without syntax errors, no deeper than `limits.MAX_TREE`; adds and changes no meaning.
 """
 
 from typing import Any

@@ -62,9 +62,9 @@ def check_conflicts(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
         for b in writes[i + 1 :]:
             if _same_key(a, b) and _meet(a, b) and not _compatible(a, b):
                 _report(a, b, phase, problems)
-    if any(isinstance(s, ir.Move) for s in _all(phase.body)) and len(phase.body) > 1:
-        move = next(s for s in _all(phase.body) if isinstance(s, ir.Move))
-        problems.add(errors.MOVE_ALONE, move.origin)  # type: ignore[arg-type]
+    moves = [s for s in _all(phase.body) if isinstance(s, ir.Move)]
+    if moves and (len(phase.body) > 1 or phase.body[0] is not moves[0]):
+        problems.add(errors.MOVE_ALONE, moves[0].origin)  # type: ignore[arg-type]
 
 
 def _all(body: tuple[ir.Stmt, ...]) -> Iterator[ir.Node]:

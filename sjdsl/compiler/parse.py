@@ -5,6 +5,8 @@
 
 import os
 import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
@@ -15,7 +17,7 @@ from sjdsl.compiler.automaton import END, Automaton, Stack, make_automaton, read
 from sjdsl.compiler.build_ast import build_ast
 from sjdsl.compiler.diagnostics import CompileError, Diagnostic
 from sjdsl.compiler.limits import MAX_PROBLEMS, check_text, check_tree
-from sjdsl.compiler.repair import ENOUGH, Trouble, find_repair
+from sjdsl.compiler.repair import ENOUGH, Repair, Trouble, find_repair
 from sjdsl.compiler.scan import Scan, scan
 from sjdsl.compiler.source import Source
 from sjdsl.compiler.unexpected import word_error
@@ -93,19 +95,23 @@ def _begins_with_game(source: Source) -> bool:
     return first is not None and re.match(r"game\b", first.group(1)) is not None
 
 
+@dataclass
+class Search:
+    """The errors found so far; those before token `quiet` may follow from the one before, `owed` braces certainly do."""
+
+    problems: dict[tuple[int, object], Diagnostic] = field(default_factory=dict)
+    quiet: int = 0
+    owed: int = 0
+
+
 def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
     """Runs the table over the tokens; at each error a repair is chosen, and reading goes on behind it."""
     table = automaton()
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]
     closing = _closing(kinds)
-    stack: Stack = Stack(table.start, None)
-    if not begun:
-        stack = _read_all(table, stack, ("SJ", "INT"))
-    before: Stack | None = None
-    problems: dict[tuple[int, object], Diagnostic] = {}
-    at = quiet = unclosed = 0
-    repairs = 0
+    stack, before = _beginning(table, begun), None
+    search, at, repairs = Search(), 0, 0
     while repairs < MAX_PROBLEMS:
         after = read(table, stack, kinds[at], at)
         if after is not None and kinds[at] == END:
@@ -113,20 +119,32 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
         if after is not None:
             before, stack, at = stack, after, at + 1
             continue
-        repairs += 1
         trouble = Trouble(table, kinds, texts, closing, stack, before, at)
         repair = find_repair(trouble)
-        forgiven = repair is not None and repair.sort == "close" and repair.times <= unclosed
-        if at >= quiet and not forgiven and not {at - 1, at} & found.mended:
-            problem = word_error(trouble, repair, found.tokens, found.source)
-            problems.setdefault(_identity(problem), problem)
+        _report(search, trouble, repair, found)
         if repair is None:
             break
-        if repair.kind in ("LBRACE", "RBRACE"):  # a block written without braces is one mistake
-            unclosed += repair.times if repair.kind == "LBRACE" else -repair.times
-        quiet = 0 if repair.is_sure else repair.resume + ENOUGH
-        before, stack, at = None, repair.stack, repair.resume
-    return list(problems.values())
+        before, stack, at, repairs = None, repair.stack, repair.resume, repairs + 1
+    return list(search.problems.values())
+
+
+def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan) -> None:
+    """Adds an error, unless it follows from one before."""
+    change = 0 if repair is None else _change_of_braces(repair, trouble.kinds)
+    worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
+    forgiven = not worse and change * search.owed < 0
+    search.owed += change if worse or forgiven else 0
+    if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
+        problem = word_error(trouble, repair, found.tokens, found.source)
+        search.problems.setdefault(_identity(problem), problem)
+    search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
+
+
+def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:
+    """How many more braces are open after a repair than a reader of the text would think."""
+    if repair.sort == "unclose" or (repair.sort == "delete" and kinds[repair.place] == "RBRACE"):
+        return 1
+    return repair.times * ((repair.kind == "LBRACE") - (repair.kind == "RBRACE"))
 
 
 def _identity(problem: Diagnostic) -> tuple[int, object]:
@@ -142,11 +160,11 @@ def _closing(kinds: list[str]) -> list[int]:
     return counts[::-1]
 
 
-def _read_all(table: Automaton, stack: Stack, kinds: tuple[str, ...]) -> Stack:
-    for kind in kinds:
-        after = read(table, stack, kind)
-        assert after is not None
-        stack = after
+def _beginning(table: Automaton, begun: bool) -> Stack:
+    """Returns the stack before the first token, or behind a version line that is not there."""
+    stack = Stack(table.start, None)
+    for kind in () if begun else ("SJ", "INT"):
+        stack = read(table, stack, kind) or stack
     return stack
 
 

@@ -59,6 +59,11 @@ class Trouble:
     before: Stack | None
     at: int
 
+    @property
+    def unmatched(self) -> int:
+        """How many of the open braces are not closed further on; below 0: how many are closed that are not open."""
+        return len(open_braces(self.automaton, self.stack)) - self.closing[self.at]
+
 
 @dataclass(frozen=True)
 class Repair:

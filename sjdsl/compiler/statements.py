@@ -1,6 +1,6 @@
 """Sentences: from the tree as written to typed IR."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import assert_never
 
 from sjdsl.compiler import ast, errors, ir
@@ -379,7 +379,9 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
 
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = agent(s.who, scope)
-    destination, _ = domain(s.domain, scope)
+    # one set of free cells serves all who are sent: the destination cannot depend on who that is
+    fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
+    destination, _ = domain(s.domain, replace(scope, variables=fixed))
     if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
         raise scope.problems.fail(
             errors.WRONG_TYPE, s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain", help=""

@@ -27,7 +27,7 @@ def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token],
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
     if repair is not None and repair.sort == "name":
         return Diagnostic(errors.RESERVED_WORD, _here(trouble, tokens, source), {"word": str(tokens[repair.place])})
-    if repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert"):
+    if repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert") and trouble.unmatched:
         return _open_block(trouble, repair, tokens, source)
     return _unexpected(trouble, repair, tokens, source)
 

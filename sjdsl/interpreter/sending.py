@@ -14,7 +14,9 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
     for pool in sorted({s.send.pool for s in sends}):
         together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: s.agent)
         order = together[0].send.order_stream
-        free = ranked_cells(together[0].send.domain, order, {s.agent for s in together}, here)
+        # who may have to stay does not make room for others
+        leaving = set() if _may_stay(order, here) else {s.agent for s in together}
+        free = ranked_cells(together[0].send.domain, order, leaving, here)
         for agent, sentence, ticks in together:
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), sentence.facing), world)
@@ -22,6 +24,12 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
                 _enter(agent, free.pop(0), sentence.facing, sentence.heading_stream, here, world)
             else:
                 assert sentence.stay, f"no free cell for agent {agent}"
+
+
+def _may_stay(order_stream: int, here: Instance) -> bool:
+    """Returns whether any sentence that sends to this pool says `otherwise stay`."""
+    sends = (n for n in ir.walk(here.board.game) if isinstance(n, ir.Send))
+    return any(s.stay for s in sends if s.order_stream == order_stream)
 
 
 def remove(agent: int, world: World) -> None:

@@ -71,7 +71,7 @@ def _state(game: ir.Game, w: Writer) -> list[Attribute]:
     ]
     if stores_moved(game):
         found.append(Attribute("moved", "[N]", "bool_", "did the last movement change the cell", f"jnp.zeros({n}, bool)"))
-    if any(isinstance(x, ir.Send) and x.after is not None for x in ir.walk(game)):
+    if _stores_away(game):
         found += [
             Attribute("away", "[N]", "int32", "ticks until an agent that is nowhere returns; 0: never", f"jnp.zeros({n}, jnp.int32)"),
             Attribute("away_pool", "[N]", "int32", "where it was sent", f"jnp.zeros({n}, jnp.int32)"),
@@ -83,6 +83,11 @@ def _state(game: ir.Game, w: Writer) -> list[Attribute]:
         size = mark_size(phase, game)
         found.append(Attribute(f"mark_{phase.name}", f"[{size}]", "int32", f"cells marked by {phase.label}; 0: none", f"jnp.zeros({size}, jnp.int32)"))
     return found
+
+
+def _stores_away(game: ir.Game) -> bool:
+    """Whether somebody can be sent away for some ticks."""
+    return any(isinstance(x, ir.Send) and x.after is not None for x in ir.walk(game))
 
 
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Attribute:
@@ -171,7 +176,7 @@ def _outcome(game: ir.Game) -> list[Attribute]:
 
 def _phase(phase: ir.Phase, pools: tuple, module: Module) -> Function:
     w = Writer(module, starting=phase is module.game.start)
-    sends = Sends(pools)
+    sends = Sends(pools, away_stored=_stores_away(module.game))
     block(phase.body, Frame(), w, sends)
     w.origin = None
     finish_writes(w)
@@ -199,7 +204,9 @@ def _tick(pools: dict, module: Module) -> Function:
             w.origin = field.origin
             w.assign(name, f"{old} - ({old} > 0).astype({old}.dtype)")
     w.origin = None
-    if any(isinstance(x, ir.Send) and x.after is not None for x in ir.walk(module.game)):
+    if _stores_away(module.game):
+        w.line(f"state = {_replaced('state', w.changed)}")
+        w.changed.clear()
         returns(pools, w)
     w.line(f"return {_replaced('state', w.changed)}, out")
     arguments = "state: State, out: Outcome, params: Params, actions: Array, key: Array"

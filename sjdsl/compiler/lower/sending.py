@@ -26,6 +26,7 @@ class Sends:
     """The sends of one phase: for each pool who goes at once, and the lines for who goes away first."""
 
     pools: tuple[Pool, ...]
+    away_stored: bool = False
     now: dict[int, list[tuple[ir.Send, str]]] = field(default_factory=dict)
     away: list[tuple[Pool, ir.Send, str, str]] = field(default_factory=list)
     removed: list[str] = field(default_factory=list)
@@ -98,13 +99,18 @@ def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
 
 def finish(sends: Sends, w: Writer) -> None:
     """Writes the placing of all who are sent in a phase."""
+    can_be_away = any(a.after is not None for p in sends.pools for a in _sends_of(p, w.module.game)) or sends.away_stored
     for pool in sends.pools:
         parts = sends.now.get(pool.number, [])
         if not parts:
             continue
         sent = parts[0][1] if len(parts) == 1 else w.keep("sent", Value(" | ".join(t for _, t in parts), "bool")).text
-        placed = place(pool, sent, w.current("position"), w, 0)
+        leaving = [sent, *(text for p, _, text, _ in sends.away if p is pool)]
+        left = "" if any(s.stay for s in _sends_of(pool, w.module.game)) else " | ".join(leaving)
+        placed = place(pool, sent, left, w, 0)
         _headings(pool, parts, placed, w)
+        if can_be_away:
+            w.assign("away", f"jnp.where({placed}, 0, {w.current('away')})")
     for pool, s, sent, delays in sends.away:
         w.assign("position", f"jnp.where({sent}, 0, {w.current('position')})")
         w.assign("away", f"jnp.where({sent}, {delays}, {w.current('away')})")
@@ -113,10 +119,17 @@ def finish(sends: Sends, w: Writer) -> None:
         w.assign("away_facing", f"jnp.where({sent}, {facing}, {w.current('away_facing')})")
     for removed in sends.removed:
         w.assign("position", f"jnp.where({removed}, 0, {w.current('position')})")
+        if sends.away_stored:
+            w.assign("away", f"jnp.where({removed}, 0, {w.current('away')})")
 
 
-def place(pool: Pool, sent: str, position: str, w: Writer, stream_change: int) -> str:
-    """Writes the placing of one pool; returns who found a cell."""
+def _sends_of(pool: Pool, game: ir.Game) -> list[ir.Send]:
+    """Returns all sentences that send to a pool."""
+    return [x for x in ir.walk(game) if isinstance(x, ir.Send) and x.order_stream == pool.send.order_stream]
+
+
+def place(pool: Pool, sent: str, leaving: str, w: Writer, stream_change: int) -> str:
+    """Writes the placing of one pool; returns who found a cell. The cells of those who are `leaving` count as free."""
     kinds = pool.send.domain.var.kinds
     layout = w.module.layout
     cells = w.module.constant("cells_" + "_".join(kinds), layout.cells_table(kinds), f"cells of {', '.join(kinds)}")
@@ -127,7 +140,8 @@ def place(pool: Pool, sent: str, position: str, w: Writer, stream_change: int) -
     free: Value | None = None
     if not starting:
         site, _ = reads.site_under(agents, kinds, w)
-        others = w.keep("others", Value(f"jnp.where({sent}, {axis.size}, {site.text})", "i32"))
+        text = f"jnp.where({leaving}, {axis.size}, {site.text})" if leaving else site.text
+        others = w.keep("others", Value(text, "i32"))
         free = Value(f"~occupied({others.text}, {axis.size})", "bool", (axis,))
     if pool.send.domain.where is not None:
         variable = CellVar(iota(axis), kinds, axis)
@@ -137,9 +151,10 @@ def place(pool: Pool, sent: str, position: str, w: Writer, stream_change: int) -
     stream = pool.send.order_stream ^ stream_change
     ranks = w.keep("ranks", Value(f"ranks(words(key, 0x{stream:08x}, {axis.size}), {member})", "u32", (axis,)))
     placed = w.names.fresh("placed")
+    before = w.current("position")
     if "position" not in w.changed:
         w.changed["position"] = w.names.fresh("position")
-    w.line(f"{w.changed['position']}, {placed} = place({cells}, {ranks.text}, {position}, {sent})")
+    w.line(f"{w.changed['position']}, {placed} = place({cells}, {ranks.text}, {before}, {sent})")
     return placed
 
 
@@ -157,26 +172,26 @@ def _headings(pool: Pool, parts: list[tuple[ir.Send, str]], placed: str, w: Writ
 
 
 def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
-    """Writes the part of `tick` that brings back those whose time away is over."""
+    """Writes the part of `tick` that brings back those whose time away is over: pool by pool, each on the map as it then is."""
     n = w.module.num_agents
-    w.line("gone = state.position == 0")
-    w.line("left = jnp.maximum(state.away - 1, 0)")
-    w.names.taken |= {"gone", "left"}
-    w.assign("away", "jnp.where(gone & (state.away > 0), left, state.away)")
-    for phase in pools.values():
-        for pool in phase:
-            delayed = [x for x in ir.walk(w.module.game) if isinstance(x, ir.Send) and x.after is not None and x.order_stream == pool.send.order_stream]
-            if not delayed:
-                continue
-            due = w.keep(
-                "due", Value(f"gone & (state.away_pool == {pool.number}) & (state.away > 0) & (left == 0)", "bool")
-            )
-            placed = place(pool, due.text, w.current("position"), w, RETURN)
-            stream = pool.send.heading_stream ^ RETURN
-            w.line(f"facing = jnp.where(state.away_facing == 4, below(words(key, 0x{stream:08x}, {n}), 4), state.away_facing)")
-            w.line(f"facing = jnp.where(state.away_facing == 5, {w.current('heading')}, facing)")
-            w.assign("heading", f"jnp.where({placed}, facing, {w.current('heading')})")
-            w.assign("away", f"jnp.where({due.text} & ~{placed}, 1, {w.current('away')})")
+    w.line("due = (state.position == 0) & (state.away == 1)")
+    w.line("state = state.replace(away=state.away - ((state.position == 0) & (state.away > 1)).astype(jnp.int32))")
+    w.names.taken |= {"due"}
+    for pool in (p for phase in pools.values() for p in phase):
+        if not any(s.after is not None for s in _sends_of(pool, w.module.game)):
+            continue
+        w.known.clear()
+        back = w.keep("back", Value(f"due & (state.away_pool == {pool.number})", "bool"))
+        placed = place(pool, back.text, "", w, RETURN)
+        facing = w.names.fresh("facing")
+        stream = pool.send.heading_stream ^ RETURN
+        w.line(f"{facing} = jnp.where(state.away_facing == 4, below(words(key, 0x{stream:08x}, {n}), 4), state.away_facing)")
+        w.line(f"{facing} = jnp.where(state.away_facing == 5, state.heading, {facing})")
+        w.assign("heading", f"jnp.where({placed}, {facing}, state.heading)")
+        w.assign("away", f"jnp.where({placed}, 0, state.away)")
+        w.line(f"state = state.replace({', '.join(f'{k}={v}' for k, v in w.changed.items())})")
+        w.changed.clear()
+    w.known.clear()
 
 
 __all__ = ["Pool", "Sends", "all_pools", "finish", "invert", "returns"]
