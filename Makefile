@@ -1,0 +1,50 @@
+# Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
+
+.DELETE_ON_ERROR:
+.PHONY: run test check bench golden wheel-test clean
+
+PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
+  if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
+  then echo $$p; break; fi; done)
+BIN := .venv/bin
+RUN := runs/first
+PYTEST := $(BIN)/python -m pytest -n 2
+
+# The quickest tour: a game as Python, as pictures, and learnt by agents.
+run: .venv/ready
+	rm -rf $(RUN)
+	$(BIN)/sjdsl compile games/clean_up.sj
+	$(BIN)/sjdsl render clean_up --steps 60 -o $(RUN)/clean_up.gif
+	$(BIN)/sjdsl train coins --preset quick --reward common --run $(RUN)/coins
+
+test: .venv/ready
+	$(PYTEST)
+
+check: .venv/ready
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/sjdsl compile --all --check
+	$(PYTEST)
+
+bench: .venv/ready
+	$(BIN)/sjdsl bench
+
+# Writes again what tests compare to; read the difference before it is committed.
+golden: .venv/ready
+	$(BIN)/sjdsl compile --all
+
+# Installs the wheel where nothing else is, and uses it far from this folder.
+wheel-test: .venv/ready
+	$(BIN)/python -m pytest -m wheel
+
+clean:
+	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.venv/ready: requirements.txt pyproject.toml
+	@test -n "$(PYTHON)" || { echo "no Python 3.11, 3.12 or 3.13 with venv was found; name one: make PYTHON=/path/to/python"; exit 1; }
+	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(0 if (3, 11) <= v < (3, 14) else f"{sys.executable} is Python {v[0]}.{v[1]}; 3.11, 3.12 or 3.13 is needed")'
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
