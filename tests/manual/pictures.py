@@ -31,7 +31,8 @@ def read(game: ir.Game, rows: list[str], view: View) -> tuple[list[Place], list[
     assert [len(r) for r in rows] == [len(r) for r in game.rows], "the picture is not as large as the map"
     places: list[Place] = []
     heading: list[str] = []
-    cells = {key: list(values) for key, values in view.cells.items()}
+    told = {(g.kind, name) for g in game.glyphs for name in meaning(game, g.glyph)}
+    cells = {key: list(values) for key, values in view.cells.items() if key in told}
     number: dict[str, int] = {}
     for r, row in enumerate(rows):
         for c, glyph in enumerate(row):
