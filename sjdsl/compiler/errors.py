@@ -32,7 +32,7 @@ TOO_DEEP = Code(
     "this is nested deeper than {limit} levels",
     "give a part of it a name with `let` or `define`, or write it as a phase of its own",
 )
-TOO_MUCH = Code("SJ007", "More than the compiler takes", "{what}: {given}, and the most is {limit}", "{help}")
+TOO_MUCH = Code("SJ007", "More than the compiler takes", "{problem}; the most is {limit}", "{help}")
 UNREADABLE = Code("SJ008", "A file that cannot be read", "`{name}` cannot be read: {problem}", "did you mean `{nearest}`?")
 NOT_TEXT = Code(
     "SJ009", "Not a text file", "this file is not text: {problem}", "a game is plain text in UTF-8; save it as such"

@@ -40,9 +40,9 @@ STATEMENTS = frozenset((
 ))  # fmt: skip
 
 
-def too_much(what: str, given: int | str, limit: int, span: Span, help_: str = "") -> Diagnostic:
+def too_much(problem: str, limit: int, span: Span, help_: str = "") -> Diagnostic:
     """Returns the error for something there is too much of."""
-    return Diagnostic(errors.TOO_MUCH, span, {"what": what, "given": given, "limit": limit, "help": help_})
+    return Diagnostic(errors.TOO_MUCH, span, {"problem": problem, "limit": limit, "help": help_})
 
 
 def check_text(source: Source) -> list[Diagnostic]:
@@ -56,7 +56,7 @@ def check_text(source: Source) -> list[Diagnostic]:
     long = re.search(rf"[^\n]{{{MAX_LINE + 1},}}", source.text)
     if long:
         span = source.span(long.start(), long.start())
-        return [too_much("characters in one line", len(long.group()), MAX_LINE, span, "break the line")]
+        return [too_much(f"this line has {len(long.group())} characters", MAX_LINE, span, "break the line")]
     return []
 
 
@@ -71,7 +71,7 @@ def check_tree(tree: Tree[Token], source: Source) -> list[Diagnostic]:
             return [Diagnostic(errors.TOO_DEEP, _span(node, source), {"limit": MAX_TREE})]
         statements += node.data in STATEMENTS
         if statements > MAX_STATEMENTS:
-            return [too_much("statements in one file", "more", MAX_STATEMENTS, _span(node, source))]
+            return [too_much("the file has more statements", MAX_STATEMENTS, _span(node, source))]
         todo += [(child, depth) for child in reversed(node.children) if isinstance(child, Tree)]
     return []
 

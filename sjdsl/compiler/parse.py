@@ -30,15 +30,13 @@ FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that i
 def parse(source: Source) -> ast.File:
     """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
     _raise(check_text(source))
-    problems = _check_version(source)
-    begun = not problems
-    if problems and not _begins_with_game(source):
-        raise CompileError(problems)
+    wrong = _check_version(source)
+    if wrong and wrong[0].code is errors.NEWER_LANGUAGE:
+        raise CompileError(wrong)
     found = scan(source, parser())
-    problems += found.problems
-    if found.complete:
-        problems += _find_errors(found, begun)
-    _raise(problems)
+    if wrong and not _skip_to_game(found):
+        raise CompileError(wrong)
+    _raise(wrong + found.problems + (_find_errors(found, not wrong) if found.complete else []))
     tree = _tree(found.tokens)
     _raise(check_tree(tree, source))
     return build_ast(tree, source.name)
@@ -90,9 +88,15 @@ def _check_version(source: Source) -> list[Diagnostic]:
     return [Diagnostic(errors.NO_VERSION, span, {"known": VERSION, "but": f": it begins with `{word}`"})]
 
 
-def _begins_with_game(source: Source) -> bool:
-    first = FIRST_LINE.search(source.text)
-    return first is not None and re.match(r"game\b", first.group(1)) is not None
+def _skip_to_game(found: Scan) -> bool:
+    """Drops what stands in place of the version line; returns whether a game follows at all."""
+    kinds = [token.type for token in found.tokens[:3]]
+    if "GAME" not in kinds:
+        return False
+    dropped = kinds.index("GAME")
+    found.mended = {number - dropped for number in found.mended}
+    del found.tokens[:dropped]
+    return True
 
 
 @dataclass

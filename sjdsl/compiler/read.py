@@ -36,8 +36,8 @@ def read_source(path: Path | str) -> Source:
         raise _failure(errors.NOT_TEXT, name, problem=f"byte {error.start} is not UTF-8") from None
 
 
-def _failure(code: Code, name: str, **facts: object) -> CompileError:
-    return CompileError([Diagnostic(code, Span(name, 0, 0, 1, 1), facts)])
+def _failure(code: Code, file: str, **facts: object) -> CompileError:
+    return CompileError([Diagnostic(code, Span(file, 0, 0, 1, 1), facts)])
 
 
 def _neighbour(path: Path) -> str:

@@ -67,9 +67,9 @@ def _is_within_limits(found: Scan, token: Token) -> bool:
     match token.type:
         case "INT" if len(token.lstrip("0")) > len(str(MAX_INTEGER)) or int(token) > MAX_INTEGER:
             shown = token if len(token) < 20 else f"{token[:8]}... ({len(token)} digits)"
-            _too_much(found, token, "a whole number", shown, MAX_INTEGER)
+            _too_much(found, token, f"{shown} is too large a number", MAX_INTEGER)
         case "DEC" if len(token) > MAX_DIGITS:
-            _too_much(found, token, "digits in one number", len(token), MAX_DIGITS)
+            _too_much(found, token, f"this number has {len(token)} digits", MAX_DIGITS)
     found.brackets += (token.type in OPENING) - (token.type in CLOSING)
     found.prefixes = found.prefixes + 1 if token.type in PREFIX else 0
     if found.brackets + found.prefixes > MAX_DEPTH:
@@ -77,14 +77,14 @@ def _is_within_limits(found: Scan, token: Token) -> bool:
         found.problems.append(Diagnostic(errors.TOO_DEEP, span, {"limit": MAX_DEPTH}))
         return False
     if len(found.tokens) > MAX_TOKENS:
-        _too_much(found, token, "words and signs in one file", f"at least {MAX_TOKENS + 1}", MAX_TOKENS)
+        _too_much(found, token, "the file has more words and signs", MAX_TOKENS)
         return False
     return True
 
 
-def _too_much(found: Scan, token: Token, what: str, given: int | str, limit: int) -> None:
+def _too_much(found: Scan, token: Token, problem: str, limit: int) -> None:
     span = found.source.span(token.start_pos or 0, token.end_pos or 0)
-    found.problems.append(too_much(what, given, limit, span))
+    found.problems.append(too_much(problem, limit, span))
 
 
 def _is_foreign_comment(found: Scan) -> bool:

@@ -27,7 +27,8 @@ def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token],
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
     if repair is not None and repair.sort == "name":
         return Diagnostic(errors.RESERVED_WORD, _here(trouble, tokens, source), {"word": str(tokens[repair.place])})
-    if repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert") and trouble.unmatched:
+    closing = repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert")
+    if repair is not None and closing and (trouble.unmatched or _is_outdented(trouble, tokens, source)):
         return _open_block(trouble, repair, tokens, source)
     return _unexpected(trouble, repair, tokens, source)
 
@@ -59,6 +60,14 @@ def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], sourc
     elif trouble.at < len(tokens):
         labels = (Label(_here(trouble, tokens, source), f"`{tokens[trouble.at]}` cannot stand inside it"),)
     return Diagnostic(errors.OPEN_BLOCK, token_span(tokens[opener], source), {"help": help_}, labels)
+
+
+def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> bool:
+    """Whether the refused token begins a line no further right than the line of the innermost open brace."""
+    opened = open_braces(trouble.automaton, trouble.stack)
+    if not opened or trouble.at == len(tokens) or not _begins_line(tokens[trouble.at], source):
+        return False
+    return _indent(tokens[trouble.at], source) <= _indent(tokens[opened[0]], source)
 
 
 def _suspect(tokens: Sequence[Token], source: Source) -> tuple[int | None, int | None]:

@@ -1,0 +1,33 @@
+"""What tests of several folders share: strict JAX, and goldens that can be written anew."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import jax
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--update-golden", action="store_true", help="write what goldens should be instead of comparing; read the diff before committing")
+
+
+@pytest.fixture
+def strict_jax() -> Iterator[None]:
+    """Makes JAX raise where a typed key is consumed twice, where dtypes differ and where ranks differ."""
+    with jax.debug_key_reuse(True), jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        yield
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest) -> Callable[[Path, str], None]:
+    """Returns a check that a text equals a stored file; with `--update-golden` it stores the text."""
+
+    def check(path: Path, text: str) -> None:
+        if request.config.getoption("--update-golden"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+            return
+        assert path.is_file(), f"no golden {path.name}; write it with `pytest --update-golden`"
+        assert text == path.read_text(encoding="utf-8")
+
+    return check

@@ -1,0 +1,2 @@
+sj 1
+game pond extends "lake.sj" { episode 10 }
