@@ -15,6 +15,8 @@ Build = Callable[[ast.Expr, Scope], ir.Expr]
 def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
     """Returns a `case` whose arms cover the subject without gap or overlap; `otherwise` is spelt out."""
     subject = narrow_word(build(e.subject, scope), scope.fact_nodes)
+    if isinstance(subject, ir.Word):
+        return _known_word(e, subject, scope, build)
     if subject.type.kind in ("word", "condition") and not subject.type.by:
         keys = _word_keys(e, subject, scope)
     elif subject.type.kind == "int" and not subject.type.by:
@@ -38,6 +40,26 @@ def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
         raise Poisoned
     type_ = join_types([a.value.type for a in arms], e, scope, "choose between", e)
     return ir.Case(type=type_, subject=subject, arms=tuple(arms), origin=e.span)
+
+
+def _known_word(e: ast.Case, subject: ir.Word, scope: Scope, build: Build) -> ir.Expr:
+    """The subject is a word known when compiled (what a phase is used with): its arm is the value, the others are only checked."""
+    chosen: ir.Expr | None = None
+    rest: ir.Expr | None = None
+    for arm in e.arms:
+        if arm.word is not None and not scope.static.is_word(arm.word.text):
+            raise scope.problems.fail(
+                errors.WORD_OUTSIDE, arm.word.span, word=arm.word.text, name="this case", words=subject.value
+            )
+        value = build(arm.value, scope)
+        if arm.word is None:
+            rest = value
+        elif arm.word.text == subject.value:
+            chosen = value
+    found = chosen or rest
+    if found is None:
+        raise scope.problems.fail(errors.TABLE_GAP, e.span, problem=f"`case` lacks `{subject.value}`")
+    return found
 
 
 Key = list[tuple[int | None, int | None, tuple[str, ...]]]

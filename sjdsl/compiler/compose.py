@@ -99,8 +99,10 @@ def _chain(source: Source, file: ast.File, load: Load, seen: tuple[str, ...]) ->
 def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, object]]:
     """Returns what a section declares or changes: (key, span, node)."""
     match section:
-        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Shape() | ast.Define() | ast.Phase():
+        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Define():
             return [(section.name.text, section.name.span, section)]
+        case ast.Shape() | ast.Phase():  # these have name spaces of their own
+            return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
         case ast.Variant():
             return [(f"variant {section.name.text}", section.name.span, section)]
         case ast.Map() | ast.Episode() | ast.Schedule():
@@ -110,7 +112,7 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
         case ast.Observe():
             return [(f"observe {key}", node.span, node) for key, node in _sight_entries(section)]
         case ast.Metrics():
-            return [(m.name.text, m.name.span, m) for m in section.metrics]
+            return [(f"metric {m.name.text}", m.name.span, m) for m in section.metrics]
         case ast.Override():
             return [(path_text(section.path), section.path.span, section)]
         case ast.Drop():
@@ -124,7 +126,7 @@ def _check_duplicates(game: Composition, sections: tuple[ast.Section, ...]) -> N
     for section in sections:
         for key, span, node in section_names(section):
             if key in seen:
-                if isinstance(node, ast.Map | ast.Episode | ast.Schedule) or key.startswith(("agents ", "observe ", "variant ")):
+                if isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
                     game.problems.append(Diagnostic(errors.TWICE, span, {"what": f"`{key}`"}))
                 else:
                     what = f"something declared in line {seen[key].line}"

@@ -52,7 +52,7 @@ class Around:
 
 def check_conflicts(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
     """Reports every pair of writes of one phase that could disagree, and `move` beside other sentences."""
-    writes = list(_writes(phase.body, Around()))
+    writes = [replace(w, bounded=w.bounded and not _is_capped(w, game)) for w in _writes(phase.body, Around())]
     for write in writes:
         if not _agrees_with_itself(write):
             _report(write, write, phase, problems)
@@ -307,12 +307,15 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
 def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:
     """An `add` that several instances can make at once is provably in range only if the field is capped (or endless)."""
     declared = _declaration(w, game)
-    if declared is None or declared.capped:
-        return
-    assert w.sentence.origin is not None
+    assert declared is not None and w.sentence.origin is not None
     low, high = f"{declared.type.low:g}", f"{declared.type.high:g}"
     reached = "the sum of several adds"
     problems.add(errors.FIELD_RANGE, w.sentence.origin, name=_name(w), low=low, high=high, reached=reached)
+
+
+def _is_capped(w: Write, game: ir.Game) -> bool:
+    declared = None if w.sort == "place" else _declaration(w, game)
+    return declared is not None and declared.capped
 
 
 def _declaration(w: Write, game: ir.Game) -> ir.VarField | None:

@@ -27,9 +27,8 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
         value = _overridden(declared, override, by, scope)
     for entry in _flat(value):
         if not low - 1e-9 <= entry <= high + 1e-9:
-            raise scope.problems.fail(
-                errors.OUT_OF_LIMITS, declared.value.span, name=declared.name.text, value=f"{entry:g}", low=f"{low:g}", high=f"{high:g}"
-            )
+            facts = {"value": f"{entry:g}", "low": f"{low:g}", "high": f"{high:g}"}
+            scope.problems.add(errors.OUT_OF_LIMITS, declared.value.span, name=declared.name.text, **facts)
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
     name = declared.name.text

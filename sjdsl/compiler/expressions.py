@@ -142,6 +142,8 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
     kinds = {k for k in (left.type.kind, right.type.kind)}
     if left.type.by or right.type.by:
         raise wrong_type(scope, e.left if left.type.by else e.right, "a single value", left.type if left.type.by else right.type)
+    if isinstance(left, ir.Word) and isinstance(right, ir.Word):  # one of them is what a phase is used with
+        return ir.Truth(value=left.value == right.value, origin=e.span)
     if kinds == {"word"}:
         check_words_meet(e, left, right, scope)
         return ir.Same(left=left, right=right, origin=e.span)

@@ -5,6 +5,7 @@ from math import inf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.print_ir import expression
+from sjdsl.compiler.types import interval
 
 _MIRROR = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
@@ -37,7 +38,8 @@ def fact_text(condition: ir.Expr) -> str:
 
 def contradict(a: ir.Expr, b: ir.Expr) -> bool:
     """Returns whether two conditions can be seen never to hold together: opposite, other words, other ranges, other actions."""
-    if fact_text(a) in {fact_text(p) for p in conjuncts(b, holds=False)}:
+    opposite = [fact_text(p) for p in conjuncts(b, holds=False)]
+    if opposite == [fact_text(a)]:
         return True
     match a, b:
         case ir.Chose(), ir.Chose():
@@ -112,8 +114,13 @@ def narrow_word(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> ir.Expr:
 
 
 def narrowed(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> tuple[float, float]:
-    """Returns the interval of a number once the facts about that very expression are used."""
+    """Returns the interval of a number once the facts about it, or about its parts, are used."""
     low, high = e.type.low, e.type.high
+    if isinstance(e, ir.Arithmetic) and not e.type.by:
+        by_parts = _of_parts(e, [narrowed(a, facts) for a in e.args])
+        low, high = max(low, by_parts[0]), min(high, by_parts[1])
+    elif isinstance(e, ir.Named):
+        low, high = narrowed(e.value, facts)
     text = expression(e)
     for fact in facts:
         bounds = _bounds(fact)
@@ -125,3 +132,17 @@ def narrowed(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> tuple[float, float]:
             case ir.Compare(fn=(">" | ">=") as fn, left=left, right=right) if expression(left) == text and right.type.kind == "int":
                 low = max(low, right.type.low + (fn == ">"))
     return low, high
+
+
+def _of_parts(e: ir.Arithmetic, parts: list[tuple[float, float]]) -> tuple[float, float]:
+    """Returns the interval of an operation from those of its operands."""
+    match e.fn:
+        case "neg":
+            return -parts[0][1], -parts[0][0]
+        case "min":
+            return min(p[0] for p in parts), min(p[1] for p in parts)
+        case "max":
+            return max(p[0] for p in parts), max(p[1] for p in parts)
+        case _:
+            left, right = (a.type.model_copy(update={"low": p[0], "high": p[1]}) for a, p in zip(e.args, parts, strict=True))
+            return interval(e.fn, left, right)

@@ -104,7 +104,7 @@ def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: P
             given="a field that holds agents",
             help="an agent's number means nothing to an observer",
         )
-    if not labels and (type_.unit == "reward" or type_.low < 0):
+    if not labels and type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
         raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number that is not a count from 0 to 255")
     if what == "cell" and not labels and type_.kind != "word":
         raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number of a cell without labels (`as { … }`)")

@@ -264,8 +264,6 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
                     scope.problems.add(
                         errors.NEVER_HAPPENS, part.origin or test.origin, problem=f"{text(left)} is {reach}"  # type: ignore[arg-type]
                     )
-            case ir.Truth(value=False):
-                scope.problems.add(errors.NEVER_HAPPENS, part.origin or test.origin, problem="the condition is no")  # type: ignore[arg-type]
             case _:
                 pass
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.context import NotSupported
+from sjdsl.compiler.lower.reads import timer_bound
 from sjdsl.runtime.planes import TokenPlane
 
 HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
@@ -82,10 +83,14 @@ def _values(field: ir.VarField, game: ir.Game) -> int:
             return len(type_.words)
         case "agent" if not type_.by:
             return game.agents.number + 1
-        case "int" if not type_.by and not field.timer and type_.low >= 0:
-            return int(type_.high) + 1
+        case "int" if not type_.by and type_.low >= 0 and _bound(field, game) < 256:
+            return int(_bound(field, game)) + 1
         case _:
             raise NotSupported(f"labels that depend on `{field.name}`, which is not a word, an agent or a small count", field.origin)
+
+
+def _bound(field: ir.VarField, game: ir.Game) -> float:
+    return timer_bound(field, game) if field.timer else field.type.high
 
 
 def content_labels(game: ir.Game) -> tuple[str, ...]:

@@ -59,7 +59,7 @@ def storage(declared: ir.VarField, w: Writer) -> str:
         case "word":
             return "u8"
         case "int":
-            high = timer_bound(declared, w) if declared.timer else type_.high
+            high = timer_bound(declared, w.module.game) if declared.timer else type_.high
             return "u8" if 0 <= type_.low and high <= 255 else "i32"
         case "real":
             return "f32"
@@ -71,10 +71,10 @@ def storage(declared: ir.VarField, w: Writer) -> str:
             raise AssertionError(type_)
 
 
-def timer_bound(declared: ir.VarField, w: Writer) -> float:
+def timer_bound(declared: ir.VarField, game: ir.Game) -> float:
     """Returns the largest value any sentence sets a timer to."""
     bound = 0.0
-    for node in ir.walk(w.module.game):
+    for node in ir.walk(game):
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
             if node.target.place == declared.place and (declared.place != "cell" or declared.kind in node.target.kinds):
                 bound = max(bound, node.value.type.high)
