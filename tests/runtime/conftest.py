@@ -1,0 +1,8 @@
+"""Tests of kernels run under strict JAX."""
+
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def strict(strict_jax: None) -> None:  # noqa: ARG001
+    """Applies `strict_jax` to every test of this folder."""

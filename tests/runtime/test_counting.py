@@ -1,0 +1,97 @@
+"""Counting by bits, who stands where, rows and lanes, against loops."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sjdsl.runtime.counting import count_near, occupied
+from sjdsl.runtime.geometry import near_masks
+from sjdsl.runtime.rows import as_bits, entry, highest, lowest, mix, ramp, reached
+
+
+@pytest.mark.parametrize(("members", "sites"), [(1, 1), (31, 4), (32, 5), (33, 6), (64, 64), (147, 20)])
+def test_count_near(members: int, sites: int) -> None:
+    """Any neighbours at all, also of cells of another kind; `members` stands for no neighbour."""
+    random = np.random.default_rng(members)
+    around = np.array([[*random.permutation(members)[:7], members, members] for _ in range(sites)])
+    masks = near_masks(around, members)
+    assert (masks.shape, masks.dtype) == ((-(-members // 32), sites), np.uint32)
+    for _ in range(10):
+        member = random.random(members) < random.random()
+        found = count_near(jnp.asarray(member), jnp.asarray(masks))
+        assert found.dtype == jnp.int32
+        assert found.tolist() == [sum(bool(member[n]) for n in row if n < members) for row in around]
+
+
+def test_count_near_of_all_and_none() -> None:
+    around = np.arange(96).reshape(3, 32)
+    masks = jnp.asarray(near_masks(around, 96))
+    assert count_near(jnp.ones(96, bool), masks).tolist() == [32, 32, 32]
+    assert count_near(jnp.zeros(96, bool), masks).tolist() == [0, 0, 0]
+
+
+def test_occupied() -> None:
+    assert occupied(jnp.array([1, 3, 1, 4, 4], jnp.int32), 4).tolist() == [False, True, False, True]
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 4)])
+def test_entry(shape: tuple[int, ...]) -> None:
+    random = np.random.default_rng(len(shape))
+    row, key = random.integers(-9, 9, (*shape, 5)), random.integers(0, 5, shape)
+    found = entry(jnp.asarray(row, jnp.int32), jnp.asarray(key, jnp.uint8))
+    np.testing.assert_array_equal(found, np.take_along_axis(row, key[..., None], -1)[..., 0])
+
+
+def test_lowest_and_highest() -> None:
+    rows = jnp.array([[0, 0, 0], [0, 2, 0], [1, 0, 3], [0, 0, 1], [5, 0, 0]], jnp.int32)
+    assert lowest(rows).tolist() == [0, 1, 0, 2, 0]
+    assert highest(rows).tolist() == [2, 1, 2, 2, 0]
+    assert lowest(rows).dtype == highest(rows).dtype == jnp.uint8
+
+
+def test_mix() -> None:
+    """Each share is a float32 quotient; a row of zeros is not asked for."""
+    row = np.array([[1, 2], [0, 3], [100, 1]])
+    expected = row.astype(np.float32) / row.sum(axis=1, keepdims=True).astype(np.float32)
+    found = mix(jnp.asarray(row, jnp.int32))
+    assert found.dtype == jnp.float32
+    np.testing.assert_array_equal(found, expected)
+    assert np.isfinite(mix(jnp.zeros((1, 2), jnp.int32))).all()
+
+
+def test_ramp() -> None:
+    """0 at the first, 1 at the second, either way round, clipped."""
+    value = jnp.array([0, 0.1, 0.2, 0.4, 0.5, 1], jnp.float32)
+    np.testing.assert_allclose(ramp(value, jnp.float32(0.4), jnp.float32(0)), [1, 0.75, 0.5, 0, 0, 0], atol=1e-7)
+    np.testing.assert_allclose(ramp(value, jnp.float32(0), jnp.float32(0.4)), [0, 0.25, 0.5, 1, 1, 1], atol=1e-7)
+    assert ramp(value, jnp.float32(0.4), jnp.float32(0))[0] == 1
+    assert ramp(value, jnp.float32(0.4), jnp.float32(0))[3] == 0
+
+
+@pytest.mark.parametrize(("dtype", "most"), [(jnp.uint8, 8), (jnp.uint32, 32)])
+def test_sets_as_bits(dtype: jnp.dtype, most: int) -> None:
+    random = np.random.default_rng(most)
+    for agents in (1, most - 1, most):
+        members = random.random((6, agents)) < 0.5
+        found = as_bits(jnp.asarray(members), dtype)
+        assert found.dtype == dtype
+        assert found.tolist() == [sum(2**i for i in range(agents) if row[i]) for row in members]
+    assert as_bits(jnp.ones(most, bool), dtype).tolist() == 2**most - 1
+
+
+def test_reached() -> None:
+    """Lane by lane: the blocking cell is the last one reached; a cell off the map neither is reached nor ends its lane."""
+    random = np.random.default_rng(6)
+    lanes = [1, 3, 2, 4]
+    first = np.concatenate([[True] + [False] * (n - 1) for n in lanes])
+    blocked, on_map = random.random((300, first.size)) < 0.3, random.random((300, first.size)) < 0.7
+    found = reached(jnp.asarray(blocked), jnp.asarray(on_map), jnp.asarray(first))
+    for case in range(300):
+        expected, number = [], 0
+        for length in lanes:
+            open_ = True
+            for _ in range(length):
+                expected.append(bool(open_ and on_map[case, number]))
+                open_ = open_ and not (on_map[case, number] and blocked[case, number])
+                number += 1
+        assert found[case].tolist() == expected

@@ -1,0 +1,108 @@
+"""Sending, choosing and pairing against sorted lists."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sjdsl.runtime.draws import ranks
+from sjdsl.runtime.placing import choose, pair, place
+
+from . import references
+
+PLACE = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0)))
+CHOOSE = jax.jit(jax.vmap(choose))
+
+
+def random_ranks(random: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
+    """Returns ranks of which a third are 0 (not free) and many are equal."""
+    few = random.integers(1, 4, shape)
+    return np.choose(random.integers(0, 3, shape), [np.zeros(shape, int), few, random.integers(1, 2**31 + 1, shape)])
+
+
+@pytest.mark.parametrize(("cells", "agents"), [(1, 1), (1, 3), (4, 2), (3, 5), (6, 6), (60, 7), (9, 20)])
+def test_place(cells: int, agents: int) -> None:
+    """Distinct free cells in the order of their ranks, for agents in id order; who finds none stays."""
+    random = np.random.default_rng(100 * cells + agents)
+    cases = 150
+    site = np.sort(random.permutation(200)[:cells]) + 1
+    rank = random_ranks(random, (cases, cells))
+    position = random.integers(300, 400, (cases, agents))
+    sent = random.random((cases, agents)) < random.choice([0, 0.5, 1], (cases, 1))
+    found, placed = PLACE(jnp.asarray(site, jnp.int32), jnp.asarray(rank, jnp.uint32), jnp.asarray(position, jnp.int32), jnp.asarray(sent))
+    assert (found.dtype, placed.dtype) == (jnp.int32, jnp.bool_)
+    for case in range(cases):
+        expected = references.place(site.tolist(), rank[case].tolist(), position[case].tolist(), sent[case].tolist())
+        assert (found[case].tolist(), placed[case].tolist()) == expected
+        new = np.asarray(found[case])[np.asarray(placed[case])]
+        assert len(set(new.tolist())) == len(new) <= (rank[case] > 0).sum()
+
+
+def test_place_by_hand() -> None:
+    """Agent 0 is not sent; 1 has the best cell, 2 the next; the third free cell is not there."""
+    cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([1, 2, 3, 4], jnp.int32)
+    found, placed = place(cells, jnp.array([5, 0, 9], jnp.uint32), position, jnp.array([False, True, True, True]))
+    assert found.tolist() == [1, 30, 10, 4]
+    assert placed.tolist() == [False, True, True, False]
+
+
+def test_place_takes_the_largest_rank_there_is() -> None:
+    found, placed = place(jnp.array([10, 20], jnp.int32), jnp.array([2**31, 2**31], jnp.uint32), jnp.array([1], jnp.int32), jnp.array([True]))
+    assert (found.tolist(), placed.tolist()) == ([10], [True])
+
+
+@pytest.mark.parametrize("members", [1, 2, 6, 40])
+def test_choose(members: int) -> None:
+    random = np.random.default_rng(members)
+    cases = 200
+    rank, number = random_ranks(random, (cases, members)), random.integers(0, members + 3, cases)
+    found = CHOOSE(jnp.asarray(rank, jnp.uint32), jnp.asarray(number, jnp.int32))
+    for case in range(cases):
+        assert found[case].tolist() == references.choose(rank[case].tolist(), int(number[case]))
+
+
+def test_choose_for_each_of_the_surroundings() -> None:
+    """Rows choose apart, each its own number."""
+    random = np.random.default_rng(0)
+    rank, number = random_ranks(random, (3, 4, 5)), random.integers(0, 6, (3, 4))
+    found = np.asarray(choose(jnp.asarray(rank, jnp.uint32), jnp.asarray(number, jnp.int32)))
+    for i, j in np.ndindex(3, 4):
+        assert found[i, j].tolist() == references.choose(rank[i, j].tolist(), int(number[i, j]))
+
+
+def test_choose_is_uniform() -> None:
+    """Every pair of 5 members equally often; chi-square with 9 degrees of freedom, passed by chance with probability 1e-6."""
+    draws = 40_000
+    word = jax.random.bits(jax.random.key(1), (draws, 5), jnp.uint32)
+    chosen = np.asarray(CHOOSE(ranks(word, jnp.ones((), bool)[None, None]), jnp.full(draws, 2, jnp.int32)))
+    assert (chosen.sum(axis=1) == 2).all()
+    _, counts = np.unique(chosen @ (1 << np.arange(5)), return_counts=True)
+    assert len(counts) == 10
+    assert ((counts - draws / 10) ** 2 / (draws / 10)).sum() < 45.08
+
+
+@pytest.mark.parametrize(("left", "right", "alike"), [(1, 1, False), (1, 1, True), (3, 5, False), (5, 3, False), (2, 2, True), (4, 4, True), (5, 5, True), (7, 7, True)])
+def test_pair(left: int, right: int, alike: bool) -> None:
+    """Best pair first, nobody twice, and no pair left over whose two sides are free."""
+    random = np.random.default_rng(10 * left + right)
+    cases = 150
+    rank = random_ranks(random, (cases, left, right)) * (random.random((cases, left, right)) < random.choice([0.3, 1], (cases, 1, 1)))
+    if alike:
+        rank = rank * ~np.eye(left, dtype=bool)
+    found = jax.jit(jax.vmap(lambda r: pair(r, alike)))(jnp.asarray(rank, jnp.uint32))
+    for case in range(cases):
+        partner = found[case].tolist()
+        assert partner == references.pair(rank[case].tolist(), alike)
+        lefts, rights = {a for a, b in enumerate(partner) if b < right}, [b for b in partner if b < right]
+        assert len(set(rights)) == len(rights)
+        if alike:
+            assert not lefts & set(rights)
+        busy = (lefts | set(rights), lefts | set(rights)) if alike else (lefts, set(rights))
+        assert not [(a, b) for a, b in np.argwhere(rank[case] > 0).tolist() if a not in busy[0] and b not in busy[1]]
+
+
+def test_pair_by_hand() -> None:
+    """0 and 2 ask 1; 1 asks 0. The best pair is (2, 1), which leaves 0 alone."""
+    rank = jnp.array([[0, 5, 0], [4, 0, 0], [0, 6, 0]], jnp.uint32)
+    assert pair(rank, True).tolist() == [3, 3, 1]
+    assert pair(rank, False).tolist() == [3, 0, 1]

@@ -1,0 +1,84 @@
+"""Windows, painted cells and packed planes against cutting and stacking cell by cell."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sjdsl.runtime.view import paint, planes_of, windows
+
+from . import references
+
+# frame (rows, cols), then cells seen ahead, behind, to the left and to the right
+VIEWS = [((9, 9), (3, 1, 2, 2)), ((9, 14), (3, 1, 2, 2)), ((13, 8), (0, 2, 3, 1)), ((7, 20), (3, 0, 0, 3)), ((5, 5), (0, 0, 0, 0)), ((16, 11), (5, 3, 1, 4))]
+
+
+def naive(plane: np.ndarray, row: int, col: int, heading: int, view: tuple[int, int, int, int]) -> np.ndarray:
+    ahead, behind, left, right = view
+    window = np.zeros((ahead + 1 + behind, left + 1 + right), plane.dtype)
+    for r in range(window.shape[0]):
+        for c in range(window.shape[1]):
+            window[r, c] = plane[references.seen_cell(row, col, heading, ahead - r, c - left)]
+    return window
+
+
+@pytest.mark.parametrize(("frame", "view"), VIEWS)
+def test_windows_from_every_cell_and_heading(frame: tuple[int, int], view: tuple[int, int, int, int]) -> None:
+    """Every cell that far from the frame's edge, in all four headings, each cell of the frame with its own value."""
+    rows, cols = frame
+    ahead, behind, left, right = view
+    plane = np.arange(rows * cols, dtype=np.uint8).reshape(frame)
+    far = max(view)
+    poses = [(r, c, h) for r in range(far, rows - far) for c in range(far, cols - far) for h in range(4)]
+    assert poses
+    row, col, heading = np.array(poses).T
+    found = windows(
+        jnp.asarray(plane),
+        jnp.asarray(row * cols + col, jnp.int32),
+        jnp.asarray(heading, jnp.int32),
+        ahead=ahead,
+        behind=behind,
+        left=left,
+        right=right,
+    )
+    assert found.dtype == jnp.uint8
+    np.testing.assert_array_equal(found, np.stack([naive(plane, *pose, view) for pose in poses]))
+
+
+def test_forward_is_up_and_right_is_right() -> None:
+    """A hand-made case: what one who looks east has around it."""
+    plane = jnp.array([[0, 0, 0, 0, 0], [0, 1, 2, 3, 0], [0, 4, 5, 6, 0], [0, 7, 8, 9, 0], [0, 0, 0, 0, 0]], jnp.uint8)
+    seen = {h: windows(plane, jnp.array([12]), jnp.array([h]), ahead=1, behind=1, left=1, right=1)[0].tolist() for h in range(4)}
+    assert seen[0] == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert seen[1] == [[3, 6, 9], [2, 5, 8], [1, 4, 7]]
+    assert seen[2] == [[9, 8, 7], [6, 5, 4], [3, 2, 1]]
+    assert seen[3] == [[7, 4, 1], [8, 5, 2], [9, 6, 3]]
+
+
+def test_windows_of_a_batch_are_those_of_each() -> None:
+    random = np.random.default_rng(0)
+    planes = jnp.asarray(random.integers(0, 255, (6, 9, 12)), jnp.uint8)
+    position = jnp.asarray(random.integers(3, 6, (6, 4)) * 12 + random.integers(3, 9, (6, 4)), jnp.int32)
+    heading = jnp.asarray(random.integers(0, 4, (6, 4)), jnp.int32)
+
+    def cut(plane: jax.Array, position: jax.Array, heading: jax.Array) -> jax.Array:
+        return windows(plane, position, heading, ahead=3, behind=1, left=2, right=2)
+
+    np.testing.assert_array_equal(jax.vmap(cut)(planes, position, heading), jnp.stack([cut(planes[i], position[i], heading[i]) for i in range(6)]))
+
+
+def test_paint_adds_bits() -> None:
+    plane = jnp.array([1, 2, 4, 8, 0], jnp.uint8)
+    assert paint(plane, jnp.array([1, 3, 1], jnp.int32), 4).tolist() == [1, 6, 4, 12, 0]
+    assert paint(plane, jnp.array([2, 2], jnp.int32), 4).tolist() == plane.tolist()  # what is there already stays once
+    assert paint(plane, jnp.array([4, 0], jnp.int32), jnp.array([0x70, 0x80], jnp.uint8)).tolist() == [0x81, 2, 4, 8, 0x70]
+    assert paint(plane, jnp.zeros(3, jnp.int32), 128).tolist() == [129, 2, 4, 8, 0]
+    assert paint(plane, jnp.array([], jnp.int32), 128).tolist() == plane.tolist()
+
+
+@pytest.mark.parametrize("number", range(1, 10))
+def test_planes_side_by_side(number: int) -> None:
+    planes = np.random.default_rng(number).integers(0, 256, (number, 3, 5, 7)).astype(np.uint8)
+    found = planes_of(*(jnp.asarray(p) for p in planes))
+    assert found.dtype == jnp.uint8
+    np.testing.assert_array_equal(found, np.stack(planes, axis=-1))
