@@ -14,6 +14,7 @@ from sjdsl.interpreter.state import Cell, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
 
 HEADINGS = ("north", "east", "south", "west")
+QUICK = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}  # compiling costs more than these runs
 Key = tuple[int, int]
 Place = tuple[int, int] | None
 
@@ -23,7 +24,8 @@ class View:
     """What can be seen of a game after a reset or a step, as plain values: words as texts, agents as numbers.
 
     cells: (kind, field) -> a value for each cell. events: name or `name[word]` -> a count, or one for each agent.
-    away: ticks until each agent returns, 0 for those here and those removed. observation: agents x rows x columns x planes.
+    away: ticks until each agent returns, 0 for those here and those removed. observation: agents x rows x columns x planes;
+    None, as `allowed`, where the compiled step has not looked (after a picture).
     """
 
     steps: int
@@ -33,8 +35,8 @@ class View:
     cells: dict[tuple[str, str], list[Any]]
     agents: dict[str, list[Any]]
     world: dict[str, Any]
-    allowed: list[list[bool]]
-    observation: np.ndarray
+    allowed: list[list[bool]] | None
+    observation: np.ndarray | None
     reward: list[float] = field(default_factory=list)
     events: dict[str, Any] = field(default_factory=dict)
     metrics: dict[str, float] = field(default_factory=dict)
@@ -129,16 +131,25 @@ class Compiled:
         self.game = built.game
         self.module = load_module(text, f"<{self.game.name}>", self.game.name)
         self.params = build_params(self.game, self.module, params)
-        self.run = jax.jit(self._run)
-        self.look = jax.jit(lambda state: (self.module.allowed_actions(state, self.params), self.module.observe(state, self.params)))
+        self.begin = jax.jit(self._begin, compiler_options=QUICK)
+        self.run = jax.jit(self._run, compiler_options=QUICK)
+
+    def _begin(self, key: Any) -> Any:
+        state = self.module.reset(self.params, key)
+        return state, self._look(state)
 
     def _run(self, state: Any, actions: Any, key: Any) -> Any:
         state, out = self.module.step(state, actions, self.params, key)
-        return state, out, self.module.measures(state, self.params), state.step + 1 >= self.module.episode_length(self.params)
+        measures = self.module.measures(state, self.params)
+        state = state.replace(step=state.step + 1)
+        return state, out, measures, state.step >= self.module.episode_length(self.params), self._look(state)
+
+    def _look(self, state: Any) -> Any:
+        return self.module.allowed_actions(state, self.params), self.module.observe(state, self.params)
 
     def reset(self, key: Key) -> View:
-        self.state = self.module.reset(self.params, np.array(key, np.uint32))
-        return self._view()
+        self.state, seen = self.begin(np.array(key, np.uint32))
+        return self._view(seen)
 
     def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
         from sjdsl.compiler.lower.context import attribute_name
@@ -155,12 +166,11 @@ class Compiled:
             coded = [declared.type.words.index(v) if declared.type.kind == "word" else v for v in values]
             changed[attribute] = np.array(coded, getattr(self.state, attribute).dtype)
         self.state = self.state.replace(**changed)
-        return self._view()
+        return self._view(None)
 
     def step(self, actions: Sequence[int], key: Key) -> View:
-        self.state, out, measures, last = self.run(self.state, np.array(actions, np.int32), np.array(key, np.uint32))
-        self.state = self.state.replace(step=self.state.step + 1)
-        view = self._view()
+        self.state, out, measures, last, seen = self.run(self.state, np.array(actions, np.int32), np.array(key, np.uint32))
+        view = self._view(seen)
         view.reward = [float(r) for r in out.reward]
         view.events = self._events(out)
         view.metrics = {name: float(value) for name, value in measures.items()}
@@ -180,9 +190,9 @@ class Compiled:
                 found[f"{event.name}[{word}]"] = count[..., number].tolist()
         return found
 
-    def _view(self) -> View:
+    def _view(self, seen: Any) -> View:
         state, (_, cols), pad = self.state, self.module.FRAME, self.module.PAD
-        allowed, observation = self.look(state)
+        allowed, observation = (None, None) if seen is None else map(np.asarray, seen)
         places = [None if p == 0 else (p // cols - pad, p % cols - pad) for p in np.asarray(state.position).tolist()]
         return View(
             steps=int(state.step),
@@ -192,8 +202,8 @@ class Compiled:
             cells={(k.name, f.name): self._values(f) for k in self.game.kinds for f in k.fields},
             agents={f.name: self._values(f) for f in self.game.agents.fields},
             world={f.name: self._values(f) for f in self.game.fields},
-            allowed=np.asarray(allowed).tolist(),
-            observation=np.asarray(observation),
+            allowed=None if allowed is None else allowed.tolist(),
+            observation=observation,
         )
 
     def _values(self, declared: ir.VarField) -> Any:
