@@ -21,7 +21,7 @@ QUOTES = "“”„«»‘’'`"
 # Letters of other scripts that look like ours.
 LETTERS = dict(zip("аеорсухіјѕԁԛԝαορνικτ", "aeopcyxijsdqwaopvikt", strict=True))
 NO_NAME = "name"  # what a word is read as of which no letter is known
-CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]|\r(?!\n)")
+CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]")
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,10 @@ def check_text(source: Source) -> list[Diagnostic]:
     if "\0" in source.text:
         at = source.text.index("\0")
         return [Diagnostic(errors.NOT_TEXT, source.span(at, at), {"problem": "it holds NUL characters"})]
+    old = re.search(r"\r(?!\n)", source.text)
+    if old:
+        problem = "it has lines that end with a carriage return alone"
+        return [Diagnostic(errors.NOT_TEXT, source.span(old.start(), old.start()), {"problem": problem})]
     long = re.search(rf"[^\n]{{{MAX_LINE + 1},}}", source.text)
     if long:
         span = source.span(long.start(), long.start())
@@ -66,7 +70,7 @@ def check_tree(tree: Tree[Token], source: Source) -> list[Diagnostic]:
     todo: list[tuple[Tree[Token], int]] = [(tree, 0)]
     while todo:
         node, depth = todo.pop()
-        depth += len(node.children) if node.data in CHAINS else 1
+        depth += _operators(node) if node.data in CHAINS else 1
         if depth > MAX_TREE:
             return [Diagnostic(errors.TOO_DEEP, _span(node, source), {"limit": MAX_TREE})]
         statements += node.data in STATEMENTS
@@ -74,6 +78,11 @@ def check_tree(tree: Tree[Token], source: Source) -> list[Diagnostic]:
             return [too_much("the file has more statements", MAX_STATEMENTS, _span(node, source))]
         todo += [(child, depth) for child in reversed(node.children) if isinstance(child, Tree)]
     return []
+
+
+def _operators(chain: Tree[Token]) -> int:
+    """How many operators a chain has; `and` and `or` leave no token in the tree."""
+    return sum(isinstance(child, Token) for child in chain.children) or len(chain.children) - 1
 
 
 def _span(node: Tree[Token], source: Source) -> Span:

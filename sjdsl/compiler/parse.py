@@ -94,6 +94,8 @@ def _skip_to_game(found: Scan) -> bool:
     if "GAME" not in kinds:
         return False
     dropped = kinds.index("GAME")
+    begin = found.tokens[dropped].start_pos or 0
+    found.problems = [problem for problem in found.problems if problem.span.start >= begin]
     found.mended = {number - dropped for number in found.mended}
     del found.tokens[:dropped]
     return True

@@ -12,7 +12,7 @@ KERNELS = {
     "sjdsl.runtime.counting": ("count_near", "occupied"),
     "sjdsl.runtime.draws": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
     "sjdsl.runtime.geometry": (
-        "blocking", "cells_of", "inside", "lane_reach", "near_masks", "neighbours", "next_cells", "painted",
+        "blocking", "cells_of", "inside", "lane_reach", "near_masks", "neighbours", "next_cells", "own_cell", "painted",
         "shape_offsets", "site_numbers", "values_of",
     ),
     "sjdsl.runtime.movement": ("resolve",),

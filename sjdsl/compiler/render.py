@@ -84,16 +84,21 @@ def _escaped(text: str) -> str:
     return "".join(c if c.isascii() and c.isprintable() and c not in "\"\\'" else "?" for c in text)
 
 
+def _commented(text: str) -> str:
+    """Returns a text as it may stand in a comment: one line of printable ASCII."""
+    return "".join(c if c.isascii() and c.isprintable() else "?" for c in text)
+
+
 def _attribute(a: Attribute) -> str:
-    return f"{a.name}: Array  # {a.dtype.rstrip('_')}{a.shape}  {_escaped(a.comment)}"
+    return f"{a.name}: Array  # {a.dtype.rstrip('_')}{a.shape}  {_commented(a.comment)}"
 
 
 def _constant(c: Constant) -> str:
     if c.text:
-        return f"{c.name} = jnp.asarray({c.text})  # {_escaped(c.comment)}"
+        return f"{c.name} = jnp.asarray({c.text})  # {_commented(c.comment)}"
     values = np.array2string(c.value, separator=", ", threshold=c.value.size + 1, max_line_width=110)
     dtype = "bool" if c.value.dtype == bool else f"jnp.{c.value.dtype}"
-    return f"{c.name} = jnp.asarray({values}, {dtype})  # {_escaped(c.comment)}"
+    return f"{c.name} = jnp.asarray({values}, {dtype})  # {_commented(c.comment)}"
 
 
 def _function(f: Function) -> dict[str, object]:
@@ -105,6 +110,6 @@ def _function(f: Function) -> dict[str, object]:
 def _line(line: Line) -> str:
     if line.origin is None:
         return line.text
-    return f"{line.text}  # {_escaped(PurePosixPath(line.origin.file).name)}:{line.origin.line}"
+    return f"{line.text}  # {_commented(PurePosixPath(line.origin.file).name)}:{line.origin.line}"
 
 

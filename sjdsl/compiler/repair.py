@@ -9,6 +9,7 @@ from typing import Literal
 
 from sjdsl.compiler.automaton import END, Automaton, Stack, accepted, levels, open_braces, reach, read
 from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.limits import MAX_DEPTH
 
 AHEAD = 24  # tokens looked at behind an error
 ENOUGH = 3  # tokens that must follow for a change to be believed
@@ -120,7 +121,7 @@ def _candidates(trouble: Trouble) -> Iterator[Repair]:
     if trouble.before is not None:
         yield from _changes_before(trouble, trouble.before)
     closed, times = read(trouble.automaton, trouble.stack, "RBRACE"), 1
-    while closed is not None and times <= 8:
+    while closed is not None and times <= MAX_DEPTH:
         yield Repair("close", trouble.at, closed, trouble.at, "RBRACE", times)
         closed, times = read(trouble.automaton, closed, "RBRACE"), times + 1
 

@@ -2,7 +2,7 @@
 
 import unicodedata
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from sjdsl.compiler.diagnostics import Diagnostic, Severity
@@ -106,7 +106,8 @@ def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[s
         if before and line > before + 1:
             lines.append(f"  {'.' * max(width, 3)}")
         here = sorted((m for m in marks if m.line == line), key=lambda m: (m.start, m.sign == "-"))
-        content, columns = _cut(source.line(line), here)
+        text, here = _near(source.line(line), here)
+        content, columns = _cut(text, here)
         lines.append(f"  {line:>{width}} | {content}".rstrip())
         for mark in here:
             lines.append(f"  {bar} {_underline(mark, columns, tint)}")
@@ -119,6 +120,15 @@ def _underline(mark: Mark, columns: list[int], tint: str) -> str:
     signs = mark.sign * max(1, end - start)
     text = f"{signs} {visible(mark.text)}".rstrip()
     return " " * start + (f"{tint if mark.sign == '^' else BLUE}{text}{PLAIN}" if tint else text)
+
+
+def _near(line: str, marks: list[Mark]) -> tuple[str, list[Mark]]:
+    """Returns the part of a very long line that can be shown at all, and the marks moved to it."""
+    begin = max(0, min(m.start for m in marks) - 2 * WIDTH)
+    if len(line) - begin <= 6 * WIDTH:
+        return line, marks
+    line = line[begin : begin + 6 * WIDTH]
+    return line, [replace(m, start=m.start - begin, end=min(m.end - begin, len(line))) for m in marks]
 
 
 def _cut(line: str, marks: list[Mark]) -> tuple[str, list[int]]:

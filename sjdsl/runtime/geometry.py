@@ -124,3 +124,10 @@ def near_masks(around: np.ndarray, size: int) -> np.ndarray:
         for other in row[row < size]:
             masks[other // 32, site] |= np.uint32(1) << np.uint32(other % 32)
     return masks
+
+
+def own_cell(rows: int, columns: int, row: int, column: int) -> np.ndarray:
+    """Returns where the observer is in its window: `[rows, columns]` bool."""
+    window = np.zeros((rows, columns), bool)
+    window[row, column] = True
+    return window

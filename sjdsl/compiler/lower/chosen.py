@@ -42,7 +42,7 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
     word = words(s.stream, frame, w, (axis, total))
     axes = union(word.axes, (inner.mask or word).axes)
     mask = _mask_over(inner, axes)
-    ranks = w.keep("ranks", Value(f"ranks({aligned(word, axes)}, {mask.text})", "u32", axes))
+    ranks = w.keep("order", Value(f"ranks({aligned(word, axes)}, {mask.text})", "u32", axes))
     number = as_dtype(lower(s.number, frame.always(), w), "i32")
     last = f"axis={len(axes) - 1}"
     outer_axes = axes[:-1]
@@ -189,7 +189,7 @@ def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
     rows = left.axes[-1]
     live, cols, total, alike = _pairs(s, left, w)
     word = _pair_words(s, rows, cols, total, w)
-    ranks = w.keep("ranks", Value(f"ranks({word.text}, {live})", "u32", (rows, cols)))
+    ranks = w.keep("order", Value(f"ranks({word.text}, {live})", "u32", (rows, cols)))
     partner = w.keep(s.right.var.name, Value(f"pair({ranks.text}, alike={alike})", "i32", (rows,)))
     matched = binary("<", partner, literal(cols.size, "i32"), "bool")
     if s.right.var.who == "agent":

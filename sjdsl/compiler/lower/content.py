@@ -14,7 +14,7 @@ HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "o
 class Look:
     """One kind: its painted fields with their numbers of values, and its sights in order.
 
-    `raw` and `final` are the first numbers of the kind in the two numberings.
+    `raw` and `final` are the first numbers of the kind in the two numberings; a kind that is not on the map has no raw ones.
     """
 
     kind: ir.Kind
@@ -22,10 +22,11 @@ class Look:
     sights: tuple[ir.Sight, ...]
     raw: int
     final: int
+    present: bool
 
     @property
     def raw_values(self) -> int:
-        size = 1
+        size = int(self.present)
         for _, values in self.painted:
             size *= values
         return size
@@ -51,9 +52,11 @@ def sight_words(sight: ir.Sight) -> tuple[str, ...]:
 def looks(game: ir.Game) -> tuple[Look, ...]:
     """Returns the looks of all kinds in declaration order."""
     found, raw, final = [], 1, 1
+    glyphs = {g.glyph: g.kind for g in game.glyphs}
+    there = {glyphs[g] for row in game.rows for g in row}
     for kind in game.kinds:
         sights = tuple(s for s in game.sights if s.what == "cell" and s.kind == kind.name)
-        look = Look(kind, tuple((f, _values(f, game)) for f in _painted(kind, sights)), sights, raw, final)
+        look = Look(kind, tuple((f, _values(f, game)) for f in _painted(kind, sights)), sights, raw, final, kind.name in there)
         found.append(look)
         raw += look.raw_values
         size = 1

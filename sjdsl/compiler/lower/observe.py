@@ -5,11 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.layout import Table
 from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.content import Look, looks, marking_phases
 from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, attribute_name, iota
 from sjdsl.compiler.lower.expressions import lower, to_words
 from sjdsl.compiler.lower.values import Axis, Value, binary, literal, select, wrapped
+from sjdsl.runtime.geometry import own_cell
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ def observe(w: Writer) -> str:
     _paint(parts, by_id, w)
     cut = f"ahead={window.ahead}, behind={window.behind}, left={window.left}, right={window.right}"
     axes = (w.axis("observer", n), w.axis("row", view[0]), w.axis("col", view[1]))
+    w.origin = window.origin
     planes: dict[str, Value] = {}
     num_planes = 1 + max(p.plane for p in parts)
     for plane in range(num_planes):
@@ -104,11 +107,13 @@ def _paint(parts: tuple[Part, ...], by_id: bool, w: Writer) -> None:
             f"plane_{content.plane} = plane_{content.plane}.at[{constant}].set({value}, "
             'mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)'
         )
-    w.origin = None
+    phases = {f"mark_{p.name}": p for p in marking_phases(game)}
     for part in parts:
-        if part.name.startswith("mark_"):
+        if part.name in phases:
+            w.origin = phases[part.name].origin
             bit = 1 << part.shift
             w.line(f"plane_{part.plane} = paint(plane_{part.plane}, state.{part.name}, {bit})")
+    w.origin = game.agents.origin
     agent = next(p for p in parts if p.name == "agent")
     if by_id:
         shown = f"(jnp.arange({w.module.num_agents}, dtype=jnp.uint8) + 1)"
@@ -135,20 +140,15 @@ def _raw(look: Look, w: Writer) -> str:
 def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     """Returns the content as each observer is shown it."""
     game = w.module.game
-    found = looks(game)
-    if all(look.same for look in found):
+    found = [look for look in looks(game) if look.present]
+    if all(look.same and look.raw == look.final for look in found):
         return raw
     raw = w.keep("raw", raw)
-    last = found[-1]
-    table = np.zeros(last.raw + last.raw_values, np.uint8)
-    for look in found:
-        if look.same:
-            table[look.raw : look.raw + look.raw_values] = np.arange(look.raw_values) + look.final
-    if all(table[look.raw] == look.raw for look in found if look.same):
-        shown = raw
-    else:
-        name = w.module.constant("shown_as", table, "number of each look as observers are shown it")
-        shown = Value(f"{name}[{raw.text}]", "u8", raw.axes)
+    shown, shift = raw, 0
+    for look in found:  # looks before this one may show more or fewer values than are painted
+        if look.final - look.raw != shift:
+            step = binary("*", Value(f"({raw.text} >= {look.raw}).astype(jnp.uint8)", "u8", axes), literal(look.final - look.raw - shift, "u8"), "u8")
+            shown, shift = binary("+", shown, step, "u8"), look.final - look.raw
     for look in found:
         if not look.same:
             inside = f"({raw.text} >= {look.raw}) & ({raw.text} < {look.raw + look.raw_values})"
@@ -201,8 +201,8 @@ def _sight(sight: ir.Sight, words: tuple[str, ...], values: dict[str, Value], pl
 def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> list[Value]:
     """Returns the plane of agents, then one for each thing shown of the others."""
     game, window = w.module.game, w.module.game.window
-    own = np.zeros((axes[1].size, axes[2].size), bool)
-    own[window.ahead, window.left] = True
+    size = (axes[1].size, axes[2].size, window.ahead, window.left)
+    own = Table(own_cell(*size), f"own_cell{size}")
     myself = w.module.constant("myself", own, "where the observer is in its window")
     self_ = Value(f"{myself}[None]", "bool", axes)
     agent = w.keep("agent", agent)

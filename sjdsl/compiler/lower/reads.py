@@ -144,7 +144,7 @@ def occupied(owner: CellVar, w: Writer) -> Value:
     if owner.axis is not None:
         site, _ = site_under(agents, owner.kinds, w)
         size = w.module.layout.num_cells(owner.kinds)
-        vector = w.keep("occupied", Value(f"occupied({site.text}, {size})", "bool", ()))
+        vector = w.keep("covered", Value(f"occupied({site.text}, {size})", "bool", ()))
         return replace(vector, axes=(owner.axis,))
     at = cell(owner, w)
     return Value(f"jnp.any({wrapped(at)}[..., None] == state.position{_lead(at)}, axis=-1)", "bool", at.axes)

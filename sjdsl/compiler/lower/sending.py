@@ -104,6 +104,7 @@ def finish(sends: Sends, w: Writer) -> None:
         parts = sends.now.get(pool.number, [])
         if not parts:
             continue
+        w.origin = parts[0][0].origin
         sent = parts[0][1] if len(parts) == 1 else w.keep("sent", Value(" | ".join(t for _, t in parts), "bool")).text
         leaving = [sent, *(text for p, _, text, _ in sends.away if p is pool)]
         left = "" if any(s.stay for s in _sends_of(pool, w.module.game)) else " | ".join(leaving)
@@ -112,11 +113,13 @@ def finish(sends: Sends, w: Writer) -> None:
         if can_be_away:
             w.assign("away", f"jnp.where({placed}, 0, {w.current('away')})")
     for pool, s, sent, delays in sends.away:
+        w.origin = s.origin
         w.assign("position", f"jnp.where({sent}, 0, {w.current('position')})")
         w.assign("away", f"jnp.where({sent}, {delays}, {w.current('away')})")
         w.assign("away_pool", f"jnp.where({sent}, {pool.number}, {w.current('away_pool')})")
         facing = 4 if s.facing is None else 5 if s.facing == "same" else FACINGS.index(s.facing)
         w.assign("away_facing", f"jnp.where({sent}, {facing}, {w.current('away_facing')})")
+    w.origin = None
     for removed in sends.removed:
         w.assign("position", f"jnp.where({removed}, 0, {w.current('position')})")
         if sends.away_stored:
@@ -149,7 +152,7 @@ def place(pool: Pool, sent: str, leaving: str, w: Writer, stream_change: int) ->
         free = both(free, test)
     member = "jnp.ones((), bool)" if free is None else free.text
     stream = pool.send.order_stream ^ stream_change
-    ranks = w.keep("ranks", Value(f"ranks(words(key, 0x{stream:08x}, {axis.size}), {member})", "u32", (axis,)))
+    ranks = w.keep("order", Value(f"ranks(words(key, 0x{stream:08x}, {axis.size}), {member})", "u32", (axis,)))
     placed = w.names.fresh("placed")
     before = w.current("position")
     if "position" not in w.changed:
@@ -181,6 +184,7 @@ def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
         if not any(s.after is not None for s in _sends_of(pool, w.module.game)):
             continue
         w.known.clear()
+        w.origin = pool.send.origin
         back = w.keep("back", Value(f"due & (state.away_pool == {pool.number})", "bool"))
         placed = place(pool, back.text, "", w, RETURN)
         facing = w.names.fresh("facing")
@@ -192,6 +196,7 @@ def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
         w.line(f"state = state.replace({', '.join(f'{k}={v}' for k, v in w.changed.items())})")
         w.changed.clear()
     w.known.clear()
+    w.origin = None
 
 
 __all__ = ["Pool", "Sends", "all_pools", "finish", "invert", "returns"]

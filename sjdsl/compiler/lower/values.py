@@ -7,7 +7,8 @@ import re
 from dataclasses import dataclass, replace
 
 DTYPES = {"f32": "jnp.float32", "i32": "jnp.int32", "u32": "jnp.uint32", "u8": "jnp.uint8", "bool": "bool"}
-_ATOM = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*(\([^()]*\)|\[[^\[\]]*\])*|-?\d+(\.\d+)?(e-?\d+)?|0x[0-9a-f]+")
+_OPPOSITES = (("==", "!="), ("!=", "=="))
+_ATOM = re.compile(r"~?[A-Za-z_][A-Za-z0-9_.]*(\([^()]*\)|\[[^\[\]]*\])*|-?\d+(\.\d+)?(e-?\d+)?|0x[0-9a-f]+")
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,10 @@ def invert(condition: Value) -> Value:
     """Returns the negation."""
     if condition.literal:
         return literal(condition.text != "True", "bool")
+    for op, opposite in _OPPOSITES:
+        sides = condition.text.split(f" {op} ")
+        if len(sides) == 2 and all(_ATOM.fullmatch(s) for s in sides):
+            return replace(condition, text=f"{sides[0]} {opposite} {sides[1]}")
     if condition.text.startswith("~") and _ATOM.fullmatch(condition.text[1:]):
         return replace(condition, text=condition.text[1:])
     return replace(condition, text=f"~{wrapped(condition)}")
