@@ -15,7 +15,9 @@ run: .venv/ready
 	rm -rf $(RUN)
 	$(BIN)/sjdsl compile games/clean_up.sj
 	$(BIN)/sjdsl render clean_up --steps 60 -o $(RUN)/clean_up.gif
-	$(BIN)/sjdsl train coins --preset quick --reward common --run $(RUN)/coins
+	$(BIN)/sjdsl train coins --preset quick --reward common --run $(RUN)/coins --episodes 0
+	$(BIN)/sjdsl render coins --policy $(RUN)/coins --steps 60 -o $(RUN)/coins.gif
+	$(BIN)/sjdsl evaluate $(RUN)/coins
 
 test: .venv/ready
 	$(PYTEST)
@@ -32,6 +34,7 @@ bench: .venv/ready
 # Writes again what tests compare to; read the difference before it is committed.
 golden: .venv/ready
 	$(BIN)/sjdsl compile --all
+	$(PYTEST) --update-golden
 
 # Installs the wheel where nothing else is, and uses it far from this folder.
 wheel-test: .venv/ready

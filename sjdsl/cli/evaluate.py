@@ -25,6 +25,7 @@ def command(run: str, episodes: int, seed: int, greedy: bool) -> None:
     """Plays the policy of RUN, a folder that `sjdsl train` wrote, and a random one; the figures go to its evaluation.json."""
     path = Path(run)
     evaluate_run(path, make_environment(_provenance(path)), episodes, seed, greedy)
+    list_files(path)
 
 
 def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool = False) -> None:
@@ -63,3 +64,13 @@ def _provenance(run_dir: Path) -> dict[str, Any]:
     if "game" not in provenance:
         raise click.ClickException(f"{run_dir} does not say which game it was; `sjdsl train` makes runs that do")
     return provenance
+
+
+def list_files(run_dir: Path) -> None:
+    """Prints the files of a run."""
+    files = sorted(path for path in run_dir.iterdir() if path.is_file())
+    checkpoints = len(list((run_dir / "checkpoints").glob("*.msgpack")))
+    click.echo(f"\n{run_dir}/")
+    for path in files:
+        click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
+    click.echo(f"  checkpoints/  {checkpoints} of them")

@@ -6,8 +6,11 @@ from typing import Any
 
 import click
 
+from sjdsl.compiler.diagnostics import CompileError
 from sjdsl.compiler.read import read_source
+from sjdsl.compiler.scope import Problems
 from sjdsl.compiler.source import Source
+from sjdsl.compiler.worldmap import parse_rows
 from sjdsl.games_folder import find_game
 
 
@@ -34,12 +37,14 @@ def read_map(file: str | None, source: Source) -> tuple[str, ...] | None:
     """Returns the rows of a map file, or None without one. Raises CompileError for what is no map."""
     if file is None:
         return None
-    from sjdsl.make import map_rows
-
-    try:
-        return map_rows(file, source)
-    except FileNotFoundError as error:
-        raise click.ClickException(str(error)) from None
+    path = Path(file)
+    if not path.is_file():
+        raise click.ClickException(f"there is no map file `{file}`")
+    problems = Problems()
+    rows = parse_rows(path.read_bytes(), file, source.span(0, 0), problems)
+    if problems.found:
+        raise CompileError(problems.found)
+    return rows
 
 
 def variant_option(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.evaluate import evaluate_run, list_files
 
 if TYPE_CHECKING:
     from sjdsl.trainers import Config
@@ -59,8 +60,6 @@ def command(
     path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{algorithm}_{config.reward}_seed{config.seed}")
     train(env, config, path, provenance=provenance)
     if episodes:
-        from sjdsl.cli.evaluate import evaluate_run
-
         evaluate_run(path, env, episodes, config.seed)
     list_files(path)
 
@@ -93,13 +92,3 @@ def new_folder(name: str) -> Path:
     while (path := Path("runs") / (name if number == 1 else f"{name}_{number}")).exists():
         number += 1
     return path
-
-
-def list_files(run_dir: Path) -> None:
-    """Prints the files of a run."""
-    files = sorted(path for path in run_dir.iterdir() if path.is_file())
-    checkpoints = len(list((run_dir / "checkpoints").glob("*.msgpack")))
-    click.echo(f"\n{run_dir}/")
-    for path in files:
-        click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
-    click.echo(f"  checkpoints/  {checkpoints} of them")

@@ -25,11 +25,11 @@ def random_policy(env: Environment) -> Policy:
 
 
 def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every: int = 1) -> Iterator[Snapshot]:
-    """Yields the first state and then one of `every` states; after an episode's last step the next one begins.
+    """Yields the first state of each episode and one of `every` states that follow, an episode's last one included.
 
     Args:
       policy: `(key, observation) -> actions [N]`.
-      num_steps: steps to play.
+      num_steps: steps to play, over as many episodes as they take.
     """
     key, reset_key = jax.random.split(jax.random.key(seed))
     observation, state = env.reset(reset_key)
@@ -37,8 +37,12 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every:
     act = jax.jit(policy)
     yield take_snapshot(env, state, returns)
     for number in range(1, num_steps + 1):
-        key, action_key, step_key = jax.random.split(key, 3)
-        observation, state, reward, done, _ = env.step(step_key, state, act(action_key, observation))
-        returns = np.zeros(env.num_agents) if done else returns + np.asarray(reward)
-        if number % every == 0:
+        key, action_key, step_key, reset_key = jax.random.split(key, 4)
+        observation, state, reward, done, _ = env.step_env(step_key, state, act(action_key, observation))
+        returns = returns + np.asarray(reward)
+        if number % every == 0 or done:
+            yield take_snapshot(env, state, returns)
+        if done and number < num_steps:
+            observation, state = env.reset(reset_key)
+            returns = np.zeros(env.num_agents)
             yield take_snapshot(env, state, returns)

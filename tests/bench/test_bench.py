@@ -1,0 +1,115 @@
+"""Benchmarks: what is measured and reported; how fast it is, is not tested."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import pytest
+from jax import Array
+
+import sjdsl
+from sjdsl.bench import Report, Task, game_task, measure, yardstick_task
+from sjdsl.bench.loop import make_loop
+from sjdsl.bench.timing import compile_step
+from sjdsl.cli import run
+from sjdsl.runtime.env import Environment
+
+GAME = """sj 1
+game meadow "Meadow" {
+  episode 3
+  kind soil "A" { field fruit : { none, ripe } = ripe }
+  map { "AAA" }
+  agents 2 { acts forward, stay  moves relative }
+  phase start { each agent { send agent to soil } }
+  schedule walk -> eat
+  phase walk { move each agent }
+  phase eat { each agent on soil where soil.fruit is ripe { set soil.fruit = none  give 1 to agent } }
+  observe { window ahead 1, behind 0, left 1, right 1 }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def env(tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    file = tmp_path_factory.mktemp("games") / "meadow.sj"
+    file.write_text(GAME)
+    return sjdsl.make(file)
+
+
+def _count(state: Array, actions: Array, key: Array) -> tuple[Array, Array, Array]:
+    del key
+    return state + actions, state.astype(jnp.float32), state
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _small_yardstick() -> Iterator[None]:
+    """The true one takes seconds to compile."""
+    small = Task("yardstick", 2, 3, lambda: jnp.zeros(2, jnp.int32), _count)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sjdsl.bench.timing.yardstick_task", lambda: small)
+        yield
+
+
+@pytest.fixture(scope="module")
+def report(env: Environment) -> Report:
+    return measure([game_task(env)], (1, 3), repeats=3, steps=lambda _: 2)
+
+
+def test_each_task_is_measured_at_each_number_of_environments(report: Report) -> None:
+    measured = [(speed.name, speed.num_envs) for speed in report.speeds]
+    assert measured == [("yardstick", 1), ("meadow", 1), ("yardstick", 3), ("meadow", 3)]
+
+
+def test_figures_agree_with_one_another(report: Report) -> None:
+    for speed in report.speeds:
+        assert 0 < speed.slowest <= speed.env_steps_per_s <= speed.fastest
+        assert speed.ratio > 0
+        assert speed.loop_compile_s > 0
+        if speed.name == "yardstick":
+            assert speed.ratio == 1
+
+
+def test_the_report_can_be_stored(report: Report) -> None:
+    stored = json.loads(json.dumps(report.to_json()))
+    assert stored["machine"]["jax"] == jax.__version__
+    assert stored["observation"] == "tokens"
+    assert len(stored["speeds"]) == 4
+    assert stored["compilations"][0]["name"] == "meadow"
+    assert stored["compilations"][0]["stablehlo_lines"] > 100
+
+
+def test_one_step_is_what_is_compiled(env: Environment) -> None:
+    assert compile_step(env, "m").name == "m"
+
+
+def test_the_loop_counts_all_rewards_and_observations(env: Environment) -> None:
+    """Episodes begin anew in the loop: three cells can be eaten once each in an episode of three steps."""
+
+    def total(num_steps: int) -> float:
+        return float(make_loop(game_task(env), 4, num_steps)(jax.random.key(0)))
+
+    assert 0 < total(3) < total(9) < total(18)
+
+
+def test_the_yardstick_plays() -> None:
+    task = yardstick_task()
+    start = jax.eval_shape(task.reset)
+    actions = jax.ShapeDtypeStruct((7,), "int32")
+    state, reward, tokens = jax.eval_shape(task.step, start, actions, jax.eval_shape(lambda: jax.random.key(0)))
+    assert state == start
+    assert (reward.shape, reward.dtype) == ((7,), "float32")
+    assert (tokens.shape, tokens.dtype) == ((7, 11, 11), "uint8")
+
+
+def test_the_command_prints_and_stores_a_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("meadow.sj").write_text(GAME)
+    assert run(["bench", "meadow.sj", "--envs", "2", "--steps", "2", "--repeats", "1", "--json", "out.json"]) == 0
+    shown = capsys.readouterr().out
+    for part in ("yardstick", "meadow", "2 envs", "x1.00"):
+        assert part in shown
+    assert json.loads(Path("out.json").read_text())["repeats"] == 1

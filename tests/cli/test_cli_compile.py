@@ -1,0 +1,98 @@
+"""`sjdsl compile`: the same bytes for the same game, and a check that they are there."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import GAME, Sjdsl
+
+from sjdsl.games_folder import bundled
+
+REPOSITORY = Path(__file__).parents[2]
+
+
+def test_it_writes_a_module_and_says_so(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl("compile", "orchard.sj")
+    written = folder / "generated" / "orchard.py"
+    assert shown.status == 0
+    text = written.read_text()
+    assert f"generated/orchard.py  {len(text) / 1000:.1f} kB  {len(text.splitlines())} lines" in shown.out
+    compile(text, str(written), "exec")
+
+
+def test_a_variant_has_a_file_of_its_own(sjdsl: Sjdsl, folder: Path) -> None:
+    sjdsl("compile", "orchard.sj", "--variant", "rich")
+    assert [p.name for p in (folder / "generated").iterdir()] == ["orchard_rich.py"]
+
+
+def test_bytes_do_not_depend_on_the_folder(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sjdsl("compile", "orchard.sj", "-o", "here.py")
+    (folder / "below").mkdir()
+    monkeypatch.chdir(folder / "below")
+    sjdsl("compile", "../orchard.sj", "-o", "there.py")
+    sjdsl("compile", folder / "orchard.sj", "-o", "third.py")
+    first = (folder / "here.py").read_bytes()
+    assert (folder / "below/there.py").read_bytes() == first
+    assert (folder / "below/third.py").read_bytes() == first
+    assert str(folder).encode() not in first
+
+
+def test_bytes_do_not_depend_on_the_process(folder: Path) -> None:
+    program = "from sjdsl.cli import run; run(['compile', 'orchard.sj', '-o', '{}'])"
+    for seed in ("1", "2"):
+        environment = {"PYTHONHASHSEED": seed}
+        subprocess.run([sys.executable, "-c", program.format(f"{seed}.py")], cwd=folder, check=True, env=environment)
+    assert (folder / "1.py").read_bytes() == (folder / "2.py").read_bytes()
+
+
+def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> None:
+    assert "generated/orchard.py is missing" in sjdsl("compile", "orchard.sj", "--check").out
+    assert not (folder / "generated").exists()
+    sjdsl("compile", "orchard.sj")
+    assert sjdsl("compile", "orchard.sj", "--check").status == 0
+    (folder / "orchard.sj").write_text(GAME.replace("give apple to agent", "give apple + apple to agent"))
+    shown = sjdsl("compile", "orchard.sj", "--check")
+    assert shown.status == 1
+    assert "generated/orchard.py is not what its game makes" in shown.out
+
+
+def test_check_of_all_games_finds_strays(sjdsl: Sjdsl, folder: Path) -> None:
+    assert sjdsl("compile", "--all").status == 0
+    assert sorted(p.stem for p in (folder / "generated").iterdir()) == bundled()
+    (folder / "generated/old_game.py").touch()
+    shown = sjdsl("compile", "--all", "--check")
+    assert shown.status == 1
+    assert "generated/old_game.py is made by no game" in shown.out
+
+
+def test_nothing_is_written_when_one_game_is_wrong(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "wrong.sj").write_text(GAME.replace("to floor", "to flor"))
+    (folder / "worse.sj").write_text(GAME.replace("on soil", "on sol"))
+    shown = sjdsl("compile", "wrong.sj", "orchard.sj", "worse.sj")
+    assert shown.status == 1
+    assert "flor" in shown.err
+    assert "sol" in shown.err
+    assert not (folder / "generated").exists()
+
+
+def test_two_games_do_not_share_a_file(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "copy.sj").write_text(GAME)
+    shown = sjdsl("compile", "orchard.sj", "copy.sj")
+    assert shown.status == 1
+    assert "generated/orchard.py" in shown.err
+
+
+def test_another_map(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "wide.txt").write_text("......A\n")
+    assert sjdsl("compile", "orchard.sj", "--map", "wide.txt").status == 0
+    assert "'......A'" in (folder / "generated/orchard.py").read_text()
+    (folder / "odd.txt").write_text("...X\n")
+    assert "`X`" in sjdsl("compile", "orchard.sj", "--map", "odd.txt").err
+
+
+@pytest.mark.skipif(not list((REPOSITORY / "generated").glob("*.py")), reason="nothing is generated yet")
+def test_the_generated_folder_is_up_to_date(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(REPOSITORY)
+    shown = sjdsl("compile", "--all", "--check")
+    assert shown.status == 0, shown.out

@@ -1,0 +1,91 @@
+"""Mistakes in a command line: one line each, with what was probably meant, and never a traceback."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from conftest import Sjdsl
+
+from sjdsl.cli import check, run
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        ("chek orchard.sj", 2, "did you mean `check`?"),
+        ("frobnicate", 2, "the commands are"),
+        ("check orchard.sj --varient rich", 2, "--variant"),
+        ("check", 2, "FILE"),
+        ("check coin", 1, "did you mean `coins`?"),
+        ("check nonsense", 1, "the bundled games are"),
+        ("check missing.sj", 1, "missing.sj"),
+        ("check orchard.sj --variant ritch", 1, "rich"),
+        ("compile", 2, "--all"),
+        ("compile orchard.sj --all", 2, "--all"),
+        ("compile orchard.sj -o x --check", 2, "--check"),
+        ("compile orchard.sj --map none.txt", 1, "none.txt"),
+        ("compile orchard.sj -o orchard.sj/x.py", 1, "orchard.sj"),
+        ("dump orchard.sj --after irr", 2, "'optimised'"),
+        ("render orchard.sj -o film.mpeg", 2, "film.mpeg"),
+        ("render orchard.sj --policy clever", 1, "random, stay"),
+        ("render orchard.sj --param aple=3", 1, "did you mean `apple`?"),
+        ("render orchard.sj --param apple=7", 1, "outside 0 .. 5"),
+        ("render orchard.sj --param apple", 2, "name=value"),
+        ("render orchard.sj --param growth[soon]=0.1", 1, "none, ripe"),
+        ("render orchard.sj --agents 9", 1, "1 .. 3"),
+        ("train", 2, "name a game"),
+        ("train orchard.sj --set learning_rat=1", 1, "did you mean `learning_rate`?"),
+        ("train orchard.sj --preset quik", 1, "did you mean `quick`?"),
+        ("train orchard.sj --algorithm dqn", 2, "'ippo'"),
+        ("evaluate nowhere", 1, "nowhere"),
+        ("bench orchard.sj --envs 1,many", 2, "1,128,1024"),
+        ("bench coinz", 1, "did you mean `coins`?"),
+    ],
+)
+def test_a_mistake_is_told_in_the_users_words(sjdsl: Sjdsl, arguments: str, status: int, said: str) -> None:
+    shown = sjdsl(*arguments.split())
+    assert shown.status == status
+    assert said in shown.text
+    assert "Traceback" not in shown.text
+
+
+def test_an_interrupt_is_one_line(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(check, "open_game", interrupted)
+    shown = sjdsl("check", "orchard.sj")
+    assert shown.status == 130
+    assert shown.text.split() == ["interrupted"]
+
+
+def test_a_mistake_of_ours_keeps_its_traceback(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    del folder
+    monkeypatch.setattr(check, "open_game", lambda _: {}["x"])
+    with pytest.raises(KeyError):
+        run(["check", "orchard.sj"])
+
+
+def test_help_lists_the_commands_without_importing_them() -> None:
+    program = (
+        "import sys; from sjdsl.cli import run; run(['--help']); "
+        "assert 'jax' not in sys.modules; assert 'sjdsl.compiler' not in sys.modules"
+    )
+    shown = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
+    for name in ("check", "compile", "dump", "explain", "list", "bench", "render", "train", "evaluate"):
+        assert name in shown
+
+
+def test_the_package_runs_as_a_module() -> None:
+    shown = subprocess.run([sys.executable, "-m", "sjdsl", "--version"], check=True, capture_output=True, text=True)
+    assert shown.stdout.startswith("sjdsl ")
+
+
+def test_every_command_has_help(sjdsl: Sjdsl) -> None:
+    from sjdsl.cli import COMMANDS, commands
+
+    for name in COMMANDS:
+        assert isinstance(commands.get_command(click.Context(commands), name), click.Command)
+        assert sjdsl(name, "--help").status == 0

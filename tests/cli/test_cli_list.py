@@ -1,0 +1,57 @@
+"""`sjdsl list`, `dump` and `explain`: what there is to know about games, stages and messages."""
+
+import json
+
+import pytest
+from conftest import Sjdsl
+
+from sjdsl.compiler import STAGES
+from sjdsl.games_folder import bundled
+
+
+def test_all_games_are_listed(sjdsl: Sjdsl) -> None:
+    shown = sjdsl("list")
+    assert shown.status == 0
+    assert [line.split()[0] for line in shown.out.splitlines()[1 : 1 + len(bundled())]] == bundled()
+
+
+def test_a_game_as_json(sjdsl: Sjdsl) -> None:
+    (game,) = json.loads(sjdsl("list", "orchard.sj", "--json").out)
+    assert game["title"] == "A Small Orchard"
+    assert game["agents"] == 2
+    assert game["map"] == {"rows": 4, "columns": 5}
+    assert game["actions"] == ["turn_left", "turn_right", "forward", "stay"]
+    assert game["variants"] == [{"name": "rich", "title": "apples are worth more"}]
+    params = {p["name"]: p for p in game["params"]}
+    assert params["apple"] == {"name": "apple", "unit": "reward", "default": 1.0, "low": 0, "high": 5}
+    assert params["growth"]["default"] == {"none": 0.1, "ripe": 0.0}
+    assert game["sizes"] == [{"name": "players", "unit": "count", "default": 2, "low": 1, "high": 3}]
+    assert [(m["name"], m["sort"]) for m in game["metrics"]] == [("eaten", "event"), ("left", "mean")]
+    assert {"name": "soil", "fields": {"fruit": ["none", "ripe"]}} in game["kinds"]
+
+
+def test_a_game_for_a_reader(sjdsl: Sjdsl) -> None:
+    shown = sjdsl("list", "orchard.sj").out
+    for part in ("4 x 5", "apple", "0 .. 5", "none: 0.1", "rich", "event eaten", "written for a test"):
+        assert part in shown
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_every_stage_can_be_dumped(sjdsl: Sjdsl, stage: str) -> None:
+    first, second = sjdsl("dump", "orchard.sj", "--after", stage), sjdsl("dump", "orchard.sj", "--after", stage)
+    assert first.status == 0
+    assert first.out == second.out
+    assert "orchard" in first.out
+
+
+def test_a_dump_without_positions_is_shorter(sjdsl: Sjdsl) -> None:
+    full = sjdsl("dump", "orchard.sj", "--after", "ir").out
+    bare = sjdsl("dump", "orchard.sj", "--after", "ir", "--no-positions").out
+    assert len(bare) < len(full)
+
+
+def test_codes_are_explained(sjdsl: Sjdsl) -> None:
+    assert "SJ101" in sjdsl("explain", "SJ101").out
+    unknown = sjdsl("explain", "SJ9999")
+    assert unknown.status == 1
+    assert unknown.err.startswith("error:")
