@@ -1,6 +1,6 @@
 """From text to tree: every independent syntax error of the file at once, or the tree of a text without any.
 
-    Source -> ast.File
+Source -> ast.File
 """
 
 import os

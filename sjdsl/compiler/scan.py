@@ -1,6 +1,6 @@
 """Cuts a text into words and signs, mistakes in its characters reported and read as what they were meant to be.
 
-    Source -> tokens, problems
+Source -> tokens, problems
 """
 
 from dataclasses import dataclass, field

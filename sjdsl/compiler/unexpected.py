@@ -11,7 +11,13 @@ from sjdsl.compiler.diagnostics import Diagnostic, Fix, Label
 from sjdsl.compiler.repair import COMMITTED, SECTIONS, SENTENCES, Repair, Trouble, near_keywords
 from sjdsl.compiler.source import Source, Span
 
-PHRASES = {"NAME": "a name", "STRING": 'a text in `"`', "INT": "a whole number", "DEC": "a number", END: "the end of the file"}
+PHRASES = {
+    "NAME": "a name",
+    "STRING": 'a text in `"`',
+    "INT": "a whole number",
+    "DEC": "a number",
+    END: "the end of the file",
+}
 MISPLACED = (
     (SENTENCES, SECTIONS, "a sentence stands inside a `phase`"),
     (SECTIONS, SENTENCES, "a declaration stands outside the phases"),
@@ -143,15 +149,15 @@ def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
     return f"did you mean `{near[0]}`?" if len(near) == 1 and near[0] else ""
 
 
-def _context(
-    trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
-) -> tuple[Label, ...]:
+def _context(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> tuple[Label, ...]:
     """Points at an open bracket that should have been closed, or at the end of the line before if something is missing there."""
     brackets = open_marks(trouble.automaton, trouble.stack, "LPAR", "RPAR")
     brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
     if brackets and {"RPAR", "RSQB"} & set(accepted(trouble.automaton, trouble.stack)):
         return (Label(token_span(tokens[max(brackets)], source), "opened here"),)
-    missing = repair is not None and repair.sort == "insert" and "RBRACE" not in accepted(trouble.automaton, trouble.stack)
+    missing = (
+        repair is not None and repair.sort == "insert" and "RBRACE" not in accepted(trouble.automaton, trouble.stack)
+    )
     if missing and 0 < trouble.at < len(tokens) and tokens[trouble.at].line != tokens[trouble.at - 1].line:
         return (Label(token_span(tokens[trouble.at - 1], source), "after this"),)
     return ()

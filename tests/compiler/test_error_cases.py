@@ -27,7 +27,7 @@ MADE: dict[str, bytes | str | None] = {
     "SJ008_missing_file": None,
     "SJ008_folder": "folder",
     "SJ009_nul_byte": b"sj 1\ngame pond {\0}\n",
-    "SJ009_not_utf8": "sj 1\ngame pond \"Étang\" { }\n".encode("latin-1"),
+    "SJ009_not_utf8": 'sj 1\ngame pond "Étang" { }\n'.encode("latin-1"),
 }
 # Codes that nothing in the compiler can give yet.
 NEVER_GIVEN = {"SJ117", "SJ506"}
@@ -56,7 +56,9 @@ def test_case(case: str, golden: Callable[[Path, str], None], monkeypatch: pytes
 
 
 @pytest.mark.parametrize("case", sorted(MADE))
-def test_made_case(case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_made_case(
+    case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     content = MADE[case]
     monkeypatch.chdir(tmp_path)
     match content:
