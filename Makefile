@@ -38,7 +38,7 @@ golden: .venv/ready
 
 # Installs the wheel where nothing else is, and uses it far from this folder.
 wheel-test: .venv/ready
-	$(BIN)/python -m pytest -m wheel
+	$(BIN)/python -m pytest tests/packaging
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

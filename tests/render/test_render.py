@@ -1,0 +1,242 @@
+"""Pictures: what can be seen at known cells, not the pixels of a whole film."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import sjdsl
+from sjdsl.cli import run
+from sjdsl.render import Painter, Snapshot, make_painter, play, save_gif, save_png, stay_policy
+from sjdsl.render.board import draw_board
+from sjdsl.render.colours import INK, WORDS, kind_colours, mark_colours, word_colours
+from sjdsl.render.look import FieldLook, make_look
+from sjdsl.render.tiles import shown_values
+from sjdsl.runtime.env import Environment
+
+GAME = """sj 1
+game yard "Yard" {
+  episode 4
+  kind floor "."
+  kind wall  "#" { blocks agents, beam }
+  kind soil  "A" {
+    field class : { coop, defect } = coop  glyph "D" with class = defect
+    field fruit : { none, ripe } = none    glyph "R" with fruit = ripe
+    timer rest
+  }
+  kind gate "P"
+  map { "....#.."
+        "..A.#.."
+        ".DRP..." }
+  agents 1 {
+    acts turn_right, forward, stay, zap
+    moves relative
+    timer tired
+    forbid all when agent.tired > 0
+  }
+  shape beam { "x"
+               "x"
+               "^" }
+  phase start { each agent { send agent to gate facing north } }
+  schedule tick -> walk -> fire -> grow
+  phase walk { move each agent }
+  phase fire {
+    each agent where agent chose zap { mark beam of agent  set agent.tired = 3 }
+  }
+  phase grow {
+    each soil where soil.fruit is none { when step == 100 { set soil.fruit = ripe  set soil.rest = 5 } }
+  }
+  observe { window ahead 2, behind 0, left 1, right 1 }
+}
+"""
+STAY, ZAP = 2, 3
+GATE, RIPE, PLAIN, DEFECT = (2, 3), (2, 2), (1, 2), (2, 1)
+
+Play = Callable[[int, int], Snapshot]
+
+
+@pytest.fixture(scope="module")
+def env(tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    file = tmp_path_factory.mktemp("games") / "yard.sj"
+    file.write_text(GAME)
+    return sjdsl.make(file)
+
+
+@pytest.fixture(scope="module")
+def painter(env: Environment) -> Painter:
+    return make_painter(env)
+
+
+@pytest.fixture(scope="module")
+def after(env: Environment) -> Play:
+    """Returns the state after some steps of one action."""
+
+    def shoot(action: int, num_steps: int) -> Snapshot:
+        *_, last = play(env, lambda _key, _observation: np.full(1, action, np.int32), num_steps)
+        return last
+
+    return shoot
+
+
+def _cell(board: np.ndarray, painter: Painter, place: tuple[int, int]) -> np.ndarray:
+    """Returns the pixels of a cell, `[tile, tile, 3]`."""
+    size = painter.look.tile
+    row, col = place
+    return board[row * size : (row + 1) * size, col * size : (col + 1) * size]
+
+
+def _board(painter: Painter, shot: Snapshot) -> np.ndarray:
+    return draw_board(painter.look, shot, {})
+
+
+def _near(pixel: np.ndarray, colour: tuple[int, int, int], by: int = 12) -> bool:
+    return bool((np.abs(pixel.astype(int) - colour) <= by).all())
+
+
+def test_each_kind_has_its_tile(env: Environment, painter: Painter, after: Play) -> None:
+    board = _board(painter, after(STAY, 0))
+    colours = kind_colours(env.game)
+    assert len(set(colours.values())) == 4
+    for kind, place in (("floor", (0, 0)), ("wall", (0, 4)), ("wall", (1, 4))):
+        middle = _cell(board, painter, place)[painter.look.tile // 2, painter.look.tile // 2]
+        assert _near(middle, colours[kind])
+
+
+def test_a_field_that_rules_change_is_a_shape_in_the_middle(painter: Painter, after: Play) -> None:
+    board = _board(painter, after(STAY, 0))
+    middle = painter.look.tile // 2
+    assert _near(_cell(board, painter, RIPE)[middle, middle], WORDS["ripe"])
+    assert not _near(_cell(board, painter, PLAIN)[middle, middle], WORDS["ripe"], by=40)
+
+
+def test_a_field_that_no_rule_changes_colours_the_ground(painter: Painter, after: Play) -> None:
+    board = _board(painter, after(STAY, 0))
+    coop, defect = (_cell(board, painter, place)[2, 2].astype(int) for place in (PLAIN, DEFECT))
+    assert coop[1] > coop[0], "coop is greenish"
+    assert defect[0] > defect[1], "defect is reddish"
+
+
+def test_a_timer_is_a_bar_at_the_foot_of_the_cell(painter: Painter, after: Play) -> None:
+    shot = after(STAY, 0)
+    rest = shot.values["soil_rest"].copy()
+    rest[0] = 10
+    busy = _board(painter, Snapshot(**{**vars(shot), "values": {**shot.values, "soil_rest": rest}}))
+    foot, calm = (_cell(board, painter, PLAIN)[-4] for board in (busy, _board(painter, shot)))
+    assert foot.mean() < calm.mean() - 50
+
+
+def test_an_agent_points_where_it_looks(painter: Painter, after: Play) -> None:
+    size = painter.look.tile
+    cell = _cell(_board(painter, after(STAY, 0)), painter, GATE)
+    drawn = np.abs(cell.astype(int) - kind_corner(cell)).sum(axis=2) > 60
+    top, bottom = drawn[: size // 3].sum(), drawn[-size // 3 :].sum()
+    assert 0 < top < bottom, "facing north: the tip is above"
+    turned = _cell(_board(painter, after(0, 1)), painter, GATE)
+    drawn = np.abs(turned.astype(int) - kind_corner(turned)).sum(axis=2) > 60
+    assert drawn[:, : size // 3].sum() > drawn[:, -size // 3 :].sum() > 0, "facing east: the tip is on the right"
+
+
+def kind_corner(cell: np.ndarray) -> np.ndarray:
+    """Returns the colour of the tile under an agent, which leaves its corners free."""
+    return cell[1, 1].astype(int)
+
+
+def test_a_beam_tints_its_cells_for_one_step(painter: Painter, after: Play) -> None:
+    before, during, later = (_board(painter, shot) for shot in (after(STAY, 1), after(ZAP, 1), after(ZAP, 2)))
+    tint = np.array(mark_colours(("fire",))[0])
+    for place in ((1, 3), (0, 3)):
+        plain, lit = _cell(before, painter, place)[5, 5], _cell(during, painter, place)[5, 5]
+        assert np.abs(lit - (plain.astype(int) + tint) / 2).max() <= 1
+        assert (_cell(later, painter, place)[5, 5] == plain).all()
+    outside = _cell(during, painter, (0, 0))
+    assert (outside == _cell(before, painter, (0, 0))).all()
+
+
+def test_an_agent_that_can_only_stay_is_paler(painter: Painter, after: Play) -> None:
+    size = painter.look.tile
+    free, held = after(STAY, 1), after(ZAP, 1)
+    assert not free.held.any()
+    assert held.held.all()
+    awake, resting = (_cell(_board(painter, shot), painter, GATE)[size // 2 - 4, size // 2] for shot in (free, held))
+    assert resting.astype(int).sum() > awake.astype(int).sum() + 60
+
+
+def test_all_frames_have_one_size_and_a_legend(env: Environment, painter: Painter) -> None:
+    frames = [painter.draw(shot) for shot in play(env, stay_policy(env), 4)]
+    assert len({frame.size for frame in frames}) == 1
+    assert frames[0].width <= 800
+    assert frames[0].height > painter.look.height * painter.look.tile + 40
+    pixels = np.asarray(frames[0])[painter.look.height * painter.look.tile :]
+    assert (np.abs(pixels.astype(int) - INK).sum(axis=2) < 30).sum() > 200, "something is written there"
+
+
+def test_an_episode_shows_its_first_and_last_state(env: Environment) -> None:
+    assert [shot.step for shot in play(env, stay_policy(env), 6)] == [0, 1, 2, 3, 4, 0, 1, 2]
+    assert [shot.step for shot in play(env, stay_policy(env), 6, every=3)] == [0, 3, 4, 0, 2]
+    assert [shot.step for shot in play(env, stay_policy(env), 4)] == [0, 1, 2, 3, 4]
+
+
+def test_files(env: Environment, painter: Painter, tmp_path: Path) -> None:
+    frames = [painter.draw(shot) for shot in play(env, stay_policy(env), 3)]
+    save_gif(frames, tmp_path / "film.gif")
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == 4
+        assert film.size == frames[0].size
+        film.seek(3)
+        shown = np.asarray(film.convert("RGB")).astype(int)
+    assert np.abs(shown - np.asarray(frames[3])).mean() < 3
+    save_png(frames[0], tmp_path / "one.png")
+    with Image.open(tmp_path / "one.png") as picture:
+        assert (np.asarray(picture.convert("RGB")) == np.asarray(frames[0])).all()
+
+
+def test_colours_are_the_same_every_time(env: Environment) -> None:
+    assert kind_colours(env.game) == kind_colours(env.game)
+    assert len(set(mark_colours(("a", "b", "c(x)", "d")))) == 4
+    words = ("none", "red", "blue", "odd", "other")
+    assert len(set(word_colours(words))) == len(words)
+    assert word_colours(words)[1] == WORDS["red"]
+
+
+def test_bars_count_what_a_field_holds() -> None:
+    bits = FieldLook("x", "k_x", "bar", "agents", full=4)
+    assert shown_values(bits, np.array([0, 1, 3, 15], np.uint8)).tolist() == [0, 2, 4, 8]
+    someone = FieldLook("x", "k_x", "bar", "agent")
+    assert shown_values(someone, np.array([-1, 0, 2])).tolist() == [0, 8, 8]
+    rows = FieldLook("x", "k_x", "bar", "number", full=10)
+    assert shown_values(rows, np.array([[0, 0], [1, 0], [9, 9]])).tolist() == [0, 1, 8]
+
+
+def test_large_maps_stay_small_pictures(tmp_path: Path) -> None:
+    rows = "\n".join(f'"{"." * 150}"' for _ in range(120))
+    file = tmp_path / "wide.sj"
+    file.write_text(f"""sj 1
+game wide "Wide" {{
+  episode 2
+  kind floor "."
+  map {{ {rows} }}
+  agents 3 {{ acts forward, stay  moves relative }}
+  phase start {{ each agent {{ send agent to floor }} }}
+  schedule walk
+  phase walk {{ move each agent }}
+  observe {{ window ahead 1, behind 0, left 1, right 1 }}
+}}
+""")
+    env = sjdsl.make(file)
+    look = make_look(env)
+    assert look.width * look.tile <= 800
+    assert look.height * look.tile <= 600
+
+
+def test_the_command_writes_a_film(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("yard.sj").write_text(GAME)
+    assert run(["render", "yard.sj", "--steps", "2", "--policy", "stay", "-o", "below/yard.gif"]) == 0
+    assert "3 frames" in capsys.readouterr().out
+    assert run(["render", "yard.sj", "--steps", "2", "-o", "yard.png"]) == 0
+    assert Path("yard.png").stat().st_size > 0
+    assert "step 2" in capsys.readouterr().out
