@@ -395,9 +395,8 @@ def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Tok
     assert max(counts) <= 4
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("path", GAMES, ids=lambda path: path.stem)
 def test_truncated_games_give_one_message(path: Path) -> None:
     text = path.read_text("utf-8")
-    for token in parser().lex(text):
+    for token in list(parser().lex(text))[::4]:
         assert len(problems(text[: token.end_pos])) <= 1

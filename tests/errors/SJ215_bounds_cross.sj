@@ -1,6 +1,7 @@
 sj 1
 game pond {
   episode 20
+  param meal : reward = 1
   param few : count = 1
   param many : count = 3
   kind shore "." { field fruit : { none, ripe } = none }
@@ -19,7 +20,7 @@ game pond {
     each agent on shore where shore.fruit is ripe {
       set shore.fruit = none
       draw meals from few .. many
-      give meals to agent
+      give meal * meals to agent
       tally eaten for agent
     }
   }
