@@ -70,9 +70,7 @@ def _merged(name: str, before: Any, value: Any, by: tuple[tuple[str, ...], ...],
         unknown = [w for w in value if w not in words]
         if unknown:
             raise ValueError(f"`{name}` has no entry `{unknown[0]}`; its words are {', '.join(words)}")
-        return tuple(
-            _merged(f"{name}[{w}]", before[i], value[w], by[1:], type_) if w in value else before[i] for i, w in enumerate(words)
-        )
+        return tuple(_merged(f"{name}[{w}]", before[i], value[w], by[1:], type_) if w in value else before[i] for i, w in enumerate(words))
     listed = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(listed, Sequence) or isinstance(listed, str) or len(listed) != len(words):
         raise ValueError(f"`{name}` wants {len(words)} values, for {', '.join(words)}")

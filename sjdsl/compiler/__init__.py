@@ -1,6 +1,6 @@
 """The compiler: one `.sj` text becomes one readable Python module, stage by stage.
 
-    text -> ast.File -> Composition -> ir.Game -> ir.Game -> Program -> text
+text -> ast.File -> Composition -> ir.Game -> ir.Game -> Program -> text
 """
 
 from collections.abc import Iterator, Sequence

@@ -10,7 +10,12 @@ VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take
 
 def mismatch(scope: Scope, span: object, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
     return scope.problems.fail(
-        errors.UNIT_MISMATCH, span, verb=verb, left=describe(left), right=describe(right), help=help  # type: ignore[arg-type]
+        errors.UNIT_MISMATCH,
+        span,
+        verb=verb,
+        left=describe(left),
+        right=describe(right),
+        help=help,  # type: ignore[arg-type]
     )
 
 
@@ -27,7 +32,7 @@ def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir
         case "/":
             if divisor_can_be_zero(right, scope):
                 raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span)
-            unit = "fraction" if is_share(left, right, scope) else over_unit(a.unit, b.unit)
+            unit = "fraction" if is_share(left, right) else over_unit(a.unit, b.unit)
         case "%":
             if a.kind != "int" or b.kind != "int":
                 raise mismatch(scope, e.span, VERBS["%"], a, b, "`%` is for whole numbers")
@@ -84,7 +89,7 @@ def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
     return not any(f"({text(divisor)} {test})" in facts for test in ("> 0", ">= 1", "!= 0"))
 
 
-def is_share(left: ir.Expr, right: ir.Expr, scope: Scope) -> bool:
+def is_share(left: ir.Expr, right: ir.Expr) -> bool:
     """Returns whether the quotient is `count(K where …) / count(G)` with K inside G: a fraction."""
     if not (isinstance(left, ir.Count) and isinstance(right, ir.Count)):
         return False
@@ -106,7 +111,7 @@ def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Ex
 
 def extreme(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
     """Returns `min(...)` or `max(...)`."""
-    type_ = join_types([a.type for a in args], e, scope, "compare", e)
+    type_ = join_types([a.type for a in args], scope, "compare", e)
     if not is_number(type_):
         raise scope.problems.fail(errors.WRONG_TYPE, e.span, wanted="a number", given=describe(type_), help="")
     pick = min if e.name.text == "min" else max
@@ -122,7 +127,7 @@ def _regain_unit(type_: ir.Type, args: list[ir.Expr]) -> ir.Type:
     return type_.model_copy(update={"unit": next((a.type.unit for a in args if a.type.unit != "number"), "number")})
 
 
-def join_types(types: list[ir.Type], e: ast.Expr, scope: Scope, verb: str, tree: ast.Expr) -> ir.Type:
+def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) -> ir.Type:
     """Returns the type that holds all the given ones: one unit, the hull of the intervals, the union of the words."""
     joined = types[0]
     for other in types[1:]:

@@ -39,8 +39,7 @@ def make_automaton(parser: Lark) -> Automaton:
     table: dict[int, dict[str, Any]] = {}
     for state, row in conf.parse_table.states.items():
         table[state] = {
-            symbol: ("reduce", argument) if hasattr(argument, "expansion") else ("shift", argument)
-            for symbol, (_, argument) in row.items()
+            symbol: ("reduce", argument) if hasattr(argument, "expansion") else ("shift", argument) for symbol, (_, argument) in row.items()
         }
     after: dict[str, set[int]] = {}
     for row in table.values():

@@ -38,7 +38,7 @@ def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
             poisoned = True
     if poisoned:
         raise Poisoned
-    type_ = join_types([a.value.type for a in arms], e, scope, "choose between", e)
+    type_ = join_types([a.value.type for a in arms], scope, "choose between", e)
     return ir.Case(type=type_, subject=subject, arms=tuple(arms), origin=e.span)
 
 
@@ -48,9 +48,7 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope, build: Build) -> ir
     rest: ir.Expr | None = None
     for arm in e.arms:
         if arm.word is not None and not scope.static.is_word(arm.word.text):
-            raise scope.problems.fail(
-                errors.WORD_OUTSIDE, arm.word.span, word=arm.word.text, name="this case", words=subject.value
-            )
+            raise scope.problems.fail(errors.WORD_OUTSIDE, arm.word.span, word=arm.word.text, name="this case", words=subject.value)
         value = build(arm.value, scope)
         if arm.word is None:
             rest = value
@@ -83,9 +81,7 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
             keys.append([])
             continue
         if arm.word.text not in names:
-            raise scope.problems.fail(
-                errors.WORD_OUTSIDE, arm.word.span, word=arm.word.text, name="this case", words=", ".join(names)
-            )
+            raise scope.problems.fail(errors.WORD_OUTSIDE, arm.word.span, word=arm.word.text, name="this case", words=", ".join(names))
         if arm.word.text in seen:
             raise scope.problems.fail(errors.TABLE_GAP, arm.word.span, problem=f"`case` has `{arm.word.text}` twice")
         seen.add(arm.word.text)

@@ -270,8 +270,7 @@ def _replace_entry(
         _unknown(game, ast.Name(change.path.span, path_text(change.path)))
         return value
     entries = tuple(
-        replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e
-        for e in value.entries
+        replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e for e in value.entries
     )
     return replace(value, entries=entries)
 

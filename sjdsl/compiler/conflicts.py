@@ -159,7 +159,14 @@ def _field_write(sort: str, s: ir.Set | ir.Add, target: ir.Expr, value: ir.Expr,
 
 
 def _write(
-    sort: str, key: tuple[str, ...], kinds: tuple[str, ...], owner: ir.Expr | None, value: str, depends: frozenset[str], s: ir.Stmt, around: Around
+    sort: str,
+    key: tuple[str, ...],
+    kinds: tuple[str, ...],
+    owner: ir.Expr | None,
+    value: str,
+    depends: frozenset[str],
+    s: ir.Stmt,
+    around: Around,
 ) -> Write:
     return Write(sort, key, kinds, owner, value, depends, s, around.frames, around.branches, around.facts)
 

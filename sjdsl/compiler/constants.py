@@ -45,7 +45,11 @@ def _overridden(declared: ast.Constant, override: object, by: tuple, scope: Scop
     if by or isinstance(override, bool) or not isinstance(override, int | float) or (whole and override != int(override)):
         wanted = "a whole number" if whole else "a number"
         raise scope.problems.fail(
-            errors.WRONG_TYPE, declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override), help=""
+            errors.WRONG_TYPE,
+            declared.span,
+            wanted=f"{wanted} for `{declared.name.text}`",
+            given=repr(override),
+            help="",
         )
     return int(override) if whole else float(override)
 
@@ -93,9 +97,7 @@ def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tupl
     unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
     if unknown is not None:
         known = [w for s in sets for w in s]
-        raise scope.problems.fail(
-            errors.UNKNOWN_NAME, unknown.span, name=unknown.text, nearest=nearest(unknown.text, known)
-        )
+        raise scope.problems.fail(errors.UNKNOWN_NAME, unknown.span, name=unknown.text, nearest=nearest(unknown.text, known))
     if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
         return tuple(w for w in closest if w in names)
     missing = [w for w in closest if w not in names]

@@ -110,9 +110,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> Decl
     for kind in game.kinds.values():
         with problems.survive():
             fields = fields_of(kind.attributes, scope, "cell", kind.name.text)
-            static.kinds[kind.name.text] = ir.Kind(
-                name=kind.name.text, glyph=kind.glyph.text, fields=fields, origin=kind.span
-            )
+            static.kinds[kind.name.text] = ir.Kind(name=kind.name.text, glyph=kind.glyph.text, fields=fields, origin=kind.span)
             _glyphs(kind, made, scope)
     for group in game.groups.values():
         with problems.survive():
@@ -139,7 +137,12 @@ def _number_of_agents(game: Composition, scope: Scope) -> None:
     value = fixed(game.number, scope, "the number of agents")
     if value != int(value) or not 1 <= value <= limits.MAX_AGENTS:
         raise scope.problems.fail(
-            errors.OUT_OF_LIMITS, game.number.span, name="the number of agents", value=value, low=1, high=limits.MAX_AGENTS
+            errors.OUT_OF_LIMITS,
+            game.number.span,
+            name="the number of agents",
+            value=value,
+            low=1,
+            high=limits.MAX_AGENTS,
         )
     scope.static.num_agents = int(value)
 
@@ -171,9 +174,7 @@ def _agents(game: Composition, scope: Scope) -> ir.Agents:
         with problems.survive():
             made.append(one_field(declared, scope, "agent", ""))
             static.agent_fields[made[-1].name] = made[-1]
-    return ir.Agents(
-        number=static.num_agents, actions=actions, relative=frame == "relative", fields=tuple(made), origin=span
-    )
+    return ir.Agents(number=static.num_agents, actions=actions, relative=frame == "relative", fields=tuple(made), origin=span)
 
 
 def fields_of(attributes: tuple[object, ...], scope: Scope, place: str, kind: str) -> tuple[ir.VarField, ...]:
@@ -223,7 +224,11 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
     values = [fixed(e, scope, "the range of a field") for e in (declared.low, declared.high)]
     if any(v != int(v) for v in values) or values[0] > values[1] or max(map(abs, values)) > 2**30:
         raise scope.problems.fail(
-            errors.WRONG_TYPE, declared.span, wanted="a range of whole numbers, the smaller first", given="another one", help=""
+            errors.WRONG_TYPE,
+            declared.span,
+            wanted="a range of whole numbers, the smaller first",
+            given="another one",
+            help="",
         )
     unit = join_units(low.type.unit, high.type.unit)
     return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=values[0], high=values[1])
@@ -252,9 +257,7 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
             return None
         case ir.Word() if type_.kind == "word":
             if value.value not in type_.words:
-                raise scope.problems.fail(
-                    errors.WORD_OUTSIDE, tree.span, word=value.value, name=name, words=", ".join(type_.words)
-                )
+                raise scope.problems.fail(errors.WORD_OUTSIDE, tree.span, word=value.value, name=name, words=", ".join(type_.words))
             return value.value
         case ir.Number() if type_.kind in ("int", "real"):
             if type_.kind == "int" and (value.value != int(value.value) or not type_.low <= value.value <= type_.high):
@@ -283,9 +286,7 @@ def _glyphs(kind: ast.Kind, made: Declarations, scope: Scope) -> None:
         for field_name, tree in attribute.starts:
             if field_name.text not in fields:
                 near = nearest(field_name.text, fields)
-                scope.problems.add(
-                    errors.NO_FIELD, field_name.span, owner=f"the kind `{name}`", name=field_name.text, nearest=near
-                )
+                scope.problems.add(errors.NO_FIELD, field_name.span, owner=f"the kind `{name}`", name=field_name.text, nearest=near)
                 continue
             with scope.problems.survive():
                 value = starting(tree, field_name.text, fields[field_name.text].type, scope)

@@ -72,9 +72,7 @@ class CompileError(Exception):
 
     def __init__(self, diagnostics: Iterable[Diagnostic]):
         self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span.file, d.span.start, d.code.code)))
-        super().__init__(
-            "; ".join(f"{d.code.code} {d.span.line}:{d.span.column} {d.message}" for d in self.diagnostics)
-        )
+        super().__init__("; ".join(f"{d.code.code} {d.span.line}:{d.span.column} {d.message}" for d in self.diagnostics))
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:

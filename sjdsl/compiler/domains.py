@@ -51,7 +51,12 @@ def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
     assert d.on is not None
     if var.who != "agent":
         raise scope.problems.fail(
-            errors.NOT_A, d.kind.span, name=d.kind.text, what="a kind of cell", wanted="an agent (`agent on KIND`)", nearest=""
+            errors.NOT_A,
+            d.kind.span,
+            name=d.kind.text,
+            what="a kind of cell",
+            wanted="an agent (`agent on KIND`)",
+            nearest="",
         )
     name = d.on.bind or d.on.kind
     check_free(name, scope, d.on.bind is not None)
@@ -66,9 +71,7 @@ def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scop
         case ast.Members():
             members = tuple(_variable(name, scope) for name in place.names)
             if any(m.who != var.who for m in members):
-                raise scope.problems.fail(
-                    errors.WRONG_TYPE, place.span, wanted="variables of the same sort", given="a mixture", help=""
-                )
+                raise scope.problems.fail(errors.WRONG_TYPE, place.span, wanted="variables of the same sort", given="a mixture", help="")
             return ir.Among(members=members, origin=place.span)
         case ast.Path():
             value = build(place, scope)
@@ -93,9 +96,7 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
             raise Poisoned
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
-        raise scope.problems.fail(
-            errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell", nearest=""
-        )
+        raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell", nearest="")
     from sjdsl.compiler.names import unknown
 
     raise unknown(name, scope)

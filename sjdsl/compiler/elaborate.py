@@ -1,6 +1,6 @@
 """From a composed game to the typed IR: declarations, then the map, then everything that reads them.
 
-    Composition -> ir.Game, with every mistake of the game reported at once
+Composition -> ir.Game, with every mistake of the game reported at once
 """
 
 from collections.abc import Mapping
@@ -55,7 +55,7 @@ def _map(game: Composition, made: Declarations, overrides: Overrides, problems: 
     before = len(problems.found)
     rows = overrides.rows if overrides.rows is not None else read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
     if len(problems.found) > before or not check_rows(rows, glyphs, span, problems):
-        static.cells = {name: 1 for name in static.kinds}
+        static.cells = dict.fromkeys(static.kinds, 1)
         static.map_rows = static.map_cols = 1
         return ()
     static.cells = count_cells(rows, glyphs)
@@ -85,7 +85,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
     promises = checks(game, promised)
     counted: tuple[ir.Event, ...] = ()
     with problems.survive():
-        counted = events(game, [p for p in (begin, *turns) if p is not None], scope)
+        counted = events([p for p in (begin, *turns) if p is not None], scope)
     if None in (agents, begin, episode) or game.schedule is None:
         return None
     built = ir.Game(

@@ -17,9 +17,7 @@ RESERVED_WORD = Code(
     "`{word}` is a word of the language and cannot be a name",
     "choose another name",
 )
-BAD_CHARACTER = Code(
-    "SJ004", "Not a character of the language", "character {character} is not part of the language", "{help}"
-)
+BAD_CHARACTER = Code("SJ004", "Not a character of the language", "character {character} is not part of the language", "{help}")
 FILE_TOO_LARGE = Code(
     "SJ005",
     "A file too large",
@@ -34,26 +32,16 @@ TOO_DEEP = Code(
 )
 TOO_MUCH = Code("SJ007", "More than the compiler takes", "{problem}; the most is {limit}", "{help}")
 UNREADABLE = Code("SJ008", "A file that cannot be read", "`{name}` cannot be read: {problem}", "did you mean `{nearest}`?")
-NOT_TEXT = Code(
-    "SJ009", "Not a text file", "this file is not text: {problem}", "a game is plain text in UTF-8; save it as such"
-)
-OPEN_STRING = Code(
-    "SJ010", "A text without its closing quote", "this text has no closing quote in its line", 'write `"` where it ends'
-)
+NOT_TEXT = Code("SJ009", "Not a text file", "this file is not text: {problem}", "a game is plain text in UTF-8; save it as such")
+OPEN_STRING = Code("SJ010", "A text without its closing quote", "this text has no closing quote in its line", 'write `"` where it ends')
 OPEN_BLOCK = Code("SJ011", "A block that is never closed", "this `{{` is never closed", "{help}")
-NO_VERSION = Code(
-    "SJ012", "No version line", "the file does not begin with `sj {known}`{but}", "write `sj {known}` as the first line"
-)
+NO_VERSION = Code("SJ012", "No version line", "the file does not begin with `sj {known}`{but}", "write `sj {known}` as the first line")
 
 # ---- 1xx names
 
 UNKNOWN_NAME = Code("SJ101", "Unknown name", "`{name}` is not known here", "did you mean `{nearest}`?")
-NAME_TAKEN = Code(
-    "SJ102", "Name already taken", "`{name}` is already the name of {what}", "choose another name, or bind with `as`"
-)
-WORD_CLASH = Code(
-    "SJ103", "A word with the name of something else", "`{name}` is both a word and {what}", "rename one of the two"
-)
+NAME_TAKEN = Code("SJ102", "Name already taken", "`{name}` is already the name of {what}", "choose another name, or bind with `as`")
+WORD_CLASH = Code("SJ103", "A word with the name of something else", "`{name}` is both a word and {what}", "rename one of the two")
 NO_FIELD = Code("SJ104", "No such field", "{owner} has no field `{name}`", "did you mean `{nearest}`?")
 NO_ACTION = Code("SJ105", "No such action", "`{name}` is not an action of the agents", "did you mean `{nearest}`?")
 PHASE_USE = Code("SJ106", "Phase and schedule disagree", "phase `{name}` is {problem}", "{help}")
@@ -75,9 +63,7 @@ CHANGE_CLASH = Code(
     "variants `{first}` and `{second}` change `{name}` differently",
     "choose one of them",
 )
-EXTENDS_CYCLE = Code(
-    "SJ110", "A game that extends itself", "the chain of `extends` comes back to `{name}`", "break the circle"
-)
+EXTENDS_CYCLE = Code("SJ110", "A game that extends itself", "the chain of `extends` comes back to `{name}`", "break the circle")
 NO_FILE = Code("SJ111", "Missing file", "there is no file `{name}` beside this game", "did you mean `{nearest}`?")
 FILE_OUTSIDE = Code(
     "SJ112",
@@ -85,9 +71,7 @@ FILE_OUTSIDE = Code(
     "`{name}` leaves the folder of the game",
     "name a file in the game's own folder or below it",
 )
-NOT_A = Code(
-    "SJ113", "A name of another sort", "`{name}` is {what}, but {wanted} is wanted here", "did you mean `{nearest}`?"
-)
+NOT_A = Code("SJ113", "A name of another sort", "`{name}` is {what}, but {wanted} is wanted here", "did you mean `{nearest}`?")
 MISSING_PART = Code("SJ114", "Something every game needs", "the game has no {what}", "write {help}")
 TWICE = Code("SJ115", "Said twice", "{what} is written twice", "keep one of them")
 NO_VARIANT = Code("SJ116", "No such variant", "the game has no variant `{name}`", "did you mean `{nearest}`?")
@@ -116,9 +100,7 @@ FIELD_RANGE = Code(
     "`{name}` can leave its range {low} .. {high} here: it can become {reached}",
     "write `capped` after the range, or guard the change with `when`",
 )
-WORD_OUTSIDE = Code(
-    "SJ205", "Not one of the words", "`{word}` is not one of the words of `{name}`", "its words are {words}"
-)
+WORD_OUTSIDE = Code("SJ205", "Not one of the words", "`{word}` is not one of the words of `{name}`", "its words are {words}")
 NEVER_EQUAL = Code("SJ206", "These can never be equal", "these two can never be equal: they have no word in common", "")
 ZERO_DIVISOR = Code(
     "SJ207",
@@ -126,9 +108,7 @@ ZERO_DIVISOR = Code(
     "this divisor can be 0",
     "give the parameter a range that leaves out 0, or write a `require`",
 )
-EMPTY_MIX = Code(
-    "SJ208", "Shares of nothing", "this row can be empty, and then it has no shares", "guard it with `sum({row}) > 0`"
-)
+EMPTY_MIX = Code("SJ208", "Shares of nothing", "this row can be empty, and then it has no shares", "guard it with `sum({row}) > 0`")
 CAN_BE_NOBODY = Code("SJ209", "Nobody there", "`{path}` can be nobody here", "guard it with `{path} is not nobody`")
 SHAPE_PARAM = Code(
     "SJ210",
@@ -151,9 +131,7 @@ CROSSED = Code(
     "the bounds {low} and {high} can cross",
     "write `require {low} <= {high}` in `checks`, or give the parameters ranges",
 )
-NOT_FIXED = Code(
-    "SJ216", "Not known when compiled", "{what} must be known when the game is compiled", "use numbers and `size`s only"
-)
+NOT_FIXED = Code("SJ216", "Not known when compiled", "{what} must be known when the game is compiled", "use numbers and `size`s only")
 
 # ---- 3xx maps and shapes
 
@@ -184,9 +162,7 @@ BAD_PICTURE = Code(
 )
 KIND_ABSENT = Code("SJ306", "A kind that is not on the map", "kind `{name}` never appears on the map", "", "warning")
 EMPTY_MAP = Code("SJ307", "A map without cells", "the map has no cells", "")
-BAD_GLYPH = Code(
-    "SJ308", "Not a glyph", "`{glyph}` cannot be a glyph: {problem}", "a glyph is one printable ASCII character"
-)
+BAD_GLYPH = Code("SJ308", "Not a glyph", "`{glyph}` cannot be a glyph: {problem}", "a glyph is one printable ASCII character")
 MAP_FILE = Code(
     "SJ309",
     "A map that cannot be read",
@@ -232,13 +208,16 @@ MOVE_ALONE = Code(
     "`move` stands alone in its phase",
     "put the other sentences into a phase of their own",
 )
-OVERLAPPING_SENDS = Code("SJ406", "Two destinations that overlap", "two different destinations of one phase share cells of `{kind}`", "send to one destination, or write two phases")
+OVERLAPPING_SENDS = Code(
+    "SJ406",
+    "Two destinations that overlap",
+    "two different destinations of one phase share cells of `{kind}`",
+    "send to one destination, or write two phases",
+)
 
 # ---- 5xx time and use
 
-NO_START = Code(
-    "SJ501", "Agents without a place", "{problem}", "write `phase start {{ each agent {{ send agent to KIND }} }}`"
-)
+NO_START = Code("SJ501", "Agents without a place", "{problem}", "write `phase start {{ each agent {{ send agent to KIND }} }}`")
 TICK = Code("SJ502", "The schedule and its timers", "{problem}", "{help}")
 TIMER_BOTH_SIDES = Code(
     "SJ503",

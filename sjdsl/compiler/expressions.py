@@ -129,17 +129,13 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
     left = condition(e.left, scope)
     known = left if e.op == "and" else ir.Not(value=left)
     right = condition(e.right, scope.knowing([known]))
-    args = tuple(
-        part
-        for side in (left, right)
-        for part in (side.args if isinstance(side, ir.Logic) and side.fn == e.op else (side,))
-    )
+    args = tuple(part for side in (left, right) for part in (side.args if isinstance(side, ir.Logic) and side.fn == e.op else (side,)))
     return ir.Logic(fn="and" if e.op == "and" else "or", args=args, origin=e.span)
 
 
 def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
     """`x is y` between words, agents, or a set of agents and nobody."""
-    kinds = {k for k in (left.type.kind, right.type.kind)}
+    kinds = {left.type.kind, right.type.kind}
     if left.type.by or right.type.by:
         raise wrong_type(scope, e.left if left.type.by else e.right, "a single value", left.type if left.type.by else right.type)
     if isinstance(left, ir.Word) and isinstance(right, ir.Word):  # one of them is what a phase is used with
@@ -239,7 +235,7 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     if e.high is not None:
         low, high = build_all((e.container, e.high), scope)
         for bound, tree in ((low, e.container), (high, e.high)):
-            join_types([value.type, bound.type], e, scope, "compare", tree)
+            join_types([value.type, bound.type], scope, "compare", tree)
         return ir.InRange(value=value, low=low, high=high, origin=e.span)
     container = build(e.container, scope)
     if not as_agent(value):
@@ -311,16 +307,14 @@ def arity(e: ast.Call, scope: Scope, least: int, most: int | None = None) -> Non
     if not least <= len(e.arguments) <= most:
         wanted = f"{least} arguments" if least != 1 else "1 argument"
         wanted = wanted if most == least else f"{least} or more arguments"
-        raise scope.problems.fail(
-            errors.ARGUMENTS, e.span, name=e.name.text, wanted=wanted, given=len(e.arguments), help=""
-        )
+        raise scope.problems.fail(errors.ARGUMENTS, e.span, name=e.name.text, wanted=wanted, given=len(e.arguments), help="")
 
 
 def ramp(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
     for tree, arg in zip(e.arguments, args, strict=True):
         if not is_number(arg.type):
             raise wrong_type(scope, tree, "a number", arg.type)
-    join_types([a.type for a in args], e, scope, "compare", e)
+    join_types([a.type for a in args], scope, "compare", e)
     value, zero_at, one_at = args
     if not _apart(zero_at, one_at, scope):
         raise scope.problems.fail(errors.CROSSED, e.span, low=text(zero_at), high=text(one_at))
@@ -354,19 +348,17 @@ def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
 
 def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
     if scope.place != "`checks`":
-        raise scope.problems.fail(
-            errors.NOT_A, e.name.span, name=e.name.text, what="a class of games", wanted="a value", nearest=""
-        )
+        raise scope.problems.fail(errors.NOT_A, e.name.span, name=e.name.text, what="a class of games", wanted="a value", nearest="")
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
     return ir.MatrixClass(name=e.name.text, table=table, origin=e.span)  # type: ignore[arg-type]
 
 
 def define_call(e: ast.Call, scope: Scope) -> ir.Expr:
-    return define_use(e.name, e.arguments, e.span, scope)
+    return define_use(e.name, e.arguments, scope)
 
 
-def define_use(name: ast.Name, arguments: tuple[ast.Expr, ...], span: object, scope: Scope) -> ir.Expr:
+def define_use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
     """Writes a `define` out where it is used: its own names and its arguments, none of the variables around."""
     define = scope.static.defines[name.text]
     scope.static.used.add(name.text)
@@ -378,7 +370,14 @@ def define_use(name: ast.Name, arguments: tuple[ast.Expr, ...], span: object, sc
     values = build_all(arguments, scope)
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
     inner = Scope(
-        scope.static, scope.problems, variables, scope.facts, scope.fact_nodes, scope.place, scope.events_readable, (*scope.defining, name.text)
+        scope.static,
+        scope.problems,
+        variables,
+        scope.facts,
+        scope.fact_nodes,
+        scope.place,
+        scope.events_readable,
+        (*scope.defining, name.text),
     )
     value = build(define.value, inner)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

@@ -44,7 +44,7 @@ def contradict(a: ir.Expr, b: ir.Expr) -> bool:
     match a, b:
         case ir.Chose(), ir.Chose():
             return expression(a.agent) == expression(b.agent) and a.action != b.action
-        case (ir.Compare() | ir.InRange()), (ir.Compare() | ir.InRange()):
+        case ((ir.Compare() | ir.InRange()), (ir.Compare() | ir.InRange())):
             return _ranges_apart(a, b)
         case _:
             first, second = _words_allowed(a), _words_allowed(b)

@@ -33,9 +33,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         if bound is None:
             raise Poisoned
         if isinstance(bound, str):
-            raise scope.problems.fail(
-                errors.NOT_A, e.name.span, name=name, what=f"the action `{bound}`", wanted="a value", nearest=""
-            )
+            raise scope.problems.fail(errors.NOT_A, e.name.span, name=name, what=f"the action `{bound}`", wanted="a value", nearest="")
         return bound.model_copy(update={"origin": e.span})
     if name == "step":
         return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
@@ -51,7 +49,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     if name in static.defines:
         from sjdsl.compiler.expressions import define_use
 
-        return define_use(e.name, (), e.span, scope)
+        return define_use(e.name, (), scope)
     if name in static.fields:
         static.used.add(f"field {name}")
         return ir.FieldRead(type=static.fields[name].type, owner=None, place="world", name=name, origin=e.span)
@@ -71,7 +69,12 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
         return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, nearest="")
     if name.text in static.events:
         return scope.problems.fail(
-            errors.NOT_A, name.span, name=name.text, what="an event", wanted="a value (events are read in `checks`)", nearest=""
+            errors.NOT_A,
+            name.span,
+            name=name.text,
+            what="an event",
+            wanted="a value (events are read in `checks`)",
+            nearest="",
         )
     return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=scope.near(name.text))
 
@@ -115,9 +118,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     candidates = [*static.agent_fields, *AGENT_ATTRIBUTES]
-    raise scope.problems.fail(
-        errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=nearest(name.text, candidates)
-    )
+    raise scope.problems.fail(errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=nearest(name.text, candidates))
 
 
 def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
@@ -131,14 +132,16 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
         if name.text not in fields:
             what = f"the kind `{kind}`" if len(owner.kinds) == 1 else f"the kind `{kind}` of the group"
             candidates = [*fields, *CELL_ATTRIBUTES]
-            raise scope.problems.fail(
-                errors.NO_FIELD, name.span, owner=what, name=name.text, nearest=nearest(name.text, candidates)
-            )
+            raise scope.problems.fail(errors.NO_FIELD, name.span, owner=what, name=name.text, nearest=nearest(name.text, candidates))
         found.append(fields[name.text])
         static.used.add(f"{kind}.{name.text}")
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
         raise scope.problems.fail(
-            errors.NO_FIELD, name.span, owner="the group: its kinds disagree on the type, so it", name=name.text, nearest=""
+            errors.NO_FIELD,
+            name.span,
+            owner="the group: its kinds disagree on the type, so it",
+            name=name.text,
+            nearest="",
         )
     return ir.FieldRead(type=found[0].type, owner=owner, place="cell", kinds=owner.kinds, name=name.text, origin=name.span)
 
@@ -146,9 +149,7 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
 def index(row: ir.Expr, step: ast.Index, scope: Scope, build: Build) -> ir.Expr:
     """Returns `row[key]`, the key a word of the row's set or a mix over it."""
     if not row.type.by:
-        raise scope.problems.fail(
-            errors.WRONG_TYPE, step.span, wanted="a row or table before `[`", given=describe(row.type), help=""
-        )
+        raise scope.problems.fail(errors.WRONG_TYPE, step.span, wanted="a row or table before `[`", given=describe(row.type), help="")
     key = narrow_word(build(step.key, scope), scope.fact_nodes)
     if key.type.kind not in ("word", "mix") or key.type.by:
         raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="a word", given=describe(key.type), help="")
@@ -169,7 +170,11 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope, build: Build) -> ir.Expr:
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
             raise scope.problems.fail(
-                errors.WRONG_TYPE, step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix", help=""
+                errors.WRONG_TYPE,
+                step.key.span,
+                wanted="a word (only tables of numbers are mixed)",
+                given="a mix",
+                help="",
             )
         type_ = type_.model_copy(update={"kind": "real", "unit": type_.unit if type_.unit == "reward" else "number"})
         if row.type.unit in ("probability", "fraction"):

@@ -17,18 +17,14 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
         scope.problems.add(errors.NO_START, game.span, problem="the game has no `phase start`")
         return None
     if phase.parameters:
-        scope.problems.add(
-            errors.ARGUMENTS, phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters), help=""
-        )
+        scope.problems.add(errors.ARGUMENTS, phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters), help="")
     return _use(phase, "start", "start", {}, scope)
 
 
 def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     """Returns the turns of a step in order."""
     if game.schedule is None:
-        scope.problems.add(
-            errors.MISSING_PART, game.span, what="schedule", help="`schedule phase -> phase` with its phases in order"
-        )
+        scope.problems.add(errors.MISSING_PART, game.span, what="schedule", help="`schedule phase -> phase` with its phases in order")
         return ()
     turns: list[ir.Turn] = []
     labels: list[str] = []
@@ -45,7 +41,11 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     for phase in game.phases.values():
         if phase.name.text not in scheduled:
             scope.problems.add(
-                errors.PHASE_USE, phase.name.span, name=phase.name.text, problem="written but not scheduled", help="add it to the schedule"
+                errors.PHASE_USE,
+                phase.name.span,
+                name=phase.name.text,
+                problem="written but not scheduled",
+                help="add it to the schedule",
             )
     return tuple(turns)
 

@@ -8,7 +8,7 @@ from sjdsl.compiler import ir
 
 def number_text(value: float) -> str:
     """Returns the shortest text that reads back as the same number; integers without a point."""
-    return str(int(value)) if isinstance(value, int) or value == int(value) and abs(value) < 1e15 else repr(float(value))
+    return str(int(value)) if isinstance(value, int) or (value == int(value) and abs(value) < 1e15) else repr(float(value))
 
 
 def expression(e: ir.Expr) -> str:

@@ -23,7 +23,9 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
                 for node in ir.walk(test):
                     if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.EventTotal | ir.Step | ir.Member):
                         raise scope.problems.fail(
-                            errors.NOT_FIXED, node.origin or check.span, what="what a `require` reads (numbers, not the state)"  # type: ignore[arg-type]
+                            errors.NOT_FIXED,
+                            node.origin or check.span,
+                            what="what a `require` reads (numbers, not the state)",  # type: ignore[arg-type]
                         )
                 found.append(test)
     return tuple(found)
@@ -43,7 +45,7 @@ def _params(test: ir.Expr) -> set[str]:
     return {n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)}
 
 
-def events(game: Composition, phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
+def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
     """Returns the declared events; each is counted for agents or for the game, not both."""
     tallies = [n for phase in phases for n in ir.walk(phase) if isinstance(n, ir.Tally)]
     found = []
@@ -51,9 +53,7 @@ def events(game: Composition, phases: Iterable[ir.Node], scope: Scope) -> tuple[
         mine = [t for t in tallies if t.event == event.name.text]
         per_agent = {t.receiver is not None for t in mine} or {True}
         if len(per_agent) > 1:
-            raise scope.problems.fail(
-                errors.TWICE, event.span, what=f"event `{event.name.text}` counted with and without `for`, so it"
-            )
+            raise scope.problems.fail(errors.TWICE, event.span, what=f"event `{event.name.text}` counted with and without `for`, so it")
         by = () if event.by is None else tuple(n.text for n in event.by.names)
         found.append(ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span))
     return tuple(found)
@@ -111,7 +111,7 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
         if name.text not in scope.static.defines:
             near = nearest(name.text, scope.static.defines)
             raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="no define", wanted="a define", nearest=near)
-        values.append(define_use(name, (), name.span, scope))
+        values.append(define_use(name, (), scope))
     if check.direction.text not in ("falling", "rising"):
         near = nearest(check.direction.text, ("falling", "rising"))
         raise scope.problems.fail(errors.UNKNOWN_NAME, check.direction.span, name=check.direction.text, nearest=near)

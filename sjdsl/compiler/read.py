@@ -20,9 +20,7 @@ def read_source(path: Path | str) -> Source:
             data = file.read(MAX_BYTES + 1)
             size = path.stat().st_size
     except FileNotFoundError:
-        raise _failure(
-            errors.UNREADABLE, name, name=name, problem="there is no such file", nearest=_neighbour(path)
-        ) from None
+        raise _failure(errors.UNREADABLE, name, name=name, problem="there is no such file", nearest=_neighbour(path)) from None
     except IsADirectoryError:
         raise _failure(errors.UNREADABLE, name, name=name, problem="it is a folder", nearest="") from None
     except (OSError, ValueError) as error:

@@ -14,8 +14,6 @@ from sjdsl.compiler.lower import token_planes
 from sjdsl.compiler.print_ir import game as ir_text
 from sjdsl.compiler.program import KERNELS, Attribute, Constant, Function, Line, Program
 
-
-
 FORBIDDING = (
     "allowed = jnp.take_along_axis(allowed_actions(state, params), actions[:, None], axis=1)[:, 0]",
     "actions = jnp.where(allowed, actions, STAY)",
@@ -26,7 +24,11 @@ FORBIDDING = (
 def _template() -> jinja2.Template:
     text = files("sjdsl.compiler").joinpath("templates/module.py.j2").read_text(encoding="utf-8")
     environment = jinja2.Environment(
-        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
     )
     return environment.from_string(text)
 
@@ -111,5 +113,3 @@ def _line(line: Line) -> str:
     if line.origin is None:
         return line.text
     return f"{line.text}  # {_commented(PurePosixPath(line.origin.file).name)}:{line.origin.line}"
-
-

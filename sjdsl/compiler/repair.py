@@ -44,9 +44,7 @@ IMBALANCE = 2.0  # what each brace without a partner costs
 EARLIER = 0.5  # what a change before the last good token costs
 COMMITTING = 2.0  # what it costs to put in a word that asks for a bracket or a value behind it
 COMMITTED = frozenset(("CASE", "COUNT", "SUM", "LPAR", "LSQB", "NOT"))
-NAMELIKE = frozenset(
-    ("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK")
-)  # words that may be names put where they can stand
+NAMELIKE = frozenset(("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK"))  # words that may be names put where they can stand
 REPEATED = 1.0  # what speaks for leaving out a token that stands there twice
 
 

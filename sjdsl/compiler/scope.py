@@ -1,7 +1,7 @@
 """What names mean: the static tables of a game, the variables in scope, and the problems found so far."""
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast, ir
@@ -33,10 +33,8 @@ class Problems:
     @contextmanager
     def survive(self) -> Iterator[None]:
         """Goes on after something that could not be built."""
-        try:
+        with suppress(Poisoned):
             yield
-        except Poisoned:
-            pass
 
 
 @dataclass

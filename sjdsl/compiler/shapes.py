@@ -68,9 +68,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     """Returns `line(n)`, `fan(length, radius)`, `disc(r)`, `diamond(r)`, `square(r)` (these three also `(r, centre)`)."""
     name, arguments = ref.name.text, ref.arguments or ()
     if name not in BUILT_IN:
-        raise scope.problems.fail(
-            errors.UNKNOWN_NAME, ref.name.span, name=name, nearest=nearest(name, [*BUILT_IN, *scope.static.shapes])
-        )
+        raise scope.problems.fail(errors.UNKNOWN_NAME, ref.name.span, name=name, nearest=nearest(name, [*BUILT_IN, *scope.static.shapes]))
     centre = False
     if name in SEE_THROUGH and len(arguments) == 2 and isinstance(arguments[1], ast.Path) and arguments[1].name.text == "centre":
         arguments, centre = arguments[:1], True

@@ -24,7 +24,12 @@ def window(game: Composition, scope: Scope) -> ir.Window:
             value = fixed(tree, scope, "the window")
             if value != int(value) or not 0 <= value <= limits.MAX_WINDOW:
                 raise scope.problems.fail(
-                    errors.OUT_OF_LIMITS, tree.span, name=f"the window {name.text}", value=value, low=0, high=limits.MAX_WINDOW
+                    errors.OUT_OF_LIMITS,
+                    tree.span,
+                    name=f"the window {name.text}",
+                    value=value,
+                    low=0,
+                    high=limits.MAX_WINDOW,
                 )
             sides[name.text] = int(value)
     return ir.Window(**sides, origin=game.window.span)
@@ -62,7 +67,13 @@ def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, i
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
     if len(members) != len(path.steps) or len(members) > 1:
-        raise problems.fail(errors.WRONG_TYPE, path.span, wanted="`agent.field`, `other.field` or `kind.field`", given="another path", help="")
+        raise problems.fail(
+            errors.WRONG_TYPE,
+            path.span,
+            wanted="`agent.field`, `other.field` or `kind.field`",
+            given="another path",
+            help="",
+        )
     if not members:
         if head not in static.fields:
             near = nearest(head, [*static.fields, "agent", "other", *static.kinds])

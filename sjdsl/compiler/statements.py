@@ -1,28 +1,18 @@
 """Sentences: from the tree as written to typed IR."""
 
-from dataclasses import dataclass, field, replace
 from typing import assert_never
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.domains import check_free, domain, near
-from sjdsl.compiler.expressions import as_agent, build, condition, interval_text, number, wrong_type
+from sjdsl.compiler.effects import agent, give, send, tally
+from sjdsl.compiler.expressions import build, condition, interval_text, number, wrong_type
 from sjdsl.compiler.facts import contradict, narrow_word, narrowed
+from sjdsl.compiler.phase_use import PhaseUse
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
-from sjdsl.compiler.streams import Streams
-from sjdsl.compiler.types import integer, is_number, words
+from sjdsl.compiler.types import integer, words
 from sjdsl.compiler.writes import add, set_
-
-FACINGS = ("north", "east", "south", "west", "same")
-
-
-@dataclass
-class PhaseUse:
-    """What is kept while one use of a phase is built: its streams, and its pools of sends by destination."""
-
-    streams: Streams
-    pools: dict[str, int] = field(default_factory=dict)
 
 
 def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
@@ -124,9 +114,7 @@ def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
 def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
     unit = low.type.unit if low.type.unit != "number" else high.type.unit
     if "number" not in (low.type.unit, high.type.unit) and low.type.unit != high.type.unit:
-        raise scope.problems.fail(
-            errors.UNIT_MISMATCH, s.span, verb="draw between", left=low.type.unit, right=high.type.unit, help=""
-        )
+        raise scope.problems.fail(errors.UNIT_MISMATCH, s.span, verb="draw between", left=low.type.unit, right=high.type.unit, help="")
     known = scope.knowing(scope.static.requires)
     if low.type.high > high.type.low and f"({text(high)} >= {text(low)})" not in known.facts | {_strict(low, high, known)}:
         raise scope.problems.fail(errors.CROSSED, s.span, low=text(low), high=text(high))
@@ -172,7 +160,11 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     stream = use.streams.of_sentence(header)
     if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
         raise scope.problems.fail(
-            errors.WRONG_TYPE, s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape", help=""
+            errors.WRONG_TYPE,
+            s.domain.span,
+            wanted="`in SHAPE of x` after `first`",
+            given="a domain without a shape",
+            help="",
         )
     body = inside(s.block, header, inner, use)
     otherwise: tuple[ir.Stmt, ...] = ()
@@ -206,7 +198,11 @@ def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
     right, inner = domain(s.right, inner)
     if s.first and not isinstance(right.place, ir.Near):
         raise scope.problems.fail(
-            errors.WRONG_TYPE, s.right.span, wanted="`in SHAPE of x` after `with first`", given="a domain without a shape", help=""
+            errors.WRONG_TYPE,
+            s.right.span,
+            wanted="`in SHAPE of x` after `with first`",
+            given="a domain without a shape",
+            help="",
         )
     body = inside(s.block, header, inner, use)
     return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
@@ -262,7 +258,9 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
                 if never:
                     reach = interval_text(left.type.model_copy(update={"low": low, "high": high}))
                     scope.problems.add(
-                        errors.NEVER_HAPPENS, part.origin or test.origin, problem=f"{text(left)} is {reach}"  # type: ignore[arg-type]
+                        errors.NEVER_HAPPENS,
+                        part.origin or test.origin,
+                        problem=f"{text(left)} is {reach}",  # type: ignore[arg-type]
                     )
             case _:
                 pass
@@ -308,116 +306,19 @@ def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     return p
 
 
-def agent(e: ast.Path, scope: Scope) -> ir.Expr:
-    """Returns one agent."""
-    built = build(e, scope)
-    if not as_agent(built):
-        raise wrong_type(scope, e, "an agent", built.type)
-    check_somebody(e, built, scope)
-    return built
-
-
-def check_somebody(e: ast.Expr, built: ir.Expr, scope: Scope) -> None:
-    if not isinstance(built, ir.Member) and f"(not ({text(built)} is nobody))" not in scope.facts:
-        raise scope.problems.fail(errors.CAN_BE_NOBODY, e.span, path=text(built))
-
-
-def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
-    """Returns one agent or a set of agents."""
-    built = build(e, scope)
-    if built.type.kind == "agents" and not built.type.by:
-        return built
-    if not as_agent(built):
-        raise wrong_type(scope, e, "an agent or a set of agents", built.type)
-    check_somebody(e, built, scope)
-    return built
-
-
-def give(s: ast.Give, scope: Scope) -> ir.Stmt:
-    value = number(s.value, scope, ("reward",), "a reward")
-    if isinstance(s.receiver, ast.All):
-        but = None
-        if s.receiver.but is not None:
-            member = build(ast.Path(s.receiver.but.span, s.receiver.but, ()), scope)
-            if not (isinstance(member, ir.Member) and member.who == "agent"):
-                raise wrong_type(scope, ast.Path(s.receiver.but.span, s.receiver.but, ()), "an agent", member.type)
-            but = member
-        return ir.Give(value=value, receiver=None, but=but, origin=s.span)
-    return ir.Give(value=value, receiver=receiver(s.receiver, scope), origin=s.span)
-
-
-def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
-    static = scope.static
-    name = s.event.name
-    event = static.events.get(name.text)
-    if event is None:
-        raise scope.problems.fail(errors.NO_EVENT, name.span, name=name.text, nearest=nearest(name.text, static.events))
-    static.used.add(f"event {name.text}")
-    word = None
-    row = ir.EventTotal(type=integer(0, float("inf")), name=name.text)
-    if event.by is not None:
-        row = row.model_copy(update={"type": row.type.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})})
-        if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
-            raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted=f"`{name.text}[word]`", given="the whole row", help="")
-        key = narrow_word(build(s.event.steps[0].key, scope), scope.fact_nodes)
-        if key.type.kind != "word":
-            raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
-        outside = [w for w in key.type.words if w not in row.type.by[0]]
-        if outside:
-            raise scope.problems.fail(
-                errors.WORD_OUTSIDE, s.event.span, word=outside[0], name=name.text, words=", ".join(row.type.by[0])
-            )
-        word = key
-    elif s.event.steps:
-        raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
-    amount = None if s.by is None else number(s.by, scope, ("count",), "a count")
-    for_ = None if s.receiver is None else receiver(s.receiver, scope)
-    return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
-
-
-def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
-    who = agent(s.who, scope)
-    # one set of free cells serves all who are sent: the destination cannot depend on who that is
-    fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
-    destination, _ = domain(s.domain, replace(scope, variables=fixed))
-    if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
-        raise scope.problems.fail(
-            errors.WRONG_TYPE, s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain", help=""
-        )
-    after = None if s.after is None else number(s.after, scope, ("steps",), "a number of steps")
-    if after is not None and after.type.low < 0:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.after.span, name="the delay", value="negative", low=0, high="any")  # type: ignore[union-attr]
-    if isinstance(after, ir.Number) and after.value == 0:
-        after = None
-    facing = None if s.facing is None else s.facing.text
-    if facing is not None and facing not in FACINGS:
-        near_ = nearest(facing, FACINGS)
-        raise scope.problems.fail(errors.UNKNOWN_NAME, s.facing.span, name=facing, nearest=near_)  # type: ignore[union-attr]
-    if s.stay is not None and s.stay.text != "stay":
-        raise scope.problems.fail(errors.UNKNOWN_NAME, s.stay.span, name=s.stay.text, nearest="stay")
-    place = use.streams.header(s.domain.span, s.domain.span.end)
-    pool = use.pools.setdefault(place, len(use.pools))
-    return ir.Send(
-        who=who,
-        domain=destination,
-        after=after,
-        facing=facing,  # type: ignore[arg-type]
-        stay=s.stay is not None,
-        pool=pool,
-        order_stream=use.streams.shared("send to", place),
-        heading_stream=use.streams.shared("heading of those sent to", place),
-        origin=s.span,
-    )
-
-
 def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     movers, _ = domain(s.domain, scope)
     if movers.var.who != "agent":
         raise scope.problems.fail(
-            errors.NOT_A, s.domain.kind.span, name=s.domain.kind.text, what="a kind of cell", wanted="`agent`", nearest=""
+            errors.NOT_A,
+            s.domain.kind.span,
+            name=s.domain.kind.text,
+            what="a kind of cell",
+            wanted="`agent`",
+            nearest="",
         )
     stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
     return ir.Move(domain=movers, stream=stream, origin=s.span)
 
 
-__all__ = ["PhaseUse", "block", "is_number"]
+__all__ = ["PhaseUse", "block"]

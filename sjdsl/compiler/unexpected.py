@@ -155,9 +155,7 @@ def _context(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], s
     brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
     if brackets and {"RPAR", "RSQB"} & set(accepted(trouble.automaton, trouble.stack)):
         return (Label(token_span(tokens[max(brackets)], source), "opened here"),)
-    missing = (
-        repair is not None and repair.sort == "insert" and "RBRACE" not in accepted(trouble.automaton, trouble.stack)
-    )
+    missing = repair is not None and repair.sort == "insert" and "RBRACE" not in accepted(trouble.automaton, trouble.stack)
     if missing and 0 < trouble.at < len(tokens) and tokens[trouble.at].line != tokens[trouble.at - 1].line:
         return (Label(token_span(tokens[trouble.at - 1], source), "after this"),)
     return ()

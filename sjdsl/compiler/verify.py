@@ -40,7 +40,13 @@ def _check_streams(game: ir.Game) -> None:
         pools: set[int] = set()
         for node in ir.walk(turn):
             match node:
-                case ir.Draw(stream=stream) | ir.Pick(stream=stream) | ir.Chance(stream=stream) | ir.Match(stream=stream) | ir.Move(stream=stream):
+                case (
+                    ir.Draw(stream=stream)
+                    | ir.Pick(stream=stream)
+                    | ir.Chance(stream=stream)
+                    | ir.Match(stream=stream)
+                    | ir.Move(stream=stream)
+                ):
                     streams[stream] += 1
                 case ir.Send() if node.pool not in pools:
                     pools.add(node.pool)

@@ -18,7 +18,11 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         field = field.row
     if not isinstance(field, ir.FieldRead):
         raise scope.problems.fail(
-            errors.WRONG_TYPE, path.span, wanted="a field", given=describe(target.type), help="only fields can be written"
+            errors.WRONG_TYPE,
+            path.span,
+            wanted="a field",
+            given=describe(target.type),
+            help="only fields can be written",
         )
     return target, declaration(field, scope)
 
@@ -62,9 +66,7 @@ def _check_words(s: ast.Set, type_: ir.Type, target: ir.Expr, value: ir.Expr, sc
         raise wrong_type(scope, s.value, describe(type_), value.type)
     for word in value.type.words:
         if word not in type_.words:
-            raise scope.problems.fail(
-                errors.WORD_OUTSIDE, s.value.span, word=word, name=text(target), words=", ".join(type_.words)
-            )
+            raise scope.problems.fail(errors.WORD_OUTSIDE, s.value.span, word=word, name=text(target), words=", ".join(type_.words))
 
 
 def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
@@ -90,7 +92,12 @@ def _check_unit(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -
         raise wrong_type(scope, tree, describe(target.type), value.type)
     if join_units(target.type.unit, value.type.unit) is None:
         raise scope.problems.fail(
-            errors.UNIT_MISMATCH, tree.span, verb="put into one field", left=describe(target.type), right=describe(value.type), help=""
+            errors.UNIT_MISMATCH,
+            tree.span,
+            verb="put into one field",
+            left=describe(target.type),
+            right=describe(value.type),
+            help="",
         )
 
 

@@ -95,9 +95,7 @@ class Environment:
         state = self.module.reset(params, key_words(key))
         return self._observe(state, params), state
 
-    def _step(
-        self, key: Array, state: State, actions: Array, params: Params | None = None
-    ) -> tuple[Array, State, Array, Array, Info]:
+    def _step(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
         """One step; a finished episode is followed by the first state of the next.
 
         Args:
@@ -117,9 +115,7 @@ class Environment:
         info["terminal_observation"] = self._observe(ended, params)
         return self._observe(state, params), state, reward, done, info
 
-    def _step_env(
-        self, key: Array, state: State, actions: Array, params: Params | None = None
-    ) -> tuple[Array, State, Array, Array, Info]:
+    def _step_env(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
         """As `step`, without the reset."""
         params = self.params if params is None else params
         state, reward, done, info = self._transition(key_words(key), state, actions, params)
@@ -163,7 +159,7 @@ class Environment:
 
     def cells(self, state: State) -> tuple[Array, Array]:
         """Returns the (row, col) of each agent on the map, int32 `[N]` each; negative for those who are away."""
-        rows, cols = self.module.FRAME
+        _, cols = self.module.FRAME
         pad = self.module.PAD
         return state.position // cols - pad, state.position % cols - pad
 

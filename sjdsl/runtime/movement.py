@@ -36,7 +36,7 @@ def _spread(into: Array, lost: Array) -> Array:
     """Returns `lost` with all who wait, directly or through others, for the cell of one who stays: `[N]` bool."""
     n = lost.shape[0]
     if n > 31:
-        return lax.fori_loop(0, n, lambda _, l: l | jnp.any(into & l[None, :], axis=1), lost)
+        return lax.fori_loop(0, n, lambda _, out: out | jnp.any(into & out[None, :], axis=1), lost)
     bit = (jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)).astype(jnp.uint32)
     waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
     stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)

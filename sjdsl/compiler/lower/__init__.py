@@ -66,14 +66,26 @@ def _state(game: ir.Game, w: Writer) -> list[Attribute]:
     n = game.agents.number
     found = [
         Attribute("step", "[]", "int32", "finished steps of this episode", "jnp.int32(0)"),
-        Attribute("position", "[N]", "int32", "cell of each agent in the padded frame; 0: nowhere", f"jnp.zeros({n}, jnp.int32)"),
+        Attribute(
+            "position",
+            "[N]",
+            "int32",
+            "cell of each agent in the padded frame; 0: nowhere",
+            f"jnp.zeros({n}, jnp.int32)",
+        ),
         Attribute("heading", "[N]", "int32", "0 north, 1 east, 2 south, 3 west", f"jnp.zeros({n}, jnp.int32)"),
     ]
     if stores_moved(game):
         found.append(Attribute("moved", "[N]", "bool_", "did the last movement change the cell", f"jnp.zeros({n}, bool)"))
     if _stores_away(game):
         found += [
-            Attribute("away", "[N]", "int32", "ticks until an agent that is nowhere returns; 0: never", f"jnp.zeros({n}, jnp.int32)"),
+            Attribute(
+                "away",
+                "[N]",
+                "int32",
+                "ticks until an agent that is nowhere returns; 0: never",
+                f"jnp.zeros({n}, jnp.int32)",
+            ),
             Attribute("away_pool", "[N]", "int32", "where it was sent", f"jnp.zeros({n}, jnp.int32)"),
             Attribute("away_facing", "[N]", "int32", "heading it will have; 4: any, 5: the same", f"jnp.zeros({n}, jnp.int32)"),
         ]
@@ -81,7 +93,15 @@ def _state(game: ir.Game, w: Writer) -> list[Attribute]:
         found.append(_field(field, game, w))
     for phase in marking_phases(game):
         size = mark_size(phase, game)
-        found.append(Attribute(f"mark_{phase.name}", f"[{size}]", "int32", f"cells marked by {phase.label}; 0: none", f"jnp.zeros({size}, jnp.int32)"))
+        found.append(
+            Attribute(
+                f"mark_{phase.name}",
+                f"[{size}]",
+                "int32",
+                f"cells marked by {phase.label}; 0: none",
+                f"jnp.zeros({size}, jnp.int32)",
+            )
+        )
     return found
 
 
@@ -169,7 +189,13 @@ def _outcome(game: ir.Game) -> list[Attribute]:
         shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
         by = f", by {', '.join(event.by)}" if event.by else ""
         found.append(
-            Attribute(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", f"counts of this step{by}", f"jnp.zeros({tuple(size)}, jnp.int32)")
+            Attribute(
+                f"event_{param_attribute(event.name)}",
+                f"[{shape}]",
+                "int32",
+                f"counts of this step{by}",
+                f"jnp.zeros({tuple(size)}, jnp.int32)",
+            )
         )
     return found
 
@@ -230,7 +256,12 @@ def _allowed(module: Module) -> Function:
         w.line(f"allowed = allowed & ~({condition} & {name}[None])")
     w.origin = None
     w.line("return allowed")
-    return Function("allowed_actions", "state: State, params: Params", "Returns which actions each agent may take: `[N, A]` bool.", tuple(w.lines))
+    return Function(
+        "allowed_actions",
+        "state: State, params: Params",
+        "Returns which actions each agent may take: `[N, A]` bool.",
+        tuple(w.lines),
+    )
 
 
 def _measures(module: Module) -> Function:
@@ -243,7 +274,12 @@ def _measures(module: Module) -> Function:
         values.append(f"{measure.name!r}: {text}")
     w.origin = None
     w.line(f"return {{{', '.join(values)}}}")
-    return Function("measures", "state: State, params: Params", "Returns the `mean` and `final` values at the end of a step: float32 scalars by name.", tuple(w.lines))
+    return Function(
+        "measures",
+        "state: State, params: Params",
+        "Returns the `mean` and `final` values at the end of a step: float32 scalars by name.",
+        tuple(w.lines),
+    )
 
 
 def _episode(module: Module) -> Function:

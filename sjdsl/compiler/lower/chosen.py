@@ -39,7 +39,7 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
     member_var = inner.variables[s.domain.var.name]
     near = isinstance(s.domain.place, ir.Near) and isinstance(member_var, CellVar)
     total = axis.size if near else reads.member_total(member_var, w)
-    word = words(s.stream, frame, w, (axis, total))
+    word = words(s.stream, frame, (axis, total))
     axes = union(word.axes, (inner.mask or word).axes)
     mask = _mask_over(inner, axes)
     ranks = w.keep("order", Value(f"ranks({aligned(word, axes)}, {mask.text})", "u32", axes))
@@ -127,7 +127,11 @@ def _nearest(d: ir.Domain, frame: Frame, w: Writer) -> tuple[Frame, Axis, Value,
     for i, lane in enumerate(shape.lanes):
         table[i, : len(lane)] = range(number, number + len(lane))
         number += len(lane)
-    name = w.module.constant("lanes_of_" + "".join(c if c.isalnum() else "_" for c in shape.name).strip("_"), table, f"cells of each lane of {shape.name}, nearest first")
+    name = w.module.constant(
+        "lanes_of_" + "".join(c if c.isalnum() else "_" for c in shape.name).strip("_"),
+        table,
+        f"cells of each lane of {shape.name}, nearest first",
+    )
     lead = ":, " * len(rest)
     padded = f"jnp.concatenate([{ok.text}, jnp.zeros_like({ok.text}[{lead}:1])], axis={len(rest)})"
     in_lane = w.keep("in_lane", Value(f"{padded}[{lead}{name}]", "bool"))
@@ -136,7 +140,14 @@ def _nearest(d: ir.Domain, frame: Frame, w: Writer) -> tuple[Frame, Axis, Value,
     index = w.keep("place", Value(f"{name}[jnp.arange({lanes.size}){_lead(rest)}, {at.text}]", "i32", (*rest, lanes)))
     values = _index(candidate)
     whole = _mask_like(values, axes)
-    chosen = w.keep(d.var.name, Value(f"jnp.take_along_axis({whole}, jnp.minimum({index.text}, {axis.size - 1}), axis={len(rest)})", "i32", (*rest, lanes)))
+    chosen = w.keep(
+        d.var.name,
+        Value(
+            f"jnp.take_along_axis({whole}, jnp.minimum({index.text}, {axis.size - 1}), axis={len(rest)})",
+            "i32",
+            (*rest, lanes),
+        ),
+    )
     variable = AgentVar(chosen) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
     inner = replace(
         frame,
@@ -188,7 +199,7 @@ def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
         raise NotSupported("`match` of one determined agent", s.origin)
     rows = left.axes[-1]
     live, cols, total, alike = _pairs(s, left, w)
-    word = _pair_words(s, rows, cols, total, w)
+    word = _pair_words(s, rows, cols, total)
     ranks = w.keep("order", Value(f"ranks({word.text}, {live})", "u32", (rows, cols)))
     partner = w.keep(s.right.var.name, Value(f"pair({ranks.text}, alike={alike})", "i32", (rows,)))
     matched = binary("<", partner, literal(cols.size, "i32"), "bool")
@@ -201,7 +212,7 @@ def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
     return inner.when(frame.mask).when(w.keep("matched", matched))
 
 
-def _pair_words(s: ir.Match, rows: Axis, cols: Axis, total: int, w: Writer) -> Value:
+def _pair_words(s: ir.Match, rows: Axis, cols: Axis, total: int) -> Value:
     assert total == cols.size
     return Value(f"words(key, 0x{s.stream:08x}, {rows.size}, {cols.size})", "u32", (rows, cols))
 
@@ -238,5 +249,7 @@ def _dense(index: Value, mask: Value, axes: tuple[Axis, Axis], cols: Axis, alike
     """Returns pairs given by computed numbers as a table over all members."""
     places = _mask_like(index, axes)
     happens = _mask_like(mask, axes)
-    text = f"jnp.any({wrapped(Value(happens, 'bool'))}[..., None] & ({places}[..., None] == jnp.arange({cols.size})[None, None, :]), axis=1)"
+    text = (
+        f"jnp.any({wrapped(Value(happens, 'bool'))}[..., None] & ({places}[..., None] == jnp.arange({cols.size})[None, None, :]), axis=1)"
+    )
     return f"{text} & ~jnp.eye({cols.size}, dtype=bool)" if alike else text

@@ -168,7 +168,10 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
         case ir.At():
             return largest(e.row, game)
         case ir.Local():
-            return max((largest(d.high, game) for d in ir.walk(game) if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None), default=e.type.high)
+            return max(
+                (largest(d.high, game) for d in ir.walk(game) if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None),
+                default=e.type.high,
+            )
         case _:
             return e.type.high
 

@@ -5,12 +5,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.layout import Layout, Table
 from sjdsl.compiler.identifiers import identifier
+from sjdsl.compiler.layout import Layout, Table
 from sjdsl.compiler.lower.values import Axis, Value, both, literal
 from sjdsl.compiler.program import KERNELS, Constant, Line, Names
 from sjdsl.compiler.source import Span
-
 
 RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "np", "struct", "reset", "step", "observe", "measures",

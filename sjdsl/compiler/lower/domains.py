@@ -129,7 +129,11 @@ def sites_in(place: ir.Near, kinds: tuple[str, ...], frame: Frame, w: Writer, na
             site = Value(f"{constant}[{anchor.site.text}]", "i32", (*anchor.site.axes, axis))
         return site, axis, binary("<", site, literal(size, "i32"), "bool")
     swept = sweep(place, frame, w)
-    table = w.module.constant("site_of_" + "_".join(kinds), layout.site_table(kinds), f"number of each cell among {', '.join(kinds)}; past the end: none")
+    table = w.module.constant(
+        "site_of_" + "_".join(kinds),
+        layout.site_table(kinds),
+        f"number of each cell among {', '.join(kinds)}; past the end: none",
+    )
     site = w.keep(label, Value(f"{table}[{wrapped(swept.cells)}]", "i32", swept.cells.axes))
     there = both(binary("<", site, literal(size, "i32"), "bool"), swept.ok if _has_inner_blocks(shape, w) else None)
     assert there is not None
@@ -191,7 +195,11 @@ def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value
     if axis.size > 32:
         raise NotSupported(f"a shape of {axis.size} cells that something on the map blocks (at most 32)", shape.origin)
     text = "u8" if axis.size <= 8 else "u32"
-    table = w.module.constant(f"{ident}_reach", layout.reach_table(shape), f"cells of {shape.name} not behind what blocks it: bits by cell and heading")
+    table = w.module.constant(
+        f"{ident}_reach",
+        layout.reach_table(shape),
+        f"cells of {shape.name} not behind what blocks it: bits by cell and heading",
+    )
     bits = Value(f"{table}[{wrapped(at)} * 4 + {facing.text}]", text, at.axes)
     shifted = binary(">>", bits, iota(axis, text), text)
     return w.keep(f"{ident}_reached", binary("!=", binary("&", shifted, literal(1, text), text), literal(0, text), "bool"))
@@ -218,7 +226,11 @@ def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: A
     """Returns which of the cells are of a kind and block, by the state of the snapshot."""
     layout = w.module.layout
     size = layout.num_cells((kind.name,))
-    table = w.module.constant(f"site_of_{kind.name}", layout.site_table((kind.name,)), f"number of each cell among {kind.name}; past the end: none")
+    table = w.module.constant(
+        f"site_of_{kind.name}",
+        layout.site_table((kind.name,)),
+        f"number of each cell among {kind.name}; past the end: none",
+    )
     site = Value(f"{table}[{wrapped(cells)}]", "i32", cells.axes)
     if agent is None and any(isinstance(n, ir.Member) and n.who == "agent" for n in ir.walk(block)):
         raise NotSupported("a shape blocked by a condition on the agent", block.origin)
@@ -254,4 +266,7 @@ def agents_in(place: ir.Near, variable: AgentVar, frame: Frame, w: Writer) -> Va
     here += f"{mine.text}[{', '.join(['None'] * len(cells.axes))}, :]"
     if ok is not None:
         here = f"({here}) & {wrapped(ok)}[{', '.join([':'] * len(ok.axes) + ['None'])}]"
-    return w.keep("in_" + "".join(c if c.isalnum() else "_" for c in place.shape).strip("_"), Value(f"jnp.any({here}, axis={len(cells.axes) - 1})", "bool", axes))
+    return w.keep(
+        "in_" + "".join(c if c.isalnum() else "_" for c in place.shape).strip("_"),
+        Value(f"jnp.any({here}, axis={len(cells.axes) - 1})", "bool", axes),
+    )

@@ -6,7 +6,7 @@ from sjdsl.compiler.lower.expressions import lower, real
 from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped
 
 
-def words(stream: int, frame: Frame, w: Writer, extra: tuple[Axis, int] | None = None) -> Value:
+def words(stream: int, frame: Frame, extra: tuple[Axis, int] | None = None) -> Value:
     """Returns one word an instance; with `extra` one for each member of that axis too (numbered inside the instance)."""
     digits = [*frame.digits]
     if extra is not None:
@@ -34,7 +34,7 @@ def _unsigned(number: Value) -> str:
 
 def chances(s: ir.Chance, frame: Frame, w: Writer) -> tuple[list[Value], Value]:
     """Returns when each branch of a chain happens, and when none does: one word, compared with rising thresholds."""
-    word = binary(">>", words(s.stream, frame, w), literal(1, "u32"), "u32")
+    word = binary(">>", words(s.stream, frame), literal(1, "u32"), "u32")
     word = w.keep("word", word) if len(s.branches) > 1 or s.otherwise else word
     happens: list[Value] = []
     before: Value | None = None
@@ -44,7 +44,11 @@ def chances(s: ir.Chance, frame: Frame, w: Writer) -> tuple[list[Value], Value]:
             limit = Value(f"threshold({_array(p)})", "u32", p.axes)
         else:
             axes = union(before.axes, p.axes)
-            limit = Value(f"next_threshold({aligned(before, axes)}, {_array(Value(aligned(p, axes), 'f32', axes, literal=p.literal))})", "u32", axes)
+            limit = Value(
+                f"next_threshold({aligned(before, axes)}, {_array(Value(aligned(p, axes), 'f32', axes, literal=p.literal))})",
+                "u32",
+                axes,
+            )
         if len(s.branches) > 1:
             limit = w.keep("limit", limit)
         hit = binary("<", word, limit, "bool")
@@ -64,7 +68,7 @@ def _array(p: Value) -> str:
 
 def draw(s: ir.Draw, frame: Frame, w: Writer) -> Value:
     """Returns a drawn number or word."""
-    word = words(s.stream, frame, w)
+    word = words(s.stream, frame)
     if s.words and not s.weights:
         return w.keep(s.name, Value(f"below({word.text}, {len(s.words)}).astype(jnp.uint8)", "u8", word.axes))
     if s.weights:

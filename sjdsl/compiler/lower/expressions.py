@@ -127,7 +127,11 @@ def attribute(e: ir.Attribute, frame: Frame, w: Writer) -> Value:
             return replace(reads.heading(who), text=f"{reads.heading(who).text}.astype(jnp.uint8)", dtype="u8")
         case "moved":
             stored = Value("state.moved", "bool")
-            return replace(stored, axes=(who.axis,)) if who.axis else replace(stored, text=f"state.moved[{who.index.text}]", axes=who.index.axes)
+            return (
+                replace(stored, axes=(who.axis,))
+                if who.axis
+                else replace(stored, text=f"state.moved[{who.index.text}]", axes=who.index.axes)
+            )
         case "away":
             here = reads.present(who, w)
             return literal(False, "bool") if here is None else invert(here)

@@ -21,7 +21,11 @@ def move(s: ir.Move, frame: Frame, w: Writer) -> None:
     assert isinstance(agent, AgentVar)
     actions = game.agents.actions
     turn = w.module.constant("turn", np.array([TURNS.get(a, 0) for a in actions], np.int32), "quarter turns to the right by action")
-    step = w.module.constant("step_by", np.array([STEPS.get(a, NO_STEP) for a in actions], np.int32), "direction of a step by action; 4: none")
+    step = w.module.constant(
+        "step_by",
+        np.array([STEPS.get(a, NO_STEP) for a in actions], np.int32),
+        "direction of a step by action; 4: none",
+    )
     table = w.module.constant("next_cell", layout.next_table, "where a step leads, by cell and direction; the cell itself if blocked")
     chosen = "actions" if inner.mask is None else f"jnp.where({inner.mask.text}, actions, {actions.index('stay')})"
     chosen = w.keep("chosen", Value(chosen, "i32")).text

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.layout import Table
 from sjdsl.compiler.lower import reads
@@ -147,7 +145,12 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     shown, shift = raw, 0
     for look in found:  # looks before this one may show more or fewer values than are painted
         if look.final - look.raw != shift:
-            step = binary("*", Value(f"({raw.text} >= {look.raw}).astype(jnp.uint8)", "u8", axes), literal(look.final - look.raw - shift, "u8"), "u8")
+            step = binary(
+                "*",
+                Value(f"({raw.text} >= {look.raw}).astype(jnp.uint8)", "u8", axes),
+                literal(look.final - look.raw - shift, "u8"),
+                "u8",
+            )
             shown, shift = binary("+", shown, step, "u8"), look.final - look.raw
     for look in found:
         if not look.same:

@@ -60,7 +60,7 @@ def storage(declared: ir.VarField, w: Writer) -> str:
             return "u8"
         case "int":
             high = timer_bound(declared, w.module.game) if declared.timer else type_.high
-            return "u8" if 0 <= type_.low and high <= 255 else "i32"
+            return "u8" if type_.low >= 0 and high <= 255 else "i32"
         case "real":
             return "f32"
         case "agent":
@@ -105,7 +105,9 @@ def present(owner: AgentVar, w: Writer) -> Value | None:
 
 def cell(owner: CellVar, w: Writer) -> Value:
     """Returns the cells of a cell variable in the frame."""
-    name = w.module.constant("cells_" + "_".join(owner.kinds), w.module.layout.cells_table(owner.kinds), f"cells of {', '.join(owner.kinds)}")
+    name = w.module.constant(
+        "cells_" + "_".join(owner.kinds), w.module.layout.cells_table(owner.kinds), f"cells of {', '.join(owner.kinds)}"
+    )
     if owner.axis is not None:
         return Value(name, "i32", (owner.axis,))
     return Value(f"{name}[{owner.site.text}]", "i32", owner.site.axes)

@@ -60,7 +60,7 @@ def _per_agent(e: ir.Expr, frame: Frame, w: Writer) -> Value:
         hit = reduce("any", mask, tuple(a for a in frame.axes if a != who.axis))
         return hit if hit.axes else Value(f"jnp.full({n}, {hit.text})", "bool")
     at = select(frame.mask, who.index, literal(n, "i32"))
-    return Value(f"jnp.zeros({n}, bool).at[{at.text}].set(True, mode=\"drop\")", "bool")
+    return Value(f'jnp.zeros({n}, bool).at[{at.text}].set(True, mode="drop")', "bool")
 
 
 def _delays(s: ir.Send, delay: Value, frame: Frame, w: Writer) -> str:
@@ -78,7 +78,7 @@ def _delays(s: ir.Send, delay: Value, frame: Frame, w: Writer) -> str:
         return w.keep("delay", delay).text
     n = w.module.num_agents
     at = select(frame.mask, who.index, literal(n, "i32"))
-    return w.keep("delay", Value(f"jnp.zeros({n}, jnp.int32).at[{at.text}].set({delay.text}, mode=\"drop\")", "i32")).text
+    return w.keep("delay", Value(f'jnp.zeros({n}, jnp.int32).at[{at.text}].set({delay.text}, mode="drop")', "i32")).text
 
 
 def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:

@@ -15,7 +15,20 @@ from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.expressions import lower, owner, real, to_words
 from sjdsl.compiler.lower.movement import move
 from sjdsl.compiler.lower.sending import Sends
-from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, invert, literal, reduce, select, union, wrapped
+from sjdsl.compiler.lower.values import (
+    Axis,
+    Value,
+    aligned,
+    as_dtype,
+    binary,
+    both,
+    invert,
+    literal,
+    reduce,
+    select,
+    union,
+    wrapped,
+)
 from sjdsl.compiler.lower.writes import add, set_
 
 
@@ -144,7 +157,7 @@ def deliver(attribute: str, column: str, got: Value | tuple[Value, Value], w: Wr
         values = aligned(amount, axes) if amount.axes else amount.text
         if index != ids.text or (amount.axes and amount.axes != axes):
             index = f"jnp.broadcast_to({index}, ({shape},))"
-        w.accumulate(attribute, f"{before}.at[{index}{column}].add({values}, mode=\"drop\")")
+        w.accumulate(attribute, f'{before}.at[{index}{column}].add({values}, mode="drop")')
     elif column:
         w.accumulate(attribute, f"{before}.at[:{column}].add({got.text})")
     else:

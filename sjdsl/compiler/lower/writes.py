@@ -8,7 +8,19 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, attribute_name
 from sjdsl.compiler.lower.expressions import lower, owner, to_words
-from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, literal, reduce, select, union, wrapped
+from sjdsl.compiler.lower.values import (
+    Axis,
+    Value,
+    aligned,
+    as_dtype,
+    binary,
+    both,
+    literal,
+    reduce,
+    select,
+    union,
+    wrapped,
+)
 
 
 def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
@@ -54,7 +66,11 @@ def targets(target: ir.FieldRead, frame: Frame, w: Writer) -> list[tuple[ir.VarF
     for kind in who.kinds:
         table = layout.site_of((kind,))[layout.cells(who.kinds)]
         table = np.append(table, len(layout.cells((kind,)))).astype(np.int32)
-        name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, f"number among {kind} of each cell of the group; past the end: none")
+        name = w.module.constant(
+            f"{'_'.join(who.kinds)}_to_{kind}",
+            table,
+            f"number among {kind} of each cell of the group; past the end: none",
+        )
         text = f"{name}[:-1]" if who.axis is not None else f"{name}[{who.site.text}]"
         axes = (who.axis,) if who.axis is not None else who.site.axes
         found.append((w.module.field(target, kind), CellVar(Value(text, "i32", axes), (kind,)), frame))
@@ -90,7 +106,11 @@ def write(
 
 def _settled(value: Value, frame: Frame, over: tuple[Axis, ...]) -> Value:
     """All instances that reach one target have one value: the one of any instance that happens."""
-    masked = select(frame.mask, as_dtype(value, "i32") if value.dtype in ("u8", "bool") else value, literal(0, "i32" if value.dtype != "f32" else "f32"))
+    masked = select(
+        frame.mask,
+        as_dtype(value, "i32") if value.dtype in ("u8", "bool") else value,
+        literal(0, "i32" if value.dtype != "f32" else "f32"),
+    )
     gone = tuple(a for a in over if a in masked.axes)
     where = [masked.axes.index(a) for a in gone]
     text = f"jnp.max({masked.text}, axis={tuple(where)})"
@@ -98,7 +118,15 @@ def _settled(value: Value, frame: Frame, over: tuple[Axis, ...]) -> Value:
     return as_dtype(Value(text, masked.dtype, kept), value.dtype)
 
 
-def _entries(before: Value, mask: Value | None, keys: tuple[ir.Expr, ...], target: ir.FieldRead, value: Value, frame: Frame, w: Writer) -> Value:
+def _entries(
+    before: Value,
+    mask: Value | None,
+    keys: tuple[ir.Expr, ...],
+    target: ir.FieldRead,
+    value: Value,
+    frame: Frame,
+    w: Writer,
+) -> Value:
     """Returns the field with the value in its place: the whole, or one entry of a row."""
     if mask is not None and mask.text == "False":
         return before
@@ -132,13 +160,23 @@ def _with_levels(mask: Value, axes: tuple[Axis, ...], levels: int) -> str:
 
 
 def _filled(before: Value, value: Value) -> Value:
-    return replace(before, text=f"jnp.full_like({before.text}, {value.text})") if not value.axes and not value.levels else select(
-        literal(True, "bool"), value, before
+    return (
+        replace(before, text=f"jnp.full_like({before.text}, {value.text})")
+        if not value.axes and not value.levels
+        else select(literal(True, "bool"), value, before)
     )
 
 
 def _scatter(
-    attribute: str, index: Value, size: int, keys: tuple[ir.Expr, ...], target: ir.FieldRead, value: Value, levels: int, frame: Frame, w: Writer
+    attribute: str,
+    index: Value,
+    size: int,
+    keys: tuple[ir.Expr, ...],
+    target: ir.FieldRead,
+    value: Value,
+    levels: int,
+    frame: Frame,
+    w: Writer,
 ) -> None:
     """Writes at computed places; instances that do not happen write past the end."""
     axes = union(index.axes, () if frame.mask is None else frame.mask.axes, value.axes)
@@ -158,7 +196,7 @@ def _scatter(
     value_text = aligned(value, axes) if value.axes and value.axes != axes else value.text
     if levels and not keys and value.axes and not value.levels:
         value_text = f"{wrapped(replace(value, text=value_text))}[{', '.join([':'] * len(axes) + ['None'] * levels)}]"
-    w.assign(attribute, f"{w.current(attribute)}.at[{at_text}{column}].set({value_text}, mode=\"drop\")")
+    w.assign(attribute, f'{w.current(attribute)}.at[{at_text}{column}].set({value_text}, mode="drop")')
 
 
 def add(s: ir.Add, frame: Frame, w: Writer) -> None:
@@ -174,7 +212,13 @@ def add(s: ir.Add, frame: Frame, w: Writer) -> None:
 
 
 def _add_number(
-    declared: ir.VarField, who: AgentVar | CellVar | None, keys: tuple[ir.Expr, ...], target: ir.FieldRead, value: Value, frame: Frame, w: Writer
+    declared: ir.VarField,
+    who: AgentVar | CellVar | None,
+    keys: tuple[ir.Expr, ...],
+    target: ir.FieldRead,
+    value: Value,
+    frame: Frame,
+    w: Writer,
 ) -> None:
     attribute = attribute_name(declared)
     masked = _masked(value, frame)
@@ -187,7 +231,12 @@ def _add_number(
     if who is None or who.axis is not None:
         axis = () if who is None else (who.axis,)
         total = reduce("sum", masked, tuple(a for a in frame.axes if a not in axis))
-        sums.append(w.keep(f"{attribute}_added", replace(total, text=aligned(total, axis) if total.axes else total.text, axes=axis if total.axes else ())))  # type: ignore[arg-type]
+        sums.append(
+            w.keep(
+                f"{attribute}_added",
+                replace(total, text=aligned(total, axis) if total.axes else total.text, axes=axis if total.axes else ()),
+            )
+        )  # type: ignore[arg-type]
         return
     index = who.index if isinstance(who, AgentVar) else who.site
     size = w.module.num_agents if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
@@ -201,7 +250,7 @@ def _add_number(
     zero = f"jnp.zeros(({dims},), {'jnp.float32' if total.dtype == 'f32' else 'jnp.int32'})"
     amount = total.text if not total.axes else (aligned(total, axes) if not total.levels else _row_aligned(total, axes))
     shape = (Axis(f"all of {attribute}", size, 0),)
-    sums.append(w.keep(f"{attribute}_added", Value(f"{zero}.at[{at}].add({amount}, mode=\"drop\")", total.dtype, shape, levels)))
+    sums.append(w.keep(f"{attribute}_added", Value(f'{zero}.at[{at}].add({amount}, mode="drop")', total.dtype, shape, levels)))
 
 
 def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> str:
@@ -216,7 +265,11 @@ def _masked(value: Value, frame: Frame) -> Value:
     mask = frame.mask
     if value.levels:
         axes = union(mask.axes, value.axes)
-        text = f"{wrapped(replace(mask, text=aligned(mask, axes)))}[{', '.join([':'] * len(axes) + ['None'] * value.levels)}]" if mask.axes else mask.text
+        text = (
+            f"{wrapped(replace(mask, text=aligned(mask, axes)))}[{', '.join([':'] * len(axes) + ['None'] * value.levels)}]"
+            if mask.axes
+            else mask.text
+        )
         row = _row_aligned(value, axes)
         return Value(f"jnp.where({text}, {row}, 0)", value.dtype, axes, value.levels)
     return select(mask, value, literal(0, value.dtype))
@@ -248,7 +301,7 @@ def _add_member(s: ir.Add, declared: ir.VarField, who: AgentVar | CellVar | None
     at = select(frame.mask, index, literal(size, "i32"))
     shape = ", ".join(str(a.size) for a in axes)
     places = [f"jnp.broadcast_to({aligned(x, axes)}, ({shape},))" if x.axes != axes else x.text for x in (at, member)]
-    table = f"jnp.zeros(({size}, {n}), bool).at[{places[0]}, {places[1]}].set(True, mode=\"drop\")"
+    table = f'jnp.zeros(({size}, {n}), bool).at[{places[0]}, {places[1]}].set(True, mode="drop")'
     name = w.keep(f"{attribute}_joined", Value(table, "bool"))
     text = f"{w.current(attribute)} | as_bits({name.text}, {dtype})"
     w.late.append((attribute, text, name.text))

@@ -1,6 +1,6 @@
 """Optimisation of the typed IR: small passes in a visible order; none changes a draw or a value.
 
-    ir.Game -> ir.Game
+ir.Game -> ir.Game
 """
 
 from collections.abc import Callable

@@ -1,6 +1,6 @@
 """Drops sentences that can never happen.
 
-    chance 0 { … } otherwise { A }   ->   A          each wall { … } on a map without walls   ->   (nothing)
+chance 0 { … } otherwise { A }   ->   A          each wall { … } on a map without walls   ->   (nothing)
 """
 
 from typing import Any

@@ -1,6 +1,6 @@
 """Drops values nobody reads: `let`, and draws (their streams are their own, so no other draw changes).
 
-    let near = count(…)  set soil.fruit = ripe   ->   set soil.fruit = ripe
+let near = count(…)  set soil.fruit = ripe   ->   set soil.fruit = ripe
 """
 
 from typing import Any
