@@ -28,7 +28,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     for entry in _flat(value):
         if not low - 1e-9 <= entry <= high + 1e-9:
             facts = {"value": f"{entry:g}", "low": f"{low:g}", "high": f"{high:g}"}
-            scope.problems.add(errors.OUT_OF_LIMITS, declared.value.span, name=declared.name.text, **facts)
+            scope.problems.add(errors.OUT_OF_LIMITS, declared.value.span, name=f"`{declared.name.text}`", **facts)
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
     name = declared.name.text

@@ -9,6 +9,7 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.constants import constant
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import build, condition, fixed, interval_text, wrong_type
+from sjdsl.compiler.names import AGENT_ATTRIBUTES, CELL_ATTRIBUTES
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Problems, Scope, Static
 from sjdsl.compiler.source import Span
@@ -38,7 +39,7 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
         _override_agents(game, overrides, num_agents, problems)
     scope = Scope(static, problems)
     for declared in game.constants.values():
-        with problems.survive():
+        with problems.survive(static.broken, declared.name.text):
             constant(declared, scope, overrides.get(declared.name.text))
     return static
 
@@ -100,28 +101,39 @@ def _check_names(game: Composition, static: Static, problems: Problems) -> None:
 
 def declare_world(game: Composition, static: Static, problems: Problems) -> Declarations:
     """Adds shapes, kinds, groups, agents and fields to the tables."""
+    _check_counts(game, problems)
     made = Declarations(static)
     scope = Scope(static, problems)
     for shape in game.shapes.values():
-        with problems.survive():
+        with problems.survive(static.broken, f"shape {shape.name.text}"):
             static.shapes[shape.name.text] = shapes.declared(shape, scope)
     with problems.survive():
         _number_of_agents(game, scope)
     for kind in game.kinds.values():
-        with problems.survive():
+        with problems.survive(static.broken, kind.name.text):
             fields = fields_of(kind.attributes, scope, "cell", kind.name.text)
             static.kinds[kind.name.text] = ir.Kind(name=kind.name.text, glyph=kind.glyph.text, fields=fields, origin=kind.span)
             _glyphs(kind, made, scope)
     for group in game.groups.values():
-        with problems.survive():
+        with problems.survive(static.broken, group.name.text):
             static.groups[group.name.text] = tuple(_kind(name, scope) for name in group.kinds)
     for declared in game.fields.values():
-        with problems.survive():
+        with problems.survive(static.broken, declared.name.text):
             made_field = one_field(declared, scope, "world", "")
             static.fields[made_field.name] = made_field
     with problems.survive():
         made.agents = _agents(game, scope)
     return made
+
+
+def _check_counts(game: Composition, problems: Problems) -> None:
+    fields = [a for k in game.kinds.values() for a in k.attributes if isinstance(a, ast.Field | ast.Timer)]
+    counts = (
+        ("kinds", len(game.kinds), limits.MAX_KINDS),
+        ("fields", len(fields) + len(game.fields) + len(game.agent_fields), limits.MAX_FIELDS),
+        ("phases", len(game.phases), limits.MAX_PHASES),
+    )
+    problems.found += [limits.too_much(what, given, limit, game.span) for what, given, limit in counts if given > limit]
 
 
 def _kind(name: ast.Name, scope: Scope) -> str:
@@ -192,6 +204,11 @@ def fields_of(attributes: tuple[object, ...], scope: Scope, place: str, kind: st
 
 def one_field(declared: ast.Field | ast.Timer, scope: Scope, place: str, kind: str) -> ir.VarField:
     """Returns one field with its type and starting value."""
+    taken = AGENT_ATTRIBUTES if place == "agent" else CELL_ATTRIBUTES if place == "cell" else ()
+    if declared.name.text in taken:
+        what = "a field of the agents" if place == "agent" else "a field of a kind"
+        problem = "every agent has it already" if place == "agent" else "every cell has it already"
+        scope.problems.add(errors.BAD_NAME, declared.name.span, name=declared.name.text, what=what, problem=problem)
     common = {"name": declared.name.text, "place": place, "kind": kind, "origin": declared.span}
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)

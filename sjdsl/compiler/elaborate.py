@@ -13,6 +13,7 @@ from sjdsl.compiler.conflicts import check_conflicts
 from sjdsl.compiler.declare import Declarations, blocks, declare_numbers, declare_world, forbids
 from sjdsl.compiler.diagnostics import Diagnostic
 from sjdsl.compiler.expressions import number
+from sjdsl.compiler.identifiers import STATE, state_names
 from sjdsl.compiler.phases import schedule, start
 from sjdsl.compiler.placing import check_placing
 from sjdsl.compiler.promises import check_requires, checks, events, measures, requires
@@ -52,9 +53,10 @@ def _map(game: Composition, made: Declarations, overrides: Overrides, problems: 
         problems.add(errors.MISSING_PART, game.span, what="map", help='`map "maps/name.txt"` or `map { "…" }`')
         return ()
     span = game.map.span if game.map is not None else game.span
+    inline = game.map.rows if game.map is not None and overrides.rows is None else ()
     before = len(problems.found)
     rows = overrides.rows if overrides.rows is not None else read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
-    if len(problems.found) > before or not check_rows(rows, glyphs, span, problems):
+    if len(problems.found) > before or not check_rows(rows, glyphs, span, problems, inline):
         static.cells = dict.fromkeys(static.kinds, 1)
         static.map_rows = static.map_cols = 1
         return ()
@@ -111,6 +113,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         measures=measured,
         checks=promises,
     )
+    _check_attributes(built, problems)
     check_time(built, problems, game)
     for phase in (built.start, *built.schedule):
         if isinstance(phase, ir.Phase):
@@ -118,6 +121,17 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
     if rows and not any(d.code.severity == "error" for d in problems.found):
         check_placing(built, problems)
     return built
+
+
+def _check_attributes(built: ir.Game, problems: Problems) -> None:
+    """Two names must not become one attribute of the compiled state (`a_b.c` and `a.b_c`)."""
+    seen: dict[str, str] = dict.fromkeys(STATE, "the language")
+    for attribute, node in state_names(built):
+        if attribute in seen and node.origin is not None:
+            problem = f"the compiled state would have `{attribute}` twice (also of {seen[attribute]})"
+            name = getattr(node, "label", None) or getattr(node, "name", attribute)
+            problems.add(errors.BAD_NAME, node.origin, name=name, what="the name of this", problem=problem)
+        seen.setdefault(attribute, f"line {node.origin.line}" if node.origin else "another declaration")
 
 
 __all__ = ["Overrides", "Poisoned", "elaborate"]

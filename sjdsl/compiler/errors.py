@@ -124,7 +124,7 @@ REQUIRE_FALSE = Code(
     "change the numbers, or the requirement",
 )
 WRONG_TYPE = Code("SJ213", "Something else is wanted here", "{wanted} is wanted here, and this is {given}", "{help}")
-OUT_OF_LIMITS = Code("SJ214", "A number outside its limits", "`{name}` is {value}, outside {low} .. {high}", "")
+OUT_OF_LIMITS = Code("SJ214", "A number outside its limits", "{name} is {value}, outside {low} .. {high}", "")
 CROSSED = Code(
     "SJ215",
     "Bounds that can cross",
@@ -199,7 +199,7 @@ TWO_DESTINATIONS = Code(
 NO_FREE_CELL = Code(
     "SJ404",
     "There may be no free cell",
-    "up to {agents} agents are sent to {cells} cells of `{kind}`: there may be no free one",
+    "`{kind}` may have no free cell: up to {agents} agents come, and only {cells} cells are certain",
     "write `otherwise stay` after the destination",
 )
 MOVE_ALONE = Code(
@@ -228,7 +228,6 @@ TIMER_BOTH_SIDES = Code(
 )
 NEVER_HAPPENS = Code("SJ504", "This can never happen", "this can never happen: {problem}", "", "warning")
 UNUSED = Code("SJ505", "Never used", "{what} `{name}` is never used", "", "warning")
-NO_DRAW_HERE = Code("SJ506", "No place for a draw", "a draw has no place in {where}", "")
 FORBID_READS = Code(
     "SJ507",
     "What `forbid` may read",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from math import inf
 from typing import assert_never
 
-from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.arithmetic import arithmetic, compare, extreme, join_types
 from sjdsl.compiler.cases import case
 from sjdsl.compiler.names import index, member, path
@@ -212,6 +212,8 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
 def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     """Returns the kinds a kind or group name stands for."""
     kinds = scope.static.kinds_of(name.text)
+    if kinds is None and name.text in scope.static.broken:
+        raise Poisoned
     if kinds is None:
         from sjdsl.compiler.diagnostics import nearest
 
@@ -367,6 +369,14 @@ def define_use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) ->
     if len(arguments) != len(define.parameters):
         wanted = f"{len(define.parameters)} argument{'s' * (len(define.parameters) != 1)}"
         raise scope.problems.fail(errors.ARGUMENTS, name.span, name=name.text, wanted=wanted, given=len(arguments), help="")
+    scope.static.expansions += 1
+    if len(scope.defining) >= limits.MAX_DEFINES_DEEP or scope.static.expansions > limits.MAX_EXPANSIONS:
+        what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP
+        if scope.static.expansions > limits.MAX_EXPANSIONS:
+            what, limit = "uses of defines once they are written out", limits.MAX_EXPANSIONS
+        raise scope.problems.fail(
+            errors.TOO_MUCH, name.span, what=what, given="more", limit=limit, help="write the expression out with `let`"
+        )
     values = build_all(arguments, scope)
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
     inner = Scope(

@@ -1,8 +1,39 @@
-"""Names that may stand in generated code: checked, and clear of Python's own words."""
+"""Names that may stand in generated code: checked, and clear of Python's own words and of the module's."""
 
 import keyword
 import re
 
+from sjdsl.compiler import ir
+
+KERNELS = {
+    "sjdsl.runtime.counting": ("count_near", "occupied"),
+    "sjdsl.runtime.draws": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
+    "sjdsl.runtime.geometry": (
+        "blocking",
+        "cells_of",
+        "inside",
+        "lane_reach",
+        "near_masks",
+        "neighbours",
+        "next_cells",
+        "own_cell",
+        "painted",
+        "shape_offsets",
+        "site_numbers",
+        "values_of",
+    ),
+    "sjdsl.runtime.movement": ("resolve",),
+    "sjdsl.runtime.placing": ("choose", "pair", "place"),
+    "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
+    "sjdsl.runtime.view": ("paint", "planes_of", "windows"),
+}
+RESERVED = {
+    "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step", "observe", "measures", "tick", "allowed",
+    "allowed_actions", "episode_length", "initial_state", "no_outcome", "default_params",
+    *keyword.kwlist,
+    *(name for names in KERNELS.values() for name in names),
+}  # fmt: skip
+STATE = ("step", "position", "heading", "moved", "away", "away_pool", "away_facing")
 _IDENTIFIER = re.compile(r"[a-z_][a-z0-9_]*")
 _TAKEN = {"replace"}  # a method of flax.struct dataclasses
 
@@ -16,3 +47,22 @@ def identifier(name: str) -> str:
 def param_attribute(name: str) -> str:
     """Returns the attribute of Params or Outcome for a name of the game: with `_` after a Python word."""
     return identifier(name) + ("_" if keyword.iskeyword(name) or name in _TAKEN else "")
+
+
+def phase_function(name: str) -> str:
+    """Returns the function of a phase use: its name, with `_phase` after a name the module needs itself."""
+    return identifier(name) + ("_phase" if name in RESERVED else "")
+
+
+def attribute_name(field: ir.VarField) -> str:
+    """Returns the name of a field in State: `soil_fruit`, `agent_bag`, `world_trials`."""
+    prefix = {"cell": field.kind, "agent": "agent", "world": "world"}[field.place]
+    return identifier(f"{prefix}_{field.name}")
+
+
+def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
+    """Returns every attribute of State that comes from a name of the game, with its declaration."""
+    fields = [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
+    named: list[tuple[str, ir.Node]] = [(attribute_name(f), f) for f in fields]
+    phases = [p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase)]
+    return named + [(f"mark_{p.name}", p) for p in phases if any(isinstance(n, ir.Mark) for n in ir.walk(p))]

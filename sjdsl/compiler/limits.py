@@ -29,6 +29,8 @@ MAX_WORDS = 64  # in one set
 MAX_FIELDS = 128
 MAX_PHASES = 64
 MAX_TURNS = 128
+MAX_DEFINES_DEEP = 32  # a define that uses a define that …
+MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
 
 CHAINS = ("sum", "prod", "expr", "and_e")
 STATEMENTS = frozenset((

@@ -63,9 +63,11 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
 def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     """Reports a name that is no value: something else, or nothing at all."""
     static = scope.static
+    if name.text in static.broken:
+        return Poisoned()
     if static.kinds_of(name.text) or name.text == "agent":
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
-        wanted = f"a variable: there is no `each {name.text}` around this"
+        wanted = f"a variable of a sentence around (`each {name.text} …`)"
         return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, nearest="")
     if name.text in static.events:
         return scope.problems.fail(

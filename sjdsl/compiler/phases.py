@@ -4,6 +4,7 @@ from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import build
+from sjdsl.compiler.identifiers import phase_function
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.statements import PhaseUse, block
@@ -80,7 +81,7 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str]) ->
         label = f"{label} #{times + 1}"
     identifier = "_".join([name, *("".join(c if c.isalnum() else "_" for c in s) for s in shown)])
     identifier += f"_{times + 1}" if times else ""
-    return _use(phase, label, identifier, values, scope)
+    return _use(phase, label, phase_function(identifier), values, scope)
 
 
 def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:

@@ -7,29 +7,6 @@ import numpy as np
 
 from sjdsl.compiler.source import Span
 
-KERNELS = {
-    "sjdsl.runtime.counting": ("count_near", "occupied"),
-    "sjdsl.runtime.draws": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
-    "sjdsl.runtime.geometry": (
-        "blocking",
-        "cells_of",
-        "inside",
-        "lane_reach",
-        "near_masks",
-        "neighbours",
-        "next_cells",
-        "own_cell",
-        "painted",
-        "shape_offsets",
-        "site_numbers",
-        "values_of",
-    ),
-    "sjdsl.runtime.movement": ("resolve",),
-    "sjdsl.runtime.placing": ("choose", "pair", "place"),
-    "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
-    "sjdsl.runtime.view": ("paint", "planes_of", "windows"),
-}
-
 
 @dataclass(frozen=True)
 class Constant:

@@ -10,9 +10,10 @@ import numpy as np
 
 from sjdsl import __version__
 from sjdsl.compiler import ir
+from sjdsl.compiler.identifiers import KERNELS
 from sjdsl.compiler.lower import token_planes
 from sjdsl.compiler.print_ir import game as ir_text
-from sjdsl.compiler.program import KERNELS, Attribute, Constant, Function, Line, Program
+from sjdsl.compiler.program import Attribute, Constant, Function, Line, Program
 
 FORBIDDING = (
     "allowed = jnp.take_along_axis(allowed_actions(state, params), actions[:, None], axis=1)[:, 0]",

@@ -1,7 +1,7 @@
 """What names mean: the static tables of a game, the variables in scope, and the problems found so far."""
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast, ir
@@ -31,10 +31,13 @@ class Problems:
         return Poisoned()
 
     @contextmanager
-    def survive(self) -> Iterator[None]:
-        """Goes on after something that could not be built."""
-        with suppress(Poisoned):
+    def survive(self, broken: set[str] | None = None, name: str = "") -> Iterator[None]:
+        """Goes on after something that could not be built; its name joins `broken`, so that uses of it are not reported too."""
+        try:
             yield
+        except Poisoned:
+            if broken is not None:
+                broken.add(name)
 
 
 @dataclass
@@ -58,6 +61,8 @@ class Static:
     map_rows: int = 0
     map_cols: int = 0
     used: set[str] = field(default_factory=set)
+    broken: set[str] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
+    expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:

@@ -3,7 +3,7 @@
 from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import fixed
-from sjdsl.compiler.scope import Scope
+from sjdsl.compiler.scope import Poisoned, Scope
 
 Offset = tuple[int, int]
 BUILT_IN = {"line": ("n",), "fan": ("length", "radius"), "disc": ("r",), "diamond": ("r",), "square": ("r",)}
@@ -24,6 +24,8 @@ def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if ref.arguments is None:
         shape = static.shapes.get(ref.name.text)
         if shape is None:
+            if f"shape {ref.name.text}" in static.broken:
+                raise Poisoned
             near = nearest(ref.name.text, [*static.shapes, *BUILT_IN])
             raise scope.problems.fail(errors.UNKNOWN_NAME, ref.name.span, name=ref.name.text, nearest=near)
         static.used.add(f"shape {ref.name.text}")

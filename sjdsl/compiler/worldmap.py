@@ -69,8 +69,13 @@ def check_glyph(glyph: str) -> str:
     return "it is a blank" if glyph == " " else ""
 
 
-def check_rows(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems) -> bool:
-    """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound."""
+def check_rows(
+    rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems, inline: tuple[ast.String, ...] = ()
+) -> bool:
+    """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound.
+
+    `inline`: the rows as written in the game, to point at the very place.
+    """
     if not rows or not rows[0]:
         problems.add(errors.EMPTY_MAP, span)
         return False
@@ -83,7 +88,7 @@ def check_rows(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning], span: 
         return False
     for number, row in enumerate(rows):
         if len(row) != wanted:
-            problems.add(errors.RAGGED_MAP, span, row=number, length=len(row), wanted=wanted)
+            problems.add(errors.RAGGED_MAP, _place(inline, number, None, span), row=number, length=len(row), wanted=wanted)
             sound = False
     unknown: dict[str, tuple[int, int]] = {}
     for number, row in enumerate(rows):
@@ -93,8 +98,19 @@ def check_rows(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning], span: 
     for glyph, (number, column) in list(unknown.items())[:20]:
         other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
         shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
-        problems.add(errors.UNKNOWN_GLYPH, span, glyph=shown, row=number, column=column, nearest=other_case)
+        problems.add(errors.UNKNOWN_GLYPH, _place(inline, number, column, span), glyph=shown, row=number, column=column, nearest=other_case)
     return sound and not unknown
+
+
+def _place(inline: tuple[ast.String, ...], row: int, column: int | None, span: Span) -> Span:
+    """Returns the span of a row, or of one glyph of it, where the map stands in the game's own text."""
+    if row >= len(inline):
+        return span
+    whole = inline[row].span
+    plain = whole.end - whole.start == len(inline[row].text) + 2  # nothing escaped: characters stand where they seem to
+    if column is None or not plain:
+        return whole
+    return Span(whole.file, whole.start + 1 + column, whole.start + 2 + column, whole.line, whole.column + 1 + column)
 
 
 def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> dict[str, int]:

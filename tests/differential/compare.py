@@ -8,8 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import param_attribute
-from sjdsl.compiler.lower.context import attribute_name
+from sjdsl.compiler.identifiers import attribute_name, param_attribute
 from sjdsl.interpreter import observe as interpreter_view
 from sjdsl.interpreter.draws import Recorded, Threefry
 from sjdsl.interpreter.state import World, default_params
@@ -28,7 +27,9 @@ class Report:
     differences: list[str] = field(default_factory=list)
 
 
-def run(env: Environment, key: jax.Array, steps: int, actions: np.ndarray | None = None, params: Any = None, given: dict | None = None) -> Report:
+def run(
+    env: Environment, key: jax.Array, steps: int, actions: np.ndarray | None = None, params: Any = None, given: dict | None = None
+) -> Report:
     """Returns the first differences of `steps` steps from a reset, with random actions unless `actions` `[T, N]` are given.
 
     `params` for the compiled step and `given` for the interpreter are the same numbers.

@@ -8,11 +8,11 @@ Assumes a verified game; guarantees that every index stays in the padded frame a
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import param_attribute
+from sjdsl.compiler.identifiers import attribute_name, param_attribute
 from sjdsl.compiler.layout import Layout
 from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.content import marking_phases, token_planes
-from sjdsl.compiler.lower.context import AgentVar, Frame, Module, NotSupported, Writer, attribute_name, iota
+from sjdsl.compiler.lower.context import AgentVar, Frame, Module, NotSupported, Writer, iota
 from sjdsl.compiler.lower.expressions import lower as lower_expression
 from sjdsl.compiler.lower.movement import stores_moved
 from sjdsl.compiler.lower.observe import observe

@@ -5,16 +5,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import identifier
+from sjdsl.compiler.identifiers import RESERVED, attribute_name, identifier
 from sjdsl.compiler.layout import Layout, Table
 from sjdsl.compiler.lower.values import Axis, Value, both, literal
-from sjdsl.compiler.program import KERNELS, Constant, Line, Names
+from sjdsl.compiler.program import Constant, Line, Names
 from sjdsl.compiler.source import Span
-
-RESERVED = {
-    "state", "out", "params", "actions", "key", "jnp", "np", "struct", "reset", "step", "observe", "measures",
-    *(name for names in KERNELS.values() for name in names),
-}  # fmt: skip
 
 
 class NotSupported(Exception):
@@ -104,12 +99,6 @@ class Module:
 
     def shape(self, name: str) -> ir.Shape:
         return next(s for s in self.game.shapes if s.name == name)
-
-
-def attribute_name(field_: ir.VarField) -> str:
-    """Returns the name of a field in State: `soil_fruit`, `agent_bag`, `world_trials`."""
-    prefix = {"cell": field_.kind, "agent": "agent", "world": "world"}[field_.place]
-    return identifier(f"{prefix}_{field_.name}")
 
 
 @dataclass

@@ -3,10 +3,11 @@
 from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.identifiers import attribute_name
 from sjdsl.compiler.layout import Table
 from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.content import Look, looks, marking_phases
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, attribute_name, iota
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, iota
 from sjdsl.compiler.lower.expressions import lower, to_words
 from sjdsl.compiler.lower.values import Axis, Value, binary, literal, select, wrapped
 from sjdsl.runtime.geometry import own_cell

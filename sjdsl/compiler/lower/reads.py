@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, Writer, attribute_name
+from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, Writer
 from sjdsl.compiler.lower.values import Axis, Value, as_dtype, binary, literal, wrapped
 
 

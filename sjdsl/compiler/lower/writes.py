@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.identifiers import attribute_name
 from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, attribute_name
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer
 from sjdsl.compiler.lower.expressions import lower, owner, to_words
 from sjdsl.compiler.lower.values import (
     Axis,
