@@ -373,10 +373,10 @@ def define_use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) ->
     if len(scope.defining) >= limits.MAX_DEFINES_DEEP or scope.static.expansions > limits.MAX_EXPANSIONS:
         what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP
         if scope.static.expansions > limits.MAX_EXPANSIONS:
-            what, limit = "uses of defines once they are written out", limits.MAX_EXPANSIONS
-        raise scope.problems.fail(
-            errors.TOO_MUCH, name.span, what=what, given="more", limit=limit, help="write the expression out with `let`"
-        )
+            what, limit = "uses of defines, once those inside them are written out", limits.MAX_EXPANSIONS
+        if not any(d.code is errors.TOO_MUCH for d in scope.problems.found):
+            scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
+        raise Poisoned
     values = build_all(arguments, scope)
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
     inner = Scope(
