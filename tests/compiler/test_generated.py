@@ -1,0 +1,28 @@
+"""`generated/` is what the compiler writes: the golden of whole games."""
+
+from pathlib import Path
+
+import pytest
+
+from sjdsl.compiler import compile_source
+from sjdsl.compiler.read import read_source
+from sjdsl.games_folder import bundled, find_game
+
+GENERATED = Path(__file__).parent.parent.parent / "generated"
+
+
+@pytest.mark.parametrize("name", bundled())
+def test_generated_module_is_current(name: str) -> None:
+    written = (GENERATED / f"{name}.py").read_text(encoding="utf-8")
+    assert written == compile_source(read_source(find_game(name))), "run `sjdsl compile --all` and read the difference"
+
+
+def test_nothing_stray() -> None:
+    assert sorted(p.stem for p in GENERATED.glob("*.py")) == bundled()
+
+
+@pytest.mark.parametrize("name", bundled())
+def test_no_place_of_this_machine(name: str) -> None:
+    """A module depends on the game alone, not on where it was compiled."""
+    text = (GENERATED / f"{name}.py").read_text(encoding="utf-8")
+    assert str(Path(__file__).parent.parent.parent) not in text
