@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjdsl.compiler import Build, build, compile_build
+from sjdsl.compiler import Build, build, check, compile_build
 from sjdsl.compiler.diagnostics import CompileError, Diagnostic
 from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.report import render
 from sjdsl.compiler.source import Source
-from .blocks import Example, examples, frames, manual_blocks
+from .blocks import Example, examples, manual_blocks
 from .plays import Compiled, Interpreted, Play, View
 from .scripts import given_params, perform, read_script
 
@@ -33,18 +34,6 @@ def chosen(wanted: Callable[[Example], bool]) -> pytest.MarkDecorator:
         marks = [pytest.mark.xfail(reason=fault, strict=True)] if fault else []
         params.append(pytest.param(example, id=example.name, marks=marks))
     return pytest.mark.parametrize("example", params)
-
-
-@pytest.fixture(scope="session")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Returns a folder with the manual's games in files, for those that extend one."""
-    path = tmp_path_factory.mktemp("manual")
-    for name, text in frames().items():
-        (path / f"{name}.sj").write_text(text, encoding="utf-8")
-    for block in manual_blocks():
-        if "file" in block.info:
-            (path / block.info["file"]).write_text(block.text, encoding="utf-8")
-    return path
 
 
 def source_of(example: Example, folder: Path) -> Source:
@@ -64,11 +53,9 @@ def test_every_example_says_what_becomes_of_it():
 
 @chosen(lambda e: not e.said("error"))
 def test_example_compiles(example, folder):
-    found = built(example, folder).warnings
-    if example.frame is None and "frame" not in example.block.info:
+    found = [d for d in built(example, folder).warnings if d.span.file == f"{example.name}.sj"]
+    if example.frame is None and "frame" not in example.block.info or example.said("warning"):
         compare(example, found, example.said("warning"))
-    elif example.said("warning"):
-        compare(example, [d for d in found if d.span.file == f"{example.name}.sj"], example.said("warning"))
 
 
 @chosen(lambda e: bool(e.said("error")))
@@ -78,6 +65,23 @@ def test_example_is_refused(example, folder):
         with pytest.raises(CompileError) as refused:
             compile_build(build(source_of(example, folder), variants), source_of(example, folder))
         compare(example, [d for d in refused.value.diagnostics if d.code.severity == "error"], (block,))
+
+
+def test_errors_look_as_the_manual_shows_them(folder):
+    shown = [b for b in manual_blocks() if "shown" in b.info]
+    assert shown
+    for block in shown:
+        example = next(e for e in examples() if e.name == block.info["shown"])
+        source = source_of(example, folder)
+        assert render(check(source), {source.name: source}, colour=False).strip() == block.text.strip()
+
+
+@pytest.mark.slow
+def test_the_python_of_the_manual_runs(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    for block in (b for b in manual_blocks() if b.language == "python"):
+        exec(compile(block.text, f"line {block.line}", "exec"), {})
+    assert "turn_left" in capsys.readouterr().out
 
 
 def compare(example: Example, found: Sequence[Diagnostic], blocks: Sequence) -> None:
