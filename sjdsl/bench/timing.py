@@ -99,9 +99,7 @@ def compile_step(env: Environment, name: str = "") -> Compilation:
     return Compilation(name or env.name, time.perf_counter() - began, len(lowered.as_text().splitlines()))
 
 
-def _race(
-    tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], None]
-) -> list[Speed]:
+def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], None]) -> list[Speed]:
     """Measures all tasks at one number of environments; the first of them is the yardstick."""
     loops, compile_s = [], []
     for task in tasks:

@@ -132,8 +132,6 @@ def _observe(position: Array, heading: Array, ripe: Array, beam: Array, zap: Arr
     def window(row: Array, col: Array, facing: Array) -> Array:
         around = jax.lax.dynamic_slice(grid, (row - 9, col - 9), (19, 19))
         turned = [jnp.rot90(around, k)[0:11, 4:15] for k in range(4)]
-        return jnp.where(
-            facing == 0, turned[0], jnp.where(facing == 1, turned[1], jnp.where(facing == 2, turned[2], turned[3]))
-        )
+        return jnp.where(facing == 0, turned[0], jnp.where(facing == 1, turned[1], jnp.where(facing == 2, turned[2], turned[3])))
 
     return jax.vmap(window)(position // COLS, position % COLS, heading)

@@ -31,14 +31,10 @@ class Counts(click.ParamType):
 
 @click.command("bench")
 @click.argument("games", nargs=-1, metavar="[GAME...]")
-@click.option(
-    "--envs", type=Counts(), default="1,128,1024,4096", show_default=True, help="Numbers of environments at once."
-)
+@click.option("--envs", type=Counts(), default="1,128,1024,4096", show_default=True, help="Numbers of environments at once.")
 @click.option("--observation", type=click.Choice(["tokens", "onehot"]), default="tokens", show_default=True)
 @click.option("--repeats", type=click.IntRange(min=1), default=5, show_default=True, help="Rounds of timings.")
-@click.option(
-    "--steps", type=click.IntRange(min=1), help="Steps of one timing; by default about 40,000 environment steps."
-)
+@click.option("--steps", type=click.IntRange(min=1), help="Steps of one timing; by default about 40,000 environment steps.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well.")
 @variant_option
 def command(
@@ -66,9 +62,7 @@ def command(
         tasks.append(game_task(env, f"{env.name}+{variant}" if variant else env.name))
     status = Console(stderr=True).status("compiling") if Console(stderr=True).is_terminal else nullcontext()
     with status as shown:
-        report = measure(
-            tasks, envs, repeats, lambda n: steps or steps_for(n), shown.update if shown else lambda _: None
-        )
+        report = measure(tasks, envs, repeats, lambda n: steps or steps_for(n), shown.update if shown else lambda _: None)
     console = Console()
     print_report(report, console if console.is_terminal else Console(width=140))
     if json_file:

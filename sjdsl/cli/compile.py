@@ -35,9 +35,7 @@ class Module:
 @click.argument("files", nargs=-1, metavar="FILE...")
 @click.option("--all", "everything", is_flag=True, help="All bundled games.")
 @click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
-@click.option(
-    "--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date."
-)
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date.")
 @variant_option
 @map_option
 def command(
@@ -115,9 +113,7 @@ def _report_differences(modules: list[Module], strays: list[Path]) -> int:
     problems += [f"{path} is made by no game" for path in strays]
     for problem in problems:
         click.echo(problem)
-    click.echo(
-        "compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date"
-    )
+    click.echo("compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date")
     return int(bool(problems))
 
 

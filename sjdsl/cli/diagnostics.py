@@ -12,9 +12,7 @@ from sjdsl.compiler.read import read_source
 from sjdsl.compiler.source import Source
 
 
-def print_diagnostics(
-    found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False
-) -> None:
+def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False) -> None:
     """Prints diagnostics as a person reads them; texts that `sources` lacks are read from their files."""
     if not found:
         return

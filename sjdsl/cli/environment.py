@@ -17,9 +17,7 @@ Command = Callable[..., Any]
 
 def environment_options(command: Command) -> Command:
     """Adds --variant, --map, --agents and --param to a command; they arrive as `variant`, `map_file`, `agents`, `params`."""
-    number = click.option(
-        "--agents", type=click.IntRange(min=1), metavar="N", help="Instead of the game's number of agents."
-    )
+    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="Instead of the game's number of agents.")
     params = click.option(
         "--param",
         "params",
@@ -42,9 +40,7 @@ def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
         for name in outer:
             inner = inner.setdefault(name.strip(), {})
             if not isinstance(inner, dict):
-                raise click.UsageError(
-                    f"`{name}` is given both as a whole and by word", click.get_current_context(silent=True)
-                )
+                raise click.UsageError(f"`{name}` is given both as a whole and by word", click.get_current_context(silent=True))
         inner[last.strip()] = _read_value(value.strip())
     return values
 

@@ -17,17 +17,11 @@ if TYPE_CHECKING:
 @click.option("-o", "output", metavar="FILE", help="A .gif, or a .png of the last step; by default GAME.gif.")
 @click.option("--steps", type=click.IntRange(min=0), default=100, show_default=True, help="Steps to play.")
 @click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Show one step of so many.")
-@click.option(
-    "--policy", default="random", show_default=True, metavar="P", help="random, stay, or the folder of a training run."
-)
+@click.option("--policy", default="random", show_default=True, metavar="P", help="random, stay, or the folder of a training run.")
 @click.option("--seed", type=int, default=0, show_default=True)
-@click.option(
-    "--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second."
-)
+@click.option("--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second.")
 @environment_options
-def command(
-    game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, **described: Any
-) -> None:
+def command(game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, **described: Any) -> None:
     """Plays GAME, a bundled one or a `.sj` file, and draws what happens."""
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix not in (".gif", ".png"):

@@ -28,9 +28,7 @@ def draw_agent(number: int, colour: Colour, heading: int, size: int, held: bool)
     return np.asarray(image.resize((size, size), Image.Resampling.BOX))
 
 
-def _write_number(
-    pen: ImageDraw.ImageDraw, number: int, corners: list[tuple[float, float]], side: int, fill: Colour
-) -> None:
+def _write_number(pen: ImageDraw.ImageDraw, number: int, corners: list[tuple[float, float]], side: int, fill: Colour) -> None:
     centre = tuple(sum(corner[axis] for corner in corners) / 3 * side for axis in (0, 1))
     font = ImageFont.load_default(side * (0.42 if number < 10 else 0.32))
     ink = PAPER if sum(w * c for w, c in zip((0.3, 0.59, 0.11), fill, strict=True)) < 150 else INK

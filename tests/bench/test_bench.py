@@ -103,9 +103,7 @@ def test_the_yardstick_plays() -> None:
     assert (tokens.shape, tokens.dtype) == ((7, 11, 11), "uint8")
 
 
-def test_the_command_prints_and_stores_a_table(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_prints_and_stores_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
     Path("meadow.sj").write_text(GAME)
     assert run(["bench", "meadow.sj", "--envs", "2", "--steps", "2", "--repeats", "1", "--json", "out.json"]) == 0

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import GAME, Sjdsl
+from command_line import GAME, Sjdsl
 
 WRONG = GAME.replace("send agent to floor", "send agent to flor").replace("each agent on soil", "each agnt on soil")
 WRONG_VARIANT = GAME.replace("set apple = 2", "set aple = 2")

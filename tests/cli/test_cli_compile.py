@@ -5,11 +5,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import GAME, Sjdsl
+from command_line import GAME, Sjdsl
 
 from sjdsl.games_folder import bundled
-
-REPOSITORY = Path(__file__).parents[2]
 
 
 def test_it_writes_a_module_and_says_so(sjdsl: Sjdsl, folder: Path) -> None:
@@ -89,10 +87,3 @@ def test_another_map(sjdsl: Sjdsl, folder: Path) -> None:
     assert "'......A'" in (folder / "generated/orchard.py").read_text()
     (folder / "odd.txt").write_text("...X\n")
     assert "`X`" in sjdsl("compile", "orchard.sj", "--map", "odd.txt").err
-
-
-@pytest.mark.skipif(not list((REPOSITORY / "generated").glob("*.py")), reason="nothing is generated yet")
-def test_the_generated_folder_is_up_to_date(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(REPOSITORY)
-    shown = sjdsl("compile", "--all", "--check")
-    assert shown.status == 0, shown.out

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 import pytest
-from conftest import Sjdsl
+from command_line import Sjdsl
 
 from sjdsl.cli import check, run
 

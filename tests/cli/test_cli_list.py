@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from conftest import Sjdsl
+from command_line import Sjdsl
 
 from sjdsl.compiler import STAGES
 from sjdsl.games_folder import bundled

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from conftest import Sjdsl
+from command_line import Sjdsl
 
 SMALL = ("total_timesteps=96", "num_envs=4", "num_steps=12", "num_minibatches=1", "num_epochs=1", "network=mlp")
 QUICK = [part for value in SMALL for part in ("--set", value)]

@@ -230,9 +230,7 @@ game wide "Wide" {{
     assert look.height * look.tile <= 600
 
 
-def test_the_command_writes_a_film(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_writes_a_film(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
     Path("yard.sj").write_text(GAME)
     assert run(["render", "yard.sj", "--steps", "2", "--policy", "stay", "-o", "below/yard.gif"]) == 0
