@@ -3,6 +3,7 @@
 from typing import Any
 
 from sjdsl.compiler import ir
+
 from .plays import HEADINGS, Place, View
 
 ARROWS = dict(zip("^>v<", HEADINGS, strict=True))

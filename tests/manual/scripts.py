@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
+
 from . import pictures
 from .blocks import Block
 from .plays import Play, View, plane_names
@@ -67,7 +68,9 @@ def given_params(game: ir.Game, given: dict[str, str]) -> dict[str, Any]:
         name, *words = re.findall(r"\w+", path)
         declared = next(p for p in game.params if p.name == name)
         value = text if declared.type.kind == "word" else np.float32(text) if declared.type.kind == "real" else int(text)
-        values[name] = _replaced(values.get(name, declared.value), [by.index(w) for by, w in zip(declared.type.by, words, strict=True)], value)
+        values[name] = _replaced(
+            values.get(name, declared.value), [by.index(w) for by, w in zip(declared.type.by, words, strict=True)], value
+        )
     return values
 
 
