@@ -4,5 +4,5 @@ import pytest
 
 
 @pytest.fixture(autouse=True)
-def strict(strict_jax: None) -> None:  # noqa: ARG001
+def strict(strict_jax: None) -> None:
     """Applies `strict_jax` to every test of this folder."""

@@ -295,7 +295,9 @@ def test_parameters_of_make() -> None:
 
 
 def test_vmap_over_parameters(env: Environment) -> None:
-    params = jax.vmap(lambda n, r: env.params.replace(length=n, regrow=r))(jnp.array([1, 6, 3], jnp.int32), jnp.array([0, 0.5, 1], jnp.float32))
+    params = jax.vmap(lambda n, r: env.params.replace(length=n, regrow=r))(
+        jnp.array([1, 6, 3], jnp.int32), jnp.array([0, 0.5, 1], jnp.float32)
+    )
     state, actions = env.reset(jax.random.key(0))[1].replace(step=jnp.int32(2)), random_actions(8)
     batch = jax.jit(jax.vmap(env.step, in_axes=(0, None, None, 0)))(keys(1, 3), state, actions, params)
     assert batch[3].tolist() == [True, False, True]

@@ -62,7 +62,9 @@ def test_random_moves_on_a_grid(agents: int) -> None:
 
 
 def test_every_move_of_three_agents_on_four_cells() -> None:
-    cases = [(p, t, w) for p in [(1, 2, 3)] for t in itertools.product(range(1, 5), repeat=3) for w in itertools.permutations((256, 512, 768))]
+    cases = [
+        (p, t, w) for p in [(1, 2, 3)] for t in itertools.product(range(1, 5), repeat=3) for w in itertools.permutations((256, 512, 768))
+    ]
     position, target, word = (np.array(column) for column in zip(*cases, strict=True))
     assert_equal_to_reference(position, target, word)
 

@@ -47,7 +47,9 @@ def test_place_by_hand() -> None:
 
 
 def test_place_takes_the_largest_rank_there_is() -> None:
-    found, placed = place(jnp.array([10, 20], jnp.int32), jnp.array([2**31, 2**31], jnp.uint32), jnp.array([1], jnp.int32), jnp.array([True]))
+    found, placed = place(
+        jnp.array([10, 20], jnp.int32), jnp.array([2**31, 2**31], jnp.uint32), jnp.array([1], jnp.int32), jnp.array([True])
+    )
     assert (found.tolist(), placed.tolist()) == ([10], [True])
 
 
@@ -81,7 +83,10 @@ def test_choose_is_uniform() -> None:
     assert ((counts - draws / 10) ** 2 / (draws / 10)).sum() < 45.08
 
 
-@pytest.mark.parametrize(("left", "right", "alike"), [(1, 1, False), (1, 1, True), (3, 5, False), (5, 3, False), (2, 2, True), (4, 4, True), (5, 5, True), (7, 7, True)])
+@pytest.mark.parametrize(
+    ("left", "right", "alike"),
+    [(1, 1, False), (1, 1, True), (3, 5, False), (5, 3, False), (2, 2, True), (4, 4, True), (5, 5, True), (7, 7, True)],
+)
 def test_pair(left: int, right: int, alike: bool) -> None:
     """Best pair first, nobody twice, and no pair left over whose two sides are free."""
     random = np.random.default_rng(10 * left + right)

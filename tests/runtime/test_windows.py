@@ -10,7 +10,14 @@ from sjdsl.runtime.view import paint, planes_of, windows
 from . import references
 
 # frame (rows, cols), then cells seen ahead, behind, to the left and to the right
-VIEWS = [((9, 9), (3, 1, 2, 2)), ((9, 14), (3, 1, 2, 2)), ((13, 8), (0, 2, 3, 1)), ((7, 20), (3, 0, 0, 3)), ((5, 5), (0, 0, 0, 0)), ((16, 11), (5, 3, 1, 4))]
+VIEWS = [
+    ((9, 9), (3, 1, 2, 2)),
+    ((9, 14), (3, 1, 2, 2)),
+    ((13, 8), (0, 2, 3, 1)),
+    ((7, 20), (3, 0, 0, 3)),
+    ((5, 5), (0, 0, 0, 0)),
+    ((16, 11), (5, 3, 1, 4)),
+]
 
 
 def naive(plane: np.ndarray, row: int, col: int, heading: int, view: tuple[int, int, int, int]) -> np.ndarray:
@@ -64,7 +71,9 @@ def test_windows_of_a_batch_are_those_of_each() -> None:
     def cut(plane: jax.Array, position: jax.Array, heading: jax.Array) -> jax.Array:
         return windows(plane, position, heading, ahead=3, behind=1, left=2, right=2)
 
-    np.testing.assert_array_equal(jax.vmap(cut)(planes, position, heading), jnp.stack([cut(planes[i], position[i], heading[i]) for i in range(6)]))
+    np.testing.assert_array_equal(
+        jax.vmap(cut)(planes, position, heading), jnp.stack([cut(planes[i], position[i], heading[i]) for i in range(6)])
+    )
 
 
 def test_paint_adds_bits() -> None:

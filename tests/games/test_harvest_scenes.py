@@ -1,0 +1,297 @@
+"""Harvest, scene by scene: apples that grow and are eaten, beams that send others home."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from .scenario import Scene, Stage
+
+LOOKS = {"A": ("soil", "fruit", "ripe"), "a": ("soil", "fruit", "none")}
+GROVE = Stage("harvest_open", ("AAAAAA", "AAAAAA", "AAAAAA", "AAAAAA", "AAAAA#", "AAAA#A", "QQPP.."), 2, LOOKS)
+SOIL = [(r, c) for r, row in enumerate(GROVE.rows) for c, glyph in enumerate(row) if glyph == "A"]
+HOME = "QQ^>.."  # two agents out of the way
+RATES = ("regrow_1", "regrow_2", "regrow_3")  # chances with one, two, three or more apples near
+FIELD = Stage("harvest_open", ("QQPPPP", "....#.", "......", "......", "......", "......"), 4)
+GATES = {(0, c) for c in range(2, 6)}
+PATIENT = Stage("harvest_open", ("QQPP", "....", "...."), 2, sizes=(("respawn_delay", 2),))
+
+# Source: SocialJax, harvest_open: the cells of a zap as (ahead, right) of the agent
+BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}
+
+
+def grove(*picture: str, rates: tuple[float, float, float] = (0, 0, 0), seed: int = 0, under: dict[int, str] | None = None) -> Scene:
+    return GROVE.put(*picture, seed=seed, under=under, **dict(zip(RATES, rates, strict=True)))
+
+
+def with_ripe(*ripe: tuple[int, int], rates: tuple[float, float, float]) -> Scene:
+    """Returns a scene with apples on these cells alone."""
+    rows = ["".join("A" if (r, c) in ripe else glyph.replace("A", "a") for c, glyph in enumerate(row)) for r, row in enumerate(GROVE.rows)]
+    return grove(*rows[:-1], HOME, rates=rates)
+
+
+def ripe(scene: Scene) -> set[tuple[int, int]]:
+    return {cell for cell, fruit in zip(SOIL, scene.values("soil", "fruit"), strict=True) if fruit == "ripe"}
+
+
+def near(cell: tuple[int, int]) -> set[tuple[int, int]]:
+    """Returns the soil within a distance of 2, the cell itself left out: at most 12 cells."""
+    return {(r, c) for r, c in SOIL if 0 < (r - cell[0]) ** 2 + (c - cell[1]) ** 2 <= 4}
+
+
+# Growth
+
+
+def test_apples_grow_where_one_is_near() -> None:
+    scene = with_ripe((2, 2), rates=(1, 1, 1)).step("stay")
+    scene.shows("aaAaaa", "aAAAaa", "AAAAAa", "aAAAaa", "aaAaa#", "aaaa#a", HOME)
+
+
+@pytest.mark.parametrize("cell", SOIL)
+def test_twelve_cells_are_near_also_at_edges(cell: tuple[int, int]) -> None:
+    """The cells for which one apple counts, walls between or not."""
+    assert ripe(with_ripe(cell, rates=(1, 1, 1)).step("stay")) == near(cell) | {cell}
+
+
+def test_each_number_of_apples_has_its_chance() -> None:
+    """The chances set to certainty one after the other, over random patches."""
+    random = np.random.default_rng(0)
+    for trial in range(12):
+        before = {cell for cell in SOIL if random.random() < 0.1 + 0.04 * trial}
+        counts = {cell: len(near(cell) & before) for cell in SOIL}
+        for rates, enough in (((0, 0, 0), set()), ((0, 0, 1), {*range(3, 13)}), ((0, 1, 1), {*range(2, 13)}), ((1, 1, 1), {*range(1, 13)})):
+            assert ripe(with_ripe(*before, rates=rates).step("stay")) == before | {c for c in SOIL if counts[c] in enough}
+        assert ripe(with_ripe(*before, rates=(0, 1, 0)).step("stay")) == before | {c for c in SOIL if counts[c] == 2}
+
+
+def test_nothing_grows_without_an_apple_near() -> None:
+    scene = with_ripe(rates=(1, 1, 1))
+    for _ in range(3):
+        assert ripe(scene.step("turn_left, turn_left")) == set()
+
+
+def test_cells_that_grow_together_do_not_see_each_other() -> None:
+    scene = with_ripe((0, 0), rates=(1, 1, 1)).step("stay")
+    assert ripe(scene) == {(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)}
+    assert ripe(scene.step("stay")) == set().union(*(near(c) for c in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)]))
+
+
+def test_nothing_grows_under_an_agent() -> None:
+    scene = grove("aaaaaa", "aA>aaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", rates=(1, 1, 1), under={0: "a"}).step("stay")
+    scene.shows("AAAaaa", "AA>Aaa", "AAAaaa", "aAaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+
+
+def test_nothing_grows_under_an_agent_that_leaves_in_this_step() -> None:
+    scene = grove("aaaaaa", "aA>aaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", rates=(1, 1, 1), under={0: "a"}).step("forward")
+    scene.shows("AAAaaa", "AAa>aa", "AAAaaa", "aAaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+    assert scene.reward == [1, 0]  # the apple at (1, 3) has grown in this step
+    assert (1, 2) in ripe(scene.step("stay"))
+
+
+TWO_APPLES = ("aaaaaa", "a>Aaaa", "aaaAaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+
+
+def test_an_apple_eaten_in_this_step_still_counts() -> None:
+    scene = grove(*TWO_APPLES, rates=(0, 1, 0), under={0: "a"}).step("forward")
+    assert scene.reward == [1, 0]
+    assert ripe(scene) == {(2, 3)} | (near((1, 2)) & near((2, 3)))
+
+
+def test_an_apple_eaten_before_counts_no_more() -> None:
+    scene = grove(*TWO_APPLES, under={0: "a"}).step("forward").change(regrow_2=1, regrow_3=1)
+    assert ripe(scene.step("stay")) == {(2, 3)}
+
+
+def test_an_emptied_patch_is_dead() -> None:
+    scene = grove("aaaaaa", "aaaaaa", ">Aaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).step("forward")
+    scene.shows("aaaaaa", "aaaaaa", "a>aaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+    scene.change(regrow_1=1, regrow_2=1, regrow_3=1)
+    for _ in range(3):
+        assert ripe(scene.step("backward, forward")) == set()
+
+
+# Eating
+
+
+def test_who_enters_a_cell_eats_its_apple() -> None:
+    scene = grove("AAAaaa", "A>AAaa", "AAAaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).step("forward, stay")
+    scene.shows("AAAaaa", "Aa>Aaa", "AAAaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+    assert (scene.reward, scene.events["eaten"]) == ([1, 0], [1, 0])
+    assert scene.metrics["apples_left"] == 8
+    scene.step("turn_left, stay")
+    assert (scene.reward, scene.events["eaten"]) == ([0, 0], [0, 0])
+
+
+def test_an_apple_two_want_is_eaten_once() -> None:
+    winners = set()
+    for seed in range(12):
+        scene = grove("aaaaaa", "a>A<aa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP..", seed=seed, under={0: "a", 1: "a"})
+        scene.step("forward, forward")
+        assert sorted(scene.reward) == [0, 1]
+        assert scene.places()[scene.reward.index(1)] == (1, 2)
+        winners.add(scene.reward.index(1))
+    assert winners == {0, 1}
+
+
+def test_an_apple_is_worth_its_parameter() -> None:
+    scene = grove("aaaaaa", "a>Aaaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).change(apple=2.5)
+    assert scene.step("forward").reward == [2.5, 0]
+
+
+# Zapping
+
+
+def field(*picture: str, seed: int = 0) -> Scene:
+    return FIELD.put(*picture, seed=seed)
+
+
+def placed(poses: dict[int, tuple[int, int, str]], seed: int = 0) -> Scene:
+    """Returns the field with agents by number at (row, column, arrow)."""
+    rows = [list(row) for row in FIELD.rows]
+    for row, col, arrow in poses.values():
+        rows[row][col] = arrow
+    beside = [
+        "".join(str(a) for a, (r, _, _) in sorted(poses.items(), key=lambda item: item[1][1]) if r == row) for row in range(len(rows))
+    ]
+    return field(*("".join(row) + "  " + ids for row, ids in zip(rows, beside, strict=True)), seed=seed)
+
+
+def home(scene: Scene, agent: int) -> bool:
+    return scene.places()[agent] in GATES
+
+
+@pytest.mark.parametrize(("heading", "arrow"), list(enumerate("^>v<")))
+def test_the_four_cells_of_the_beam(heading: int, arrow: str) -> None:
+    """The zapper in the middle, another on each cell around it in turn."""
+    ahead_row, ahead_col = [(-1, 0), (0, 1), (1, 0), (0, -1)][heading]
+    for ahead, right in itertools.product(range(-2, 3), repeat=2):
+        row, col = 3 + ahead * ahead_row + right * ahead_col, 2 + ahead * ahead_col - right * ahead_row
+        if (row, col) in {(3, 2), (1, 4)}:  # the zapper itself, the wall
+            continue
+        scene = placed({0: (3, 2, arrow), 1: (row, col, "v"), 2: (0, 0, ">"), 3: (0, 1, ">")}).step("zap")
+        hit = (ahead, right) in BEAM
+        assert scene.events["hits"] == [int(hit), 0, 0, 0]
+        assert home(scene, 1) == hit
+        assert hit or scene.places()[1] == (row, col)
+        assert scene.places()[0] == (3, 2)
+        assert scene.reward == [0, 0, 0, 0]
+
+
+def test_the_beam_passes_agents() -> None:
+    scene = field("QQPPPP", "....#.", "..v...  1", "..vv..  23", "..^...  0", "......").step("zap")
+    assert scene.events["hits"] == [3, 0, 0, 0]
+    assert [home(scene, agent) for agent in range(4)] == [False, True, True, True]
+    assert len(set(scene.places())) == 4
+
+
+def test_a_wall_ends_its_lane_and_no_other() -> None:
+    """The wall is one ahead: who stands behind it is safe, who stands beside it is hit."""
+    scene = field("QQPPvP  1", "...v#v  23", "....^.  0", "......", "......", "......").step("zap")
+    assert scene.events["hits"] == [2, 0, 0, 0]
+    assert scene.places()[1] == (0, 4)
+    assert {scene.places()[2], scene.places()[3]} <= GATES - {(0, 4)}
+
+
+def test_a_wall_two_ahead_shields_nobody() -> None:
+    scene = field("QQPPvP  1", "....#.", "...vv.  23", "....^.  0", "......", "......").step("zap")
+    assert scene.events["hits"] == [2, 0, 0, 0]
+    assert scene.places()[1] == (0, 4)
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        ("^QPPPP  0", "....#.", "......", "......", "v.....  1", "vv....  23"),  # at the top, facing up
+        ("QQ^P^P  12", "....#^  3", "......", "......", "......", "....v.  0"),
+        ("QQPPPP", "....#.", "<....<  01", "....<.  2", ".....<  3", "......"),
+        ("QQPPPP", "....#.", ">....>  10", ".>....  2", ">.....  3", "......"),
+    ],
+)
+def test_beams_do_not_leave_the_map(picture: tuple[str, ...]) -> None:
+    """Agent 0 at an edge, facing out: it hits nobody on the other side, nor itself."""
+    scene = field(*picture)
+    before = scene.places()
+    scene.step("zap")
+    assert scene.events["hits"] == [0, 0, 0, 0]
+    assert scene.places() == before
+
+
+def test_beams_come_after_moves() -> None:
+    """Agent 1 walks out of the beam, agent 2 walks into it."""
+    scene = field("QQPPPP", "....#.", ".<....  1", "...<..  2", ".^...^  03", "......").step("zap, forward, forward")
+    assert scene.events["hits"] == [1, 0, 0, 0]
+    assert scene.places()[1] == (2, 0)
+    assert home(scene, 2)
+
+
+def test_two_hit_each_other() -> None:
+    scene = field("QQPPPP", "....#.", "......", ".><...  01", "......", "^....^  23").step("zap, zap")
+    assert scene.events["hits"] == [1, 1, 0, 0]
+    assert home(scene, 0) and home(scene, 1)
+    assert scene.places()[0] != scene.places()[1]
+
+
+def test_one_is_hit_by_two() -> None:
+    """Each counts its hit; the one hit is sent once, and nobody is paid or pays."""
+    scene = field("QQPPPP", "....#.", "......", ".>^...  02", "......", "..^..^  13").step("zap, zap")
+    assert scene.events["hits"] == [1, 1, 0, 0]
+    assert home(scene, 2)
+    assert scene.reward == [0, 0, 0, 0]
+    assert scene.places()[:2] == [(3, 1), (5, 2)]
+
+
+def test_zapping_again_at_once() -> None:
+    scene = field("QQPPPP", "....#.", "..v...  1", "..^<..  02", "......", "^.....  3")
+    assert scene.step("zap, stay, stay").events["hits"] == [1, 0, 0, 0]
+    assert scene.step("zap, stay, backward").events["hits"] == [0, 0, 0, 0]
+    scene = field("QQPPPP", "....#.", ".v....  1", ".^<...  02", "......", "^.....  3")
+    assert scene.step("zap, stay, stay").events["hits"] == [1, 0, 0, 0]
+    assert scene.step("zap, stay, step_right").events["hits"] == [1, 0, 0, 0]
+    assert home(scene, 2)
+
+
+def test_home_is_any_gate_where_nobody_stands() -> None:
+    places, headings = set(), set()
+    for seed in range(40):
+        scene = field("QQ^^PP  23", "....#.", "..v...  1", "..^...  0", "......", "......", seed=seed).step("zap")
+        places.add(scene.places()[1])
+        headings.add(int(scene.state.heading[1]))
+    assert places == {(0, 4), (0, 5)}
+    assert headings == {0, 1, 2, 3}
+
+
+def test_who_is_hit_on_a_gate_may_come_back_to_it() -> None:
+    """Its own cell is as free as the others; that of the zapper is not."""
+    places = {
+        field("^^P>vP  2301", "....#.", "......", "......", "......", "......", seed=seed).step("zap").places()[1] for seed in range(30)
+    }
+    assert places == {(0, 2), (0, 4), (0, 5)}
+
+
+def test_who_is_sent_home_acts_from_there_in_the_next_step() -> None:
+    scene = field("QQPPPP", "....#.", "..v...  1", "..^...  0", "......", "^....^  23").step("zap")
+    place, heading = scene.places()[1], int(scene.state.heading[1])
+    assert place in GATES
+    scene.step("stay, turn_right")
+    assert (scene.places()[1], int(scene.state.heading[1])) == (place, (heading + 1) % 4)
+
+
+def test_who_is_hit_keeps_what_it_has_eaten_in_the_step() -> None:
+    scene = grove("aaaaaa", "aaavaa  1", "a>aAaa  0", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP..", under={0: "a", 1: "a"}).step("zap, forward")
+    assert scene.reward == [0, 1]
+    assert scene.events == {"eaten": [0, 1], "hits": [1, 0]}
+    assert scene.places()[1] in {(6, 2), (6, 3)}
+    assert ripe(scene) == set()
+
+
+def test_with_a_delay_who_is_hit_is_away_that_long() -> None:
+    """Two ticks: it misses one whole step, comes back at the beginning of the next, and acts in it."""
+    scene = PATIENT.put("QQPP", ".v..  1", ".^..  0").step("zap")
+    assert (scene.places()[1], scene.events["hits"]) == (None, [1, 0])
+    assert not scene.observation[1].any()
+    assert scene.seen(0, "agent", ahead=1) == "none"
+    scene.step("zap, forward")
+    assert (scene.places()[1], scene.events["hits"]) == (None, [0, 0])
+    scene.step("stay, stay")
+    assert scene.places()[1] in {(0, 2), (0, 3)}
+    assert scene.observation[1].any()
