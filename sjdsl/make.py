@@ -2,6 +2,7 @@
 
 import linecache
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal
@@ -80,8 +81,9 @@ def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[
     return rows
 
 
+@lru_cache(maxsize=256)
 def load_module(text: str, file: str, name: str) -> ModuleType:
-    """Returns a generated module; its lines show in tracebacks."""
+    """Returns a generated module; its lines show in tracebacks. The same text is the same module: its states are of one type."""
     module = ModuleType(f"sjdsl.generated.{name}")
     module.__file__ = file
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
