@@ -64,7 +64,7 @@ def command(
     with status as shown:
         report = measure(tasks, envs, repeats, lambda n: steps or steps_for(n), shown.update if shown else lambda _: None)
     console = Console()
-    print_report(report, console if console.is_terminal else Console(width=140))
+    print_report(report, console if console.is_terminal else Console(width=150))
     if json_file:
         Path(json_file).write_text(json.dumps(report.to_json(), indent=2) + "\n", encoding="utf-8")
 
@@ -76,17 +76,22 @@ def print_report(report: "Report", console: "Console") -> None:
 
     machine = report.machine
     table = Table(box=box.SIMPLE, title_justify="left", title=f"environment steps a second, {report.observation}")
-    table.add_column("game")
+    table.add_column("game", no_wrap=True)
     numbers = sorted({speed.num_envs for speed in report.speeds})
     for heading in (*(f"{n:,} envs" for n in numbers), "loop compile", "step compile", "step lines"):
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(heading, justify="right")
     steps = {step.name: step for step in report.compilations}
     for name in dict.fromkeys(speed.name for speed in report.speeds):
         speeds = {speed.num_envs: speed for speed in report.speeds if speed.name == name}
-        cells = [f"{s.env_steps_per_s:,.0f} ±{s.spread:.0%} x{s.ratio:.2f}" for s in (speeds[n] for n in numbers)]
+        cells = [f"{_thousands(s.env_steps_per_s)} ±{s.spread:.0%} x{s.ratio:.2f}" for s in (speeds[n] for n in numbers)]
         cells.append(f"{max(s.loop_compile_s for s in speeds.values()):.1f} s")
         cells += [f"{steps[name].compile_s:.1f} s", f"{steps[name].stablehlo_lines:,}"] if name in steps else ["", ""]
         table.add_row(name, *cells)
     console.print(table)
     where = f"{machine['device']}, {machine['cpu_cores']} cores, JAX {machine['jax']}"
     console.print(f"{where}; median of {report.repeats} rounds, spread, ratio to the yardstick round by round")
+
+
+def _thousands(rate: float) -> str:
+    """Returns `9.48k` or `1,293k`: three digits say all that a timing knows."""
+    return f"{rate / 1000:,.0f}k" if rate >= 100_000 else f"{rate / 1000:.3g}k"
