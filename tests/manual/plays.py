@@ -125,7 +125,7 @@ class Compiled:
     def __init__(self, built: Build, text: str, params: dict[str, Any]):
         import jax
 
-        from sjdsl.make import load_module
+        from sjdsl.factory import load_module
         from sjdsl.parameters import build_params
 
         self.game = built.game
