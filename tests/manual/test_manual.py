@@ -25,9 +25,7 @@ from .scripts import given_params, perform, read_script
 # What is known to be wrong, by the name of an example: with the compiler's front, or only with the compiled step. To be
 # emptied: an example that begins to pass fails here.
 KNOWN_FAULTS: dict[str, str] = {}
-KNOWN_DIFFERENCES = {
-    "tree_pairs": "pairs with cells in a shape: numbered by the shape's cell in the interpreter, by the kind's in the step",
-}
+KNOWN_DIFFERENCES: dict[str, str] = {}
 
 
 def chosen(wanted: Callable[[Example], bool], known: Mapping[str, str] = KNOWN_FAULTS) -> pytest.MarkDecorator:
