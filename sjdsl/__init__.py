@@ -7,7 +7,7 @@ __all__ = ["CompileError", "Environment", "TokenPlane", "__version__", "make"]
 
 if TYPE_CHECKING:
     from sjdsl.compiler.diagnostics import CompileError
-    from sjdsl.make import make
+    from sjdsl.factory import make
     from sjdsl.runtime.env import Environment
     from sjdsl.runtime.planes import TokenPlane
 
@@ -15,7 +15,7 @@ _HOMES = {
     "CompileError": "sjdsl.compiler.diagnostics",
     "Environment": "sjdsl.runtime.env",
     "TokenPlane": "sjdsl.runtime.planes",
-    "make": "sjdsl.make",
+    "make": "sjdsl.factory",
 }
 
 

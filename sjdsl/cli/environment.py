@@ -85,4 +85,4 @@ def _is_ours(error: Exception) -> bool:
     while trace is not None:
         frames.append(trace.tb_frame.f_globals.get("__name__", ""))
         trace = trace.tb_next
-    return frames[-1] not in ("sjdsl.make", "sjdsl.parameters", "sjdsl.games_folder")
+    return frames[-1] not in ("sjdsl.factory", "sjdsl.parameters", "sjdsl.games_folder")

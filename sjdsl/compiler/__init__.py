@@ -40,6 +40,12 @@ def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
     return Build(typed, tuple(found), game.sources)
 
 
+def number_names(source: Source, variants: Sequence[str] = ()) -> tuple[list[str], list[str]]:
+    """Returns the names of a game's sizes and of its parameters, without checking the rest."""
+    constants = compose(source, parse(source), tuple(variants), load_base).constants
+    return [n for n, c in constants.items() if c.is_size], [n for n, c in constants.items() if not c.is_size]
+
+
 def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> Program:
     """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
     from sjdsl.compiler.lower import NotSupported, lower

@@ -47,7 +47,7 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
 def _override_agents(game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems) -> None:
     number = game.number
     if isinstance(number, ast.Path) and not number.steps and number.name.text in game.constants:
-        overrides[number.name.text] = num_agents
+        overrides.setdefault(number.name.text, num_agents)
     elif number is not None:
         what = "another number of agents: `agents` does not name a `size` that says how many"
         problems.add(errors.NOT_SUPPORTED, number.span, what=what)

@@ -83,9 +83,9 @@ def join_units(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
 
 def times_unit(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
     """Returns the unit of a product: a number or a count scales anything; shares scale rewards and chances."""
+    if "number" in (left, right):
+        return right if left == "number" else left
     for a, b in ((left, right), (right, left)):
-        if a == "number":
-            return b
         if a == "count":
             return b
         if a == "fraction" and b in ("reward", "probability", "fraction"):

@@ -69,12 +69,13 @@ def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[
 
 def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found]]:
     """Returns the pairs: all possible ones in a random order, each taken if both of its members are still free."""
-    rights = members.radix(sentence.right, here.board)
-    pairs_in_all = members.radix(sentence.left, here.board) * rights
+    rights = members.everybody(sentence.right, here.board)
+    pairs_in_all = members.everybody(sentence.left, here.board) * rights
     ranked: list[tuple[int, int, Found, Found]] = []
     for left in members.found(sentence.left, here):
         for right in _partners(sentence, left, here):
-            number = left.number * rights + right.number
+            mine, theirs = (members.own_number(d, m, here.board) for d, m in ((sentence.left, left), (sentence.right, right)))
+            number = mine * rights + theirs
             word = here.word(sentence.stream, here.number * pairs_in_all + number)
             ranked.append((-(word >> 1), number, left, right))
     taken: set[object] = set()

@@ -32,6 +32,19 @@ def radix(domain: ir.Domain, board: Board) -> int:
             return len(cells_of(board, domain.var.kinds))
 
 
+def everybody(domain: ir.Domain, board: Board) -> int:
+    """Returns how many agents, or cells of the domain's kinds, there are."""
+    return board.agents if domain.var.who == "agent" else len(cells_of(board, domain.var.kinds))
+
+
+def own_number(domain: ir.Domain, member: Found, board: Board) -> int:
+    """Returns an agent's id, or a cell's number among the cells of the domain's kinds, wherever it was looked for."""
+    if domain.var.who == "agent":
+        assert isinstance(member.member, int)
+        return member.member
+    return cells_of(board, domain.var.kinds).index(member.member)  # type: ignore[arg-type]
+
+
 def found(domain: ir.Domain, here: Instance) -> list[Found]:
     """Returns the members in the order of their numbers."""
     members = (_restricted(domain, member, number, here) for member, number in _candidates(domain, here))

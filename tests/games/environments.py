@@ -1,20 +1,11 @@
 """Compiled environments of the bundled games, each made once in a session."""
 
-from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
-import sjdsl
-from sjdsl.compiler import build, compile_build
-from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.read import read_source
-from sjdsl.games_folder import find_game
-from sjdsl.make import load_module
-from sjdsl.parameters import build_params
-from sjdsl.runtime.env import Environment
+from sjdsl import Environment, make
 
 HARVESTS = ("harvest_open", "harvest_closed", "harvest_partnership")
 FIVE = ("coins", *HARVESTS, "clean_up")
@@ -26,21 +17,13 @@ Cell = tuple[int, int]
 @cache
 def environment(game: str) -> Environment:
     """Returns a bundled game as it is."""
-    return sjdsl.make(game)
+    return make(game)
 
 
 @cache
 def on_map(game: str, rows: tuple[str, ...], agents: int, sizes: tuple[tuple[str, int], ...] = ()) -> Environment:
-    """Returns a bundled game on a small map with so many agents; the map need not do for the game's own number."""
-    source = read_source(find_game(game))
-    built = build(source, (), Overrides(dict(sizes), agents, rows))
-    module = load_module(compile_build(built, source), f"<{game} on a small map>", game)
-    return Environment(built.game, module, build_params(built.game, module, {}), "small", "tokens")
-
-
-def with_params(env: Environment, given: Mapping[str, float]) -> Any:
-    """Returns the environment's parameters with some replaced."""
-    return env.params.replace(**{name: jnp.asarray(value, getattr(env.params, name).dtype) for name, value in given.items()})
+    """Returns a bundled game on a small map with so many agents."""
+    return make(game, num_agents=agents, map=rows, params=dict(sizes))
 
 
 def frame_cells(env: Environment, places: Any) -> np.ndarray:

@@ -8,7 +8,7 @@ from types import ModuleType
 from typing import Any, Literal
 
 from sjdsl.cache import cached_text
-from sjdsl.compiler import Build, build, compile_build
+from sjdsl.compiler import build, compile_build, number_names
 from sjdsl.compiler.diagnostics import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.read import read_source
@@ -43,23 +43,14 @@ def make(
         raise ValueError(f"observation is `tokens` or `onehot`, not {observation!r}")
     source = read_source(find_game(game))
     variants = () if not variant else tuple(variant.split("+"))
-    first = build_variant(source, variants, Overrides(rows=map_rows(map, source)))
-    given = dict(params or {})
-    sizes, run_time = split_sizes([s.name for s in first.game.sizes], [p.name for p in first.game.params], given)
-    made = first
-    if sizes or num_agents is not None:
-        made = build_variant(source, variants, Overrides(sizes, num_agents, map_rows(map, source)))
-        if num_agents is not None and made.game.agents.number != num_agents:
-            raise ValueError(f"num_agents={num_agents} and a size disagree: the game has {made.game.agents.number} agents")
+    sizes, run_time = split_sizes(*number_names(source, variants), dict(params or {}))
+    made = build(source, variants, Overrides(sizes, num_agents, map_rows(map, source)))
+    if num_agents is not None and made.game.agents.number != num_agents:
+        raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
     key = game_hash(made.game)
     text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))
     module = load_module(text, file, made.game.name)
     return Environment(made.game, module, build_params(made.game, module, run_time), key, observation)
-
-
-def build_variant(source: Source, variants: tuple[str, ...], overrides: Overrides) -> Build:
-    """Returns the checked rules; warnings are for `sjdsl check`, not for those who only use a game."""
-    return build(source, variants, overrides)
 
 
 def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[str, ...] | None:
