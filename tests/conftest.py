@@ -8,7 +8,9 @@ import pytest
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--update-golden", action="store_true", help="write what goldens should be instead of comparing; read the diff before committing")
+    parser.addoption(
+        "--update-golden", action="store_true", help="write what goldens should be instead of comparing; read the diff before committing"
+    )
 
 
 @pytest.fixture

@@ -1,0 +1,132 @@
+"""The chances of Clean Up, counted: growth at each measure of dirt, new dirt and where, homes, contested cells."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from .chance import BATCH, assert_share, assert_uniform, many
+from .environments import cells_of, environment, frame_cells
+
+WATER, RIVER, ORCHARD = 147, 167, 122  # cells. Source: the released code's map
+STAYS = [6] * 7
+SAND = [(9, c) for c in range(4, 8)] + [(8, c) for c in range(4, 7)]  # where nothing happens
+
+
+def state_with(dirty: int | np.ndarray, places: Any = SAND, headings: Any = (0,) * 7, step: int = 0) -> Any:
+    """Returns a state with the first so many cells of water dirty, or those of a mask."""
+    env = environment("clean_up")
+    _, state = env.reset(jax.random.key(0))
+    mask = np.arange(WATER) < dirty if isinstance(dirty, int) else dirty
+    return state.replace(
+        step=jnp.int32(step),
+        water_state=jnp.asarray(mask, jnp.uint8),
+        position=jnp.asarray(frame_cells(env, list(places))),
+        heading=jnp.array(headings, jnp.int32),
+    )
+
+
+@pytest.fixture(scope="module")
+def counted() -> Any:
+    """Counts, over many steps from one state: cells grown, cells newly dirty, both at once, and where agents 0 to 2 are and look."""
+    env = environment("clean_up")
+    sizes = env.module.FRAME[0] * env.module.FRAME[1]
+
+    def look(before: Any, after: Any) -> Any:
+        grown = after.orchard_fruit == 1
+        dirtied = (before.water_state == 0) & (after.water_state == 1)
+        return {
+            "grown": grown,
+            "dirtied": dirtied,
+            "some": jnp.any(dirtied),
+            "more": jnp.sum(dirtied, dtype=jnp.int32) > 1,
+            "grown_when_dirtied": grown & jnp.any(dirtied),
+            "twins": grown & dirtied[:ORCHARD],
+            "last_twins": grown & dirtied[WATER - ORCHARD :],
+            "place": jax.nn.one_hot(after.position[:3], sizes, dtype=jnp.int32),
+            "heading": jax.nn.one_hot(after.heading[:2], 4, dtype=jnp.int32),
+        }
+
+    return many(env, look)
+
+
+# dirty cells -> growth of each orchard cell in a step, rounds. 0.05 (1 - f / 0.4), f of 167. Source: the released code's figures
+GROWTH = [(0, 0.05, 1), (33, 0.0253, 2), (66, 5.988e-4, 12), (67, 0, 12), (79, 0, 2), (100, 0, 2), (147, 0, 2)]
+
+
+@pytest.mark.parametrize(("dirty", "chance", "rounds"), GROWTH)
+def test_growth_falls_with_dirt(counted: Any, dirty: int, chance: float, rounds: int) -> None:
+    env = environment("clean_up")
+    grown = counted(dirty, state_with(dirty), STAYS, env.params, rounds)["grown"]
+    exact = 0.05 * max(0.0, 1 - dirty / RIVER / 0.4)
+    assert chance == pytest.approx(exact, rel=2e-3)
+    if chance == 0:
+        assert grown.sum() == 0
+    else:
+        assert_share(grown.sum(), ORCHARD * rounds * BATCH, exact, 0.1)
+
+
+def test_every_orchard_cell_grows_alike(counted: Any) -> None:
+    env = environment("clean_up")
+    params = env.params.replace(best_rate=jnp.float32(0.5))
+    for site in counted(1, state_with(0), STAYS, params, 4)["grown"]:
+        assert_share(site, 4 * BATCH, 0.5, 0.05)
+
+
+def test_new_dirt_in_half_of_the_steps_from_the_fiftieth_on(counted: Any) -> None:
+    """Never more than one cell; not before 50 steps are over."""
+    env = environment("clean_up")
+    for step in (0, 49):
+        assert counted(step, state_with(79, step=step), STAYS, env.params, 4)["some"] == 0
+    for step in (50, 51, 500):
+        seen = counted(step, state_with(79, step=step), STAYS, env.params, 12)
+        assert seen["more"] == 0
+        assert_share(seen["some"], 12 * BATCH, 0.5, 0.03)
+    assert counted(9, state_with(WATER, step=50), STAYS, env.params, 4)["some"] == 0
+
+
+def test_dirt_comes_to_every_clean_cell_alike(counted: Any) -> None:
+    """Covered or not: of 49 clean cells seven are under agents."""
+    env = environment("clean_up")
+    water = cells_of(env, "water")
+    clean = np.arange(WATER) % 3 == 1
+    places = [water[i] for i in np.flatnonzero(clean)[[0, 7, 8, 20, 30, 40, 48]]]
+    seen = counted(2, state_with(~clean, places, step=60), STAYS, env.params.replace(pollution=jnp.float32(1)), 24)
+    assert seen["some"] == 24 * BATCH
+    assert seen["dirtied"][~clean].sum() == 0
+    assert_uniform(seen["dirtied"][clean], 0.15)
+
+
+def test_dirt_and_growth_are_independent(counted: Any) -> None:
+    """Whether dirt comes tells nothing about any orchard cell, and where it comes tells nothing about the cell of the same number."""
+    env = environment("clean_up")
+    half = env.params.replace(best_rate=jnp.float32(0.5))
+    seen = counted(3, state_with(0, step=50), STAYS, half, 8)
+    for site in seen["grown_when_dirtied"]:
+        assert_share(site, 8 * BATCH, 0.25, 0.06)
+    seen = counted(4, state_with(0, step=50), STAYS, half.replace(pollution=jnp.float32(1)), 24)
+    assert_share(seen["twins"].sum(), 24 * BATCH, 0.5 * ORCHARD / WATER, 0.03)
+    assert_share(seen["last_twins"].sum(), 24 * BATCH, 0.5 * ORCHARD / WATER, 0.03)
+
+
+def test_home_is_every_free_gate_alike(counted: Any) -> None:
+    """17 of the 19 gates: on one stands the zapper, on another an idle agent; the one who is hit stands on a third."""
+    env = environment("clean_up")
+    gates = cells_of(env, "gate")
+    places = [(11, 17), (11, 16), (6, 3), (12, 1), (12, 2), (12, 3), (12, 4)]
+    seen = counted(5, state_with(0, places, [3, 0, 0, 0, 0, 0, 0]), [7, *STAYS[1:]], env.params, 16)
+    homes = seen["place"][1, frame_cells(env, [gate for gate in gates if gate not in places])]
+    assert (len(homes), homes.sum()) == (17, 16 * BATCH)
+    assert_uniform(homes, 0.1)
+    assert_uniform(seen["heading"][1], 0.04)
+
+
+def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
+    env = environment("clean_up")
+    places = [(11, 5), (12, 6), (11, 7), *SAND[:4]]
+    seen = counted(6, state_with(0, places, [1, 0, 3, 0, 0, 0, 0]), [4, 4, 4, 6, 6, 6, 6], env.params, 16)
+    winners = seen["place"][:, frame_cells(env, (11, 6))]
+    assert winners.sum() == 16 * BATCH
+    assert_uniform(winners, 0.04)
