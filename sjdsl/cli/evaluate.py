@@ -2,6 +2,8 @@
 
 import json
 import math
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,10 +34,10 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's."""
     import jax
 
-    from sjdsl.trainers import evaluate, load_policy, random_policy, save_evaluation, summarise
+    from sjdsl.trainers import evaluate, random_policy, save_evaluation, summarise
 
     key = jax.random.key(seed)
-    trained = evaluate(env, load_policy(path, env, greedy=greedy), key, episodes)
+    trained = evaluate(env, stored_policy(path, env, greedy), key, episodes)
     save_evaluation(trained, path / FILE)
     chance = summarise(evaluate(env, random_policy(env), key, episodes))
     figures = summarise(trained)
@@ -48,6 +50,18 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
         click.echo("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     earned, guessed = _interval(figures["collective return"]), _interval(chance["collective return"])
     click.echo(f"trained return {earned} against {guessed} of a random policy")
+
+
+def stored_policy(run_dir: Path, env: "Environment", greedy: bool = False) -> Callable[..., Any]:
+    """Returns the policy that a run stored; what is to be said about it is said in a line."""
+    from sjdsl.trainers import load_policy
+
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        policy = load_policy(run_dir, env, greedy=greedy)
+    for note in notes:
+        click.echo(f"note: {note.message}", err=True)
+    return policy
 
 
 def _interval(figure: "Estimate") -> str:

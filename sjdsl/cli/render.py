@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.evaluate import stored_policy
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -56,6 +57,4 @@ def choose_policy(name: str, env: "Environment") -> Callable[..., Any]:
             return stay_policy(env)
     if not Path(name).is_dir():
         raise click.ClickException(f"there is no policy `{name}`; it is random, stay, or the folder of a training run")
-    from sjdsl.trainers import load_policy
-
-    return load_policy(name, env)
+    return stored_policy(Path(name), env)
