@@ -353,8 +353,11 @@ def forbids(game: Composition, agents: ir.Agents, static: Static, problems: Prob
         with problems.survive():
             test = condition(forbid.condition, scope)
             for node in ir.walk(test):
-                if isinstance(node, ir.Count | ir.Sum | ir.StandsOn) or (
-                    isinstance(node, ir.FieldRead) and node.place == "agent" and not isinstance(node.owner, ir.Member)
+                where = isinstance(node, ir.Attribute) and node.name in ("row", "col")
+                if (
+                    where
+                    or isinstance(node, ir.Count | ir.Sum | ir.StandsOn | ir.Chose)
+                    or (isinstance(node, ir.FieldRead) and node.place == "agent" and not isinstance(node.owner, ir.Member))
                 ):
                     raise problems.fail(errors.FORBID_READS, node.origin or forbid.span, what=f"`{text(node)}`")  # type: ignore[arg-type]
             numbers = tuple(_action(a, static, problems) for a in forbid.actions) or tuple(range(len(agents.actions)))

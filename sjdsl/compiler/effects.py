@@ -76,6 +76,8 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     elif s.event.steps:
         raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
     amount = None if s.by is None else number(s.by, scope, ("count",), "a count")
+    if amount is not None and amount.type.low < 0:
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.by.span, name="what is counted", value="negative", low=0, high="any")  # type: ignore[union-attr]
     for_ = None if s.receiver is None else receiver(s.receiver, scope)
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 

@@ -2,6 +2,7 @@
 
 import keyword
 import re
+from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
 
@@ -36,6 +37,22 @@ RESERVED = {
 STATE = ("step", "position", "heading", "moved", "away", "away_pool", "away_facing")
 _IDENTIFIER = re.compile(r"[a-z_][a-z0-9_]*")
 _TAKEN = {"replace"}  # a method of flax.struct dataclasses
+
+
+@dataclass
+class Names:
+    """Hands out names of one scope, each once; what is asked for twice gets a number."""
+
+    taken: set[str] = field(default_factory=set)
+
+    def fresh(self, wanted: str) -> str:
+        """Returns `wanted`, or `wanted_2`, `wanted_3`, …"""
+        name, number = wanted, 1
+        while name in self.taken:
+            number += 1
+            name = f"{wanted}_{number}"
+        self.taken.add(name)
+        return name
 
 
 def identifier(name: str) -> str:

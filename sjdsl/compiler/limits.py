@@ -29,6 +29,7 @@ MAX_WORDS = 64  # in one set
 MAX_FIELDS = 128
 MAX_PHASES = 64
 MAX_TURNS = 128
+MAX_DRAWN = 65_535  # values of one draw
 MAX_DEFINES_DEEP = 32  # a define that uses a define that …
 MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
 

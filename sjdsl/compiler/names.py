@@ -117,6 +117,8 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         "row": integer(0, max(static.map_rows - 1, 0), "cells"),
         "col": integer(0, max(static.map_cols - 1, 0), "cells"),
     }
+    if name.text in ("row", "col") and not isinstance(owner, ir.Member):
+        raise scope.problems.fail(errors.NOT_SUPPORTED, name.span, what="the row or column of an agent that a field holds: it may be away")
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     candidates = [*static.agent_fields, *AGENT_ATTRIBUTES]

@@ -4,7 +4,7 @@ from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import build
-from sjdsl.compiler.identifiers import phase_function
+from sjdsl.compiler.identifiers import Names, phase_function
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.statements import PhaseUse, block
@@ -29,13 +29,14 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
         return ()
     turns: list[ir.Turn] = []
     labels: list[str] = []
+    functions = Names({"start"})
     if len(game.schedule.turns) > limits.MAX_TURNS:
         what = f"a schedule of more than {limits.MAX_TURNS} turns"
         scope.problems.add(errors.NOT_SUPPORTED, game.schedule.span, what=what)
         return ()
     for turn in game.schedule.turns:
         with scope.problems.survive():
-            made = _turn(turn, game, scope, labels)
+            made = _turn(turn, game, scope, labels, functions)
             if made is not None:
                 turns.append(made)
     scheduled = {t.name.text for t in game.schedule.turns} | {"start"}
@@ -51,7 +52,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     return tuple(turns)
 
 
-def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str]) -> ir.Turn | None:
+def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], functions: Names) -> ir.Turn | None:
     name = turn.name.text
     if name == "tick":
         if turn.arguments:
@@ -81,7 +82,7 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str]) ->
         label = f"{label} #{times + 1}"
     identifier = "_".join([name, *("".join(c if c.isalnum() else "_" for c in s) for s in shown)])
     identifier += f"_{times + 1}" if times else ""
-    return _use(phase, label, phase_function(identifier), values, scope)
+    return _use(phase, label, functions.fresh(phase_function(identifier)), values, scope)
 
 
 def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:

@@ -1,7 +1,7 @@
 """The array program: what a generated module consists of, in order, before it becomes text."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -58,22 +58,6 @@ class Program:
     outcome: tuple[Attribute, ...]
     functions: tuple[Function, ...]
     facts: tuple[tuple[str, str], ...] = ()
-
-
-@dataclass
-class Names:
-    """Hands out names of one scope, each once; what is asked for twice gets a number."""
-
-    taken: set[str] = field(default_factory=set)
-
-    def fresh(self, wanted: str) -> str:
-        """Returns `wanted`, or `wanted_2`, `wanted_3`, …"""
-        name, number = wanted, 1
-        while name in self.taken:
-            number += 1
-            name = f"{wanted}_{number}"
-        self.taken.add(name)
-        return name
 
 
 def dump(program: Program) -> Iterator[str]:

@@ -16,7 +16,9 @@ def window(game: Composition, scope: Scope) -> ir.Window:
     sides = {"ahead": 9, "behind": 1, "left": 5, "right": 5}
     if game.window is None:
         return ir.Window(**sides)
-    for name, tree in game.window.sides:
+    for i, (name, tree) in enumerate(game.window.sides):
+        if name.text in [n.text for n, _ in game.window.sides[:i]]:
+            scope.problems.add(errors.TWICE, name.span, what=f"`{name.text}`")
         if name.text not in SIDES:
             scope.problems.add(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=nearest(name.text, SIDES))
             continue

@@ -2,7 +2,7 @@
 
 from typing import assert_never
 
-from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.domains import check_free, domain, near
 from sjdsl.compiler.effects import agent, give, send, tally
@@ -105,7 +105,9 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
 
 
 def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
-    for name in names:
+    for i, name in enumerate(names):
+        if name.text in [n.text for n in names[:i]]:
+            raise scope.problems.fail(errors.TWICE, name.span, what=f"the word `{name.text}`")
         if not scope.static.is_word(name.text):
             known = [w for ws in scope.static.word_sets for w in ws]
             raise scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=nearest(name.text, known))
@@ -118,6 +120,13 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
     known = scope.knowing(scope.static.requires)
     if low.type.high > high.type.low and f"({text(high)} >= {text(low)})" not in known.facts | {_strict(low, high, known)}:
         raise scope.problems.fail(errors.CROSSED, s.span, low=text(low), high=text(high))
+    most = high.type.high - low.type.low + 1
+    if most > limits.MAX_DRAWN:
+        given = f"{most:g}" if most < float("inf") else "endlessly many"
+        problem = f"this draw is from {given} numbers"
+        help_ = "give the parameters limits, `in a .. b`"
+        scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, help_))
+        raise Poisoned
     return integer(low.type.low, high.type.high, unit)
 
 
@@ -156,7 +165,9 @@ def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
     header = use.streams.header(s.span, s.block.span.start)
     how_many = number(s.number, scope, ("count",), "a count") if isinstance(s, ast.Pick) else None
-    built, inner = domain(s.domain, scope)
+    if how_many is not None and how_many.type.low < 0:
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.number.span, name="the number picked", value="negative", low=0, high="any")  # type: ignore[union-attr]
+    built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_sentence(header)
     if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
         raise scope.problems.fail(
@@ -178,6 +189,21 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
         case ast.Pick():
             assert how_many is not None
             return ir.Pick(number=how_many, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
+
+
+def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Domain, Scope]:
+    """Returns a domain; if it is wrong, the sentences inside are read all the same, for their own mistakes."""
+    try:
+        return domain(s.domain, scope)
+    except Poisoned:
+        kinds = [s.domain.kind.text] + ([] if s.domain.on is None else [s.domain.on.kind.text])
+        if not all(k == "agent" or scope.static.kinds_of(k) for k in kinds):
+            raise  # a misspelt kind would make every use of its variable one more mistake
+        inner = scope.bind((s.domain.bind or s.domain.kind).text, None)
+        if s.domain.on is not None:
+            inner = inner.bind((s.domain.on.bind or s.domain.on.kind).text, None)
+        inside(s.block, header, inner, use)
+        raise
 
 
 def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import RESERVED, attribute_name, identifier
+from sjdsl.compiler.identifiers import RESERVED, Names, attribute_name, identifier
 from sjdsl.compiler.layout import Layout, Table
 from sjdsl.compiler.lower.values import Axis, Value, both, literal
-from sjdsl.compiler.program import Constant, Line, Names
+from sjdsl.compiler.program import Constant, Line
 from sjdsl.compiler.source import Span
 
 

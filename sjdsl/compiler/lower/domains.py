@@ -120,6 +120,7 @@ def sites_in(place: ir.Near, kinds: tuple[str, ...], frame: Frame, w: Writer, na
     shape = w.module.shape(place.shape)
     label = f"{place.shape.split('(')[0]}_{'_'.join(kinds)}"
     if isinstance(anchor, CellVar):
+        reads.check_placed(anchor)
         table = layout.neighbours_table(anchor.kinds, shape, kinds)
         axis = w.axis(name, table.value.shape[1])
         constant = w.module.constant(label, table, f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none")

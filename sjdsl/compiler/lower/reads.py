@@ -6,7 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.identifiers import attribute_name
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, Writer
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer
 from sjdsl.compiler.lower.values import Axis, Value, as_dtype, binary, literal, wrapped
 
 
@@ -106,12 +106,19 @@ def present(owner: AgentVar, w: Writer) -> Value | None:
 
 def cell(owner: CellVar, w: Writer) -> Value:
     """Returns the cells of a cell variable in the frame."""
+    check_placed(owner)
     name = w.module.constant(
         "cells_" + "_".join(owner.kinds), w.module.layout.cells_table(owner.kinds), f"cells of {', '.join(owner.kinds)}"
     )
     if owner.axis is not None:
         return Value(name, "i32", (owner.axis,))
     return Value(f"{name}[{owner.site.text}]", "i32", owner.site.axes)
+
+
+def check_placed(owner: CellVar) -> None:
+    """A cell of a window is known by its looks alone: where it is, and what is around it, cannot be asked."""
+    if getattr(owner, "values", None) is not None:
+        raise NotSupported("a label or `hide` that depends on where a cell is, on who is on it, or on what is around it", None)
 
 
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:

@@ -35,7 +35,7 @@ def _near(e: ir.Count, frame: Frame, w: Writer) -> Value | None:
     if not isinstance(d.place, ir.Near) or d.var.who != "cell":
         return None
     anchor = frame.variables[d.place.anchor.name]
-    if not isinstance(anchor, CellVar) or anchor.axis is None:
+    if not isinstance(anchor, CellVar) or anchor.axis is None or getattr(anchor, "values", None) is not None:
         return None
     if d.where is not None and _others(d.where, d.var.name):
         return None
