@@ -54,5 +54,7 @@ def test_the_same_bytes_twice_elsewhere_and_in_another_order(tmp_path: Path) -> 
         "import ast, json, pathlib; from tests.compiler.test_goldens import digests\n"
         "print(json.dumps(digests((pathlib.Path(path), stage) for path, stage in ast.literal_eval(input()))))"
     )
-    found = subprocess.run([sys.executable, "-c", program], input=order, capture_output=True, text=True, cwd=tmp_path, env=environment, check=True)
+    found = subprocess.run(
+        [sys.executable, "-c", program], input=order, capture_output=True, text=True, cwd=tmp_path, env=environment, check=True
+    )
     assert sorted(here.items()) == sorted(json.loads(found.stdout).items())
