@@ -1,0 +1,91 @@
+"""A map may lack a kind of the game: sentences about it then find nobody, and nothing else changes."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sjdsl import make
+from sjdsl.compiler import build
+from sjdsl.compiler.source import Source
+from sjdsl.interpreter.draws import Threefry
+from sjdsl.interpreter.state import default_params
+from sjdsl.interpreter.step import reset, step
+
+FRAME = """sj 1
+game frame "A map without its pond" {{
+  episode 10
+  kind grass "."
+  kind tree  "T" {{ field fruit : {{ none, ripe }} = ripe }}
+  kind pond  "o" {{ field fish : {{ none, some }} = some }}
+  map {{ ".T.T" }}
+  agents 2 {{ acts stay, shake }}
+  shape ray = line(2)
+  phase start {{ each agent {{ send agent to grass }} }}
+  schedule rule
+  phase rule {{
+    {rule}
+  }}
+  metrics {{ event seen }}
+}}
+"""
+SHAKE = 1
+absent = pytest.mark.xfail(
+    strict=True, raises=(TypeError, ValueError), reason="arrays of a kind that is not on the map have no entries to read"
+)
+
+# a sentence about ponds, and what the two agents are given when all shake
+SENTENCES = [
+    ("when count(pond where pond.fish is some) == 0 { give 1 to all }", [1, 1]),
+    ("each pond where pond.fish is some { give 1 to all }", [0, 0]),
+    ("pick 1 pond where pond.fish is some { give 1 to all } otherwise { give 2 to all }", [2, 2]),
+    ("each agent { when agent on pond { give 1 to agent } otherwise { give 2 to agent } }", [2, 2]),
+    ("each agent on pond where pond.fish is some { give 1 to agent }", [0, 0]),
+    ("each agent { each pond in ray of agent where pond.fish is some { give 1 to agent } }", [0, 0]),
+    ("each agent as a { pick 1 pond in ray of a where pond.fish is some { give 1 to a } otherwise { give 2 to a } }", [2, 2]),
+    ("each tree { when count(pond in disc(1) of tree where pond.fish is some) == 0 { give 1 to all } }", [2, 2]),
+    pytest.param("each agent { first pond in ray of agent where pond.fish is some { give 1 to agent } otherwise { give 2 to agent } }", [2, 2], marks=absent),
+    pytest.param("each agent { when count(pond in ray of agent where pond.fish is some) == 0 { give 1 to agent } }", [1, 1], marks=absent),
+    pytest.param("when count(agent on pond where pond.fish is some) == 0 { give 1 to all }", [1, 1], marks=absent),
+    pytest.param("match pond with agent in disc(1) of pond { give 1 to agent }", [0, 0], marks=absent),
+    pytest.param("match agent with first pond in ray of agent where pond.fish is some { give 1 to agent }", [0, 0], marks=absent),
+    pytest.param("each agent where agent chose shake { send agent to pond where pond.fish is some otherwise stay }", [0, 0], marks=absent),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("rule", "reward"), SENTENCES)
+def test_sentences_about_an_absent_kind(rule: str, reward: list[float], tmp_path: Any) -> None:
+    """The interpreter agrees on what is given, and where agents are."""
+    text = FRAME.format(rule=rule)
+    game = build(Source("frame.sj", text)).game
+    world = reset(game, default_params(game), Threefry(0, 0))
+    world, outcome = step(game, world, [SHAKE, SHAKE], default_params(game), Threefry(0, 1))
+    assert [float(r) for r in outcome.reward] == reward
+    (tmp_path / "frame.sj").write_text(text)
+    env = make(tmp_path / "frame.sj")
+    _, state = env.reset(jax.random.key(0))
+    _, state, given, *_ = env.step_env(jax.random.key(1), state, jnp.array([SHAKE, SHAKE]))
+    assert given.tolist() == reward
+    assert list(zip(*(np.asarray(x).tolist() for x in env.cells(state)), strict=True)) == [
+        tuple(place) for place in world.position if place
+    ]
+
+
+@pytest.mark.parametrize(
+    ("game", "rows"),
+    [
+        ("harvest_open", ("QQ.....", "PPPPPPP")),
+        ("clean_up", ("HHFFHSS", "PPPPPPP")),
+        pytest.param("coop_mining", ("PPPP", "PPPP"), marks=absent),
+        ("gift_refinement", ("PPPP", "PPPP")),
+        ("pd_arena", ("......", "PPPPPP")),
+    ],
+)
+def test_bundled_games_on_bare_maps(game: str, rows: tuple[str, ...]) -> None:
+    env = make(game, map=rows)
+    _, state = env.reset(jax.random.key(0))
+    for action in (0, env.num_actions - 1):
+        _, state, reward, *_ = env.step_env(jax.random.key(action), state, jnp.full(env.num_agents, action))
+        assert not np.asarray(reward).any()
