@@ -25,9 +25,7 @@ def successor_values(values: Array, last_value: Array, terminal_values: Array, d
     return jnp.where(truncated[..., None], terminal_values, following)
 
 
-def generalised_advantages(
-    rewards: Array, values: Array, successors: Array, done: Array, gamma: float, gae_lambda: float
-) -> Array:
+def generalised_advantages(rewards: Array, values: Array, successors: Array, done: Array, gamma: float, gae_lambda: float) -> Array:
     """Returns the advantage of each action.
 
     delta_t = r_t + gamma * V(s_{t+1}) - V(s_t);  A_t = delta_t + gamma * lambda * A_{t+1}, cut after each episode.

@@ -17,9 +17,7 @@ def convolve(features: Array, kernel: Array) -> Array:
 
 
 def _plain(features: Array, kernel: Array, padding: int) -> Array:
-    return jax.lax.conv_general_dilated(
-        features, kernel, (1, 1), [(padding, padding)] * 2, dimension_numbers=("NHWC", "HWIO", "NHWC")
-    )
+    return jax.lax.conv_general_dilated(features, kernel, (1, 1), [(padding, padding)] * 2, dimension_numbers=("NHWC", "HWIO", "NHWC"))
 
 
 def _forward(features: Array, kernel: Array) -> tuple[Array, tuple[Array, Array]]:

@@ -28,9 +28,7 @@ def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
         length=jnp.zeros(num_envs, jnp.int32),
         returns=jnp.zeros((num_envs, env.num_agents)),
         shaped_returns=jnp.zeros((num_envs, env.num_agents)),
-        events={
-            name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info_shapes(env)["events"].items()
-        },
+        events={name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info_shapes(env)["events"].items()},
     )
 
 

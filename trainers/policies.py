@@ -90,7 +90,5 @@ def _checkpoint_path(run_dir: Path, update: int | None) -> Path:
     if not stored:
         raise PolicyError(f"{run_dir} holds no checkpoint")
     if update is not None and update not in stored:
-        raise PolicyError(
-            f"{run_dir} has no checkpoint of update {update}, but of {', '.join(map(str, sorted(stored)))}"
-        )
+        raise PolicyError(f"{run_dir} has no checkpoint of update {update}, but of {', '.join(map(str, sorted(stored)))}")
     return stored[max(stored) if update is None else update]

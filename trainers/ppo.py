@@ -133,9 +133,7 @@ def make_optimiser(config: Config) -> optax.GradientTransformation:
 def flatten_rollout(rollout: Rollout, last_value: Array, config: Config) -> Batch:
     """Returns the rollout's T * B * N samples with their advantages; `last_value` is `[B, N]`."""
     successors = successor_values(rollout.value, last_value, rollout.terminal_value, rollout.done, rollout.truncated)
-    advantage = generalised_advantages(
-        rollout.shaped_reward, rollout.value, successors, rollout.done, config.gamma, config.gae_lambda
-    )
+    advantage = generalised_advantages(rollout.shaped_reward, rollout.value, successors, rollout.done, config.gamma, config.gae_lambda)
     batch = Batch(
         observation=rollout.observation,
         action=rollout.action,

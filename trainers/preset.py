@@ -48,9 +48,7 @@ def load_preset(name: str | Path, changes: Mapping[str, Any] | None = None) -> P
         if key not in SECTIONS:
             raise ConfigError(f"{name}: unknown key `{key}`{nearest_key(key, SECTIONS)}")
         if not isinstance(value, SECTIONS[key]):
-            raise ConfigError(
-                f"{name}: `{key}` must be {'a table' if SECTIONS[key] is dict else 'text'}, not {value!r}"
-            )
+            raise ConfigError(f"{name}: `{key}` must be {'a table' if SECTIONS[key] is dict else 'text'}, not {value!r}")
     if "game" not in content:
         raise ConfigError(f'{name}: no game is named; write `game = "coins"` above the tables')
     config = Config(**{**content.get("config", {}), **(changes or {})})

@@ -112,8 +112,7 @@ def _run_updates(
                 append(row)
                 if not math.isfinite(row["loss"]):
                     raise RunError(
-                        f"the loss became {row['loss']} in update {number}; try a smaller learning_rate than "
-                        f"{config.learning_rate:g}"
+                        f"the loss became {row['loss']} in update {number}; try a smaller learning_rate than {config.learning_rate:g}"
                     )
                 state = advanced
                 rows.append(row)

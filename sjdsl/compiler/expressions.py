@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from math import inf
 from typing import assert_never
 
-from sjdsl.compiler import ast, errors, ir, limits
+from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.arithmetic import arithmetic, compare, extreme, join_types
 from sjdsl.compiler.cases import case
 from sjdsl.compiler.names import index, member, path
@@ -297,7 +297,9 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         arity(e, scope, 1)
         return matrix_class(e, build(e.arguments[0], scope), scope)
     if name in scope.static.defines:
-        return define_call(e, scope)
+        from sjdsl.compiler.defines import use
+
+        return use(e.name, e.arguments, scope)
     candidates = ["min", "max", "ramp", *ROW_FUNCTIONS, *MATRIX_CLASSES, *scope.static.defines]
     from sjdsl.compiler.diagnostics import nearest
 
@@ -354,43 +356,6 @@ def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
     return ir.MatrixClass(name=e.name.text, table=table, origin=e.span)  # type: ignore[arg-type]
-
-
-def define_call(e: ast.Call, scope: Scope) -> ir.Expr:
-    return define_use(e.name, e.arguments, scope)
-
-
-def define_use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
-    """Writes a `define` out where it is used: its own names and its arguments, none of the variables around."""
-    define = scope.static.defines[name.text]
-    scope.static.used.add(name.text)
-    if name.text in scope.defining:
-        raise scope.problems.fail(errors.DEFINE_CYCLE, name.span, name=name.text)
-    if len(arguments) != len(define.parameters):
-        wanted = f"{len(define.parameters)} argument{'s' * (len(define.parameters) != 1)}"
-        raise scope.problems.fail(errors.ARGUMENTS, name.span, name=name.text, wanted=wanted, given=len(arguments), help="")
-    scope.static.expansions += 1
-    if len(scope.defining) >= limits.MAX_DEFINES_DEEP or scope.static.expansions > limits.MAX_EXPANSIONS:
-        what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP
-        if scope.static.expansions > limits.MAX_EXPANSIONS:
-            what, limit = "uses of defines, once those inside them are written out", limits.MAX_EXPANSIONS
-        if not any(d.code is errors.TOO_MUCH for d in scope.problems.found):
-            scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
-        raise Poisoned
-    values = build_all(arguments, scope)
-    variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
-    inner = Scope(
-        scope.static,
-        scope.problems,
-        variables,
-        scope.facts,
-        scope.fact_nodes,
-        scope.place,
-        scope.events_readable,
-        (*scope.defining, name.text),
-    )
-    value = build(define.value, inner)
-    return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)
 
 
 def interval_text(type_: ir.Type) -> str:

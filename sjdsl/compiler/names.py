@@ -47,9 +47,9 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         static.used.add(name)
         return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
     if name in static.defines:
-        from sjdsl.compiler.expressions import define_use
+        from sjdsl.compiler.defines import use as use_define
 
-        return define_use(e.name, (), scope)
+        return use_define(e.name, (), scope)
     if name in static.fields:
         static.used.add(f"field {name}")
         return ir.FieldRead(type=static.fields[name].type, owner=None, place="world", name=name, origin=e.span)

@@ -4,9 +4,10 @@ from collections.abc import Iterable
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.defines import use as use_define
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.domains import domain
-from sjdsl.compiler.expressions import action_number, build, condition, define_use, number
+from sjdsl.compiler.expressions import action_number, build, condition, number
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.require import holds
 from sjdsl.compiler.scope import Scope
@@ -111,7 +112,7 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
         if name.text not in scope.static.defines:
             near = nearest(name.text, scope.static.defines)
             raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="no define", wanted="a define", nearest=near)
-        values.append(define_use(name, (), scope))
+        values.append(use_define(name, (), scope))
     if check.direction.text not in ("falling", "rising"):
         near = nearest(check.direction.text, ("falling", "rising"))
         raise scope.problems.fail(errors.UNKNOWN_NAME, check.direction.span, name=check.direction.text, nearest=near)

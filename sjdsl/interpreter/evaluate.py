@@ -87,9 +87,7 @@ def _holds(
             return evaluate(e.left, here) == evaluate(e.right, here)
         case ir.InRange():
             value = evaluate(e.value, here)
-            return numbers.compare("<=", evaluate(e.low, here), value) and numbers.compare(
-                "<=", value, evaluate(e.high, here)
-            )
+            return numbers.compare("<=", evaluate(e.low, here), value) and numbers.compare("<=", value, evaluate(e.high, here))
         case ir.InWords():
             return evaluate(e.value, here) in e.words
         case ir.InSet():
@@ -155,9 +153,7 @@ def _entry(e: ir.At, here: Instance) -> Value:
     if e.key.type.kind != "mix":
         return row[words.index(key)]
     share = dict(zip(e.key.type.words, key, strict=True))
-    parts = [
-        numbers.arithmetic("*", [share[word], entry], is_real=True) for word, entry in zip(words, row, strict=True)
-    ]
+    parts = [numbers.arithmetic("*", [share[word], entry], is_real=True) for word, entry in zip(words, row, strict=True)]
     return numbers.total(parts, is_real=True)
 
 

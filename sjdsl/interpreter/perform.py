@@ -69,9 +69,7 @@ def _sentence(
             assert_never(sentence)
 
 
-def _inside(
-    body: tuple[ir.Stmt, ...], domain: ir.Domain, member: members.Found, here: Instance, writes: Writes
-) -> None:
+def _inside(body: tuple[ir.Stmt, ...], domain: ir.Domain, member: members.Found, here: Instance, writes: Writes) -> None:
     perform(body, here.inside(member.names, member.number, members.radix(domain, here.board)), writes)
 
 

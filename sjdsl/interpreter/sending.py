@@ -49,11 +49,7 @@ def bring_back(here: Instance, world: World) -> None:
         sentence = here.board.pools[pool]
         # Two pools may share cells: what an earlier one filled is not free any more.
         taken = {cell for cell in world.position if cell is not None}
-        free = [
-            c
-            for c in ranked_cells(sentence.domain, return_stream(sentence.order_stream), set(), here)
-            if c not in taken
-        ]
+        free = [c for c in ranked_cells(sentence.domain, return_stream(sentence.order_stream), set(), here) if c not in taken]
         for agent in due[pool]:
             away = here.world.away[agent]
             if free and away is not None:

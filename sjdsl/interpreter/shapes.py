@@ -20,9 +20,7 @@ class Seen(NamedTuple):
 def cell_at(anchor: Cell, heading: int, ahead: int, right: int) -> Cell:
     """Returns the cell so far ahead and to the right of the anchor for somebody who faces `heading`."""
     forward, beside = FORWARD[heading], FORWARD[(heading + 1) % 4]
-    return Cell(
-        anchor.row + ahead * forward[0] + right * beside[0], anchor.col + ahead * forward[1] + right * beside[1]
-    )
+    return Cell(anchor.row + ahead * forward[0] + right * beside[0], anchor.col + ahead * forward[1] + right * beside[1])
 
 
 def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
@@ -67,6 +65,5 @@ def is_blocked(cell: Cell, what: str, agent: int | None, here: Instance) -> bool
     kind = here.board.kinds[here.board.kind_of[cell]]
     names = {kind.name: cell} if agent is None else {kind.name: cell, "agent": agent}
     return any(
-        block.what == what and (block.condition is None or evaluate.evaluate(block.condition, here.only(names)))
-        for block in kind.blocks
+        block.what == what and (block.condition is None or evaluate.evaluate(block.condition, here.only(names))) for block in kind.blocks
     )

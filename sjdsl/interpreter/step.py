@@ -29,9 +29,7 @@ def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws) -> World:
     return world
 
 
-def step(
-    game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
-) -> tuple[World, Outcome]:
+def step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws) -> tuple[World, Outcome]:
     """Returns the next state and what happened on the way. `world` is left as it was."""
     board = board_of(game)
     world = copied(world)

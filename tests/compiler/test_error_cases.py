@@ -56,9 +56,7 @@ def test_case(case: str, golden: Callable[[Path, str], None], monkeypatch: pytes
 
 
 @pytest.mark.parametrize("case", sorted(MADE))
-def test_made_case(
-    case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_made_case(case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     content = MADE[case]
     monkeypatch.chdir(tmp_path)
     match content:

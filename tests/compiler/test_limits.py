@@ -125,10 +125,7 @@ def test_what_is_just_allowed() -> None:
     assert found_in((HEAD + "phase p { end }\n}\n").replace("\n", "\r\n")) == []
 
 
-WORDS = sorted(
-    {t.pattern.value for t in parser().terminals if t.pattern.type == "str"}
-    | {"a", "b1", "3", "0.5", '"x"', "==", "-", "*"}
-)
+WORDS = sorted({t.pattern.value for t in parser().terminals if t.pattern.type == "str"} | {"a", "b1", "3", "0.5", '"x"', "==", "-", "*"})
 
 
 @settings(max_examples=150, deadline=None)

@@ -286,11 +286,7 @@ def test_a_misspelt_keyword_is_repaired_so_that_errors_inside_are_seen(wrong: st
 
 
 def test_independent_mistakes_are_reported_together() -> None:
-    wrong = (
-        COINS.replace("chance 2", "chanse 2")
-        .replace("schedule grow", "schedule -> grow")
-        .replace("give harm to", "give harm")
-    )
+    wrong = COINS.replace("chance 2", "chanse 2").replace("schedule grow", "schedule -> grow").replace("give harm to", "give harm")
     wrong = wrong.replace("episode length", "episode").replace("hide agent", "hyde agent")
     found = problems(wrong)
     changed = [i for i, (a, b) in enumerate(zip(wrong.split("\n"), COINS.split("\n")), 1) if a != b]

@@ -144,9 +144,7 @@ def test_other_files_and_files_without_text() -> None:
         "",
         "1 warning",
     ]
-    assert (
-        render([Diagnostic(ODD, own.span(0, 3))], {}, False) == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
-    )
+    assert render([Diagnostic(ODD, own.span(0, 3))], {}, False) == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
 
 
 def test_the_last_line_counts() -> None:
@@ -169,9 +167,7 @@ def test_colours_only_add_to_the_text() -> None:
 
 def test_messages_cannot_carry_terminal_codes() -> None:
     source = Source("game\x1b.sj", "abc")
-    out = render(
-        [Diagnostic(WRONG, source.span(0, 1), {"name": "\x1b[2J", "better": "\x07"})], {source.name: source}, False
-    )
+    out = render([Diagnostic(WRONG, source.span(0, 1), {"name": "\x1b[2J", "better": "\x07"})], {source.name: source}, False)
     assert "\x1b" not in out
     assert "\x07" not in out
 
@@ -179,9 +175,7 @@ def test_messages_cannot_carry_terminal_codes() -> None:
 def test_as_data() -> None:
     source = Source("game.sj", "one\ntwo three\nfour\n")
     fix = Fix(source.span(8, 13), "3")
-    problem = Diagnostic(
-        WRONG, source.span(4, 18), {"name": "two", "better": "2"}, (Label(source.span(0, 3), "first"),), fix
-    )
+    problem = Diagnostic(WRONG, source.span(4, 18), {"name": "two", "better": "2"}, (Label(source.span(0, 3), "first"),), fix)
     (data,) = to_json([problem], {"game.sj": source})
     assert data == {
         "code": "SJ999",

@@ -125,6 +125,7 @@ def test_in_a_clean_river_every_free_orchard_cell_may_grow() -> None:
     """With certainty for the best rate: all but those under agents."""
     scene = put(*CLEAN, ".......", "PPP^#..", "BB>BBBB", "<BBBBBB", best_rate=1).step("stay")
     scene.shows(*CLEAN, ".......", "PPP^#..", "bb>bbbb", "<bbbbbb")
+    assert scene.reward == [0, 0, 0]
 
 
 @pytest.mark.parametrize("dirty", [8, 9, 18])

@@ -79,6 +79,7 @@ def test_cells_that_grow_together_do_not_see_each_other() -> None:
 def test_nothing_grows_under_an_agent() -> None:
     scene = grove("aaaaaa", "aA>aaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", rates=(1, 1, 1), under={0: "a"}).step("stay")
     scene.shows("AAAaaa", "AA>Aaa", "AAAaaa", "aAaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+    assert scene.reward == [0, 0]  # nor is it eaten as it comes
 
 
 def test_nothing_grows_under_an_agent_that_leaves_in_this_step() -> None:

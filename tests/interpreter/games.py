@@ -110,9 +110,7 @@ def when(test: ir.Expr, *body: ir.Sentence, otherwise: tuple[ir.Sentence, ...] =
 
 def send(to: ir.Domain, who: ir.Expr | None = None, *, pool: int = 0, **facts: object) -> ir.Send:
     """The streams of pool p are 1000 + p for the order and 2000 + p for the headings."""
-    return ir.Send(
-        who=who or agent(), domain=to, pool=pool, order_stream=1000 + pool, heading_stream=2000 + pool, **facts
-    )
+    return ir.Send(who=who or agent(), domain=to, pool=pool, order_stream=1000 + pool, heading_stream=2000 + pool, **facts)
 
 
 def phase(*body: ir.Sentence, name: str = "act") -> ir.Phase:
@@ -120,9 +118,7 @@ def phase(*body: ir.Sentence, name: str = "act") -> ir.Phase:
 
 
 def line(length: int, name: str = "ray", see_through: bool = False) -> ir.Shape:
-    return ir.Shape(
-        name=name, lanes=(tuple((i, 0) for i in range(1, length + 1)),), see_through=see_through, directed=True
-    )
+    return ir.Shape(name=name, lanes=(tuple((i, 0) for i in range(1, length + 1)),), see_through=see_through, directed=True)
 
 
 def kind(name: str, glyph: str, *fields: ir.VarField, blocks: tuple[ir.Block, ...] = ()) -> ir.Kind:

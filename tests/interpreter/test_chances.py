@@ -167,9 +167,7 @@ def test_match_with_first_pairs_only_the_nearest():
         (True, {(9, 2): g.LAST, (9, 5): 8}, [None, 2, None]),
         (False, {(9, 2): g.LAST, (9, 5): 8}, [2, None, None]),
     ):
-        game = small(
-            ir.Match(left=g.agents("a"), right=right, first=first, stream=9, body=body), rows=("...",), agents=3
-        )
+        game = small(ir.Match(left=g.agents("a"), right=right, first=first, stream=9, body=body), rows=("...",), agents=3)
         world, _ = run(game, (0, 0), (0, 1), (0, 2), headings=(1, 1, 1), draws=g.Table(words))
         assert world.agents["friend"] == expected
 

@@ -164,9 +164,7 @@ def test_counts_and_sums(here):
     others = g.agents("one", where=ir.Not(value=g.same(g.agent("one"), g.agent())))
     assert evaluate(ir.Count(type=g.INT, domain=others), here) == 2
     assert evaluate(ir.SumRow(type=g.INT, row=bag), here) == 4
-    total = ir.Sum(
-        type=g.INT, value=ir.SumRow(type=g.INT, row=g.of_agent("bag", BAG, g.agent("one"))), domain=g.agents("one")
-    )
+    total = ir.Sum(type=g.INT, value=ir.SumRow(type=g.INT, row=g.of_agent("bag", BAG, g.agent("one"))), domain=g.agents("one"))
     assert evaluate(total, here) == 6
     owed = ir.Sum(type=g.REAL, value=g.of_agent("owed", g.REAL, g.agent("one")), domain=g.agents("one"))
     assert evaluate(owed, here) == np.float32(1.5)
@@ -201,9 +199,7 @@ def test_lowest_and_highest(here):
     bag = g.of_agent("bag", BAG)
     empty = g.of_agent("bag", BAG, g.agent("other"))
     words = g.word_type(*RW)
-    found = [
-        evaluate(ir.Lowest(type=words, row=row, last=last), here) for row in (bag, empty) for last in (False, True)
-    ]
+    found = [evaluate(ir.Lowest(type=words, row=row, last=last), here) for row in (bag, empty) for last in (False, True)]
     assert found == ["green", "blue", "red", "blue"]
 
 
@@ -219,9 +215,7 @@ def test_mix_and_the_expected_entry(here):
 def test_a_table_at_two_mixes_is_the_expected_payoff(here):
     words = ("coop", "defect")
     two = ir.Type(kind="int", by=(words,))
-    shares = [
-        ir.Mix(type=ir.Type(kind="mix", words=words), row=ir.Local(type=two, name=name)) for name in ("mine", "yours")
-    ]
+    shares = [ir.Mix(type=ir.Type(kind="mix", words=words), row=ir.Local(type=two, name=name)) for name in ("mine", "yours")]
     here = here.binding({"mine": (1, 1), "yours": (3, 1)})
     payoff = g.at(g.at(ir.ParamRef(type=PAY, name="payoff"), shares[0]), shares[1])
     assert evaluate(payoff, here) == np.float32(3 * 0.375 - 0.125 + 5 * 0.375 + 0.125)

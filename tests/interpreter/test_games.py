@@ -54,9 +54,7 @@ class Play:
         walls = {k.glyph for k in self.game.kinds if any(b.what == "agents" and b.condition is None for b in k.blocks)}
         assert not {self.game.rows[p.row][p.col] for p in self.world.position if p is not None} & walls
         for number, check in enumerate(self.game.checks):
-            values = [
-                read(self.game, self.world, v, self.totals) for v in check.values if check.sort in ("always", "once")
-            ]
+            values = [read(self.game, self.world, v, self.totals) for v in check.values if check.sort in ("always", "once")]
             if check.sort == "always":
                 assert values == [True], check
             if check.sort == "once":
@@ -144,9 +142,7 @@ def test_a_meeting_pays_sends_both_home_and_empties_their_bags():
     game = load("pd_arena")
     params = default_params(game)
     world = reset(game, params, Threefry(0, 0))
-    row, col = next(
-        (r, c) for r, line in enumerate(game.rows) for c, glyph in enumerate(line) if line[c : c + 2] == ".."
-    )
+    row, col = next((r, c) for r, line in enumerate(game.rows) for c, glyph in enumerate(line) if line[c : c + 2] == "..")
     world.position[:2], world.heading[:2] = [Cell(row, col), Cell(row, col + 1)], [1, 0]
     world.position[2:] = [Cell(r, c) for r, line in enumerate(game.rows) for c, g in enumerate(line) if g == "."][-2:]
     world.agents["bag"] = [(1, 3), (2, 0), (0, 0), (0, 0)]

@@ -8,17 +8,13 @@ from sjdsl.interpreter.state import Away, Cell
 
 from . import games as g
 
-FAN = ir.Shape(
-    name="fan", lanes=(((1, 0), (2, 0)), ((0, -1), (1, -1)), ((0, 1), (1, 1))), see_through=False, directed=True
-)
+FAN = ir.Shape(name="fan", lanes=(((1, 0), (2, 0)), ((0, -1), (1, -1)), ((0, 1), (1, 1))), see_through=False, directed=True)
 ROUND = ir.Shape(name="round", lanes=(((1, 0), (0, -1), (0, 1), (-1, 0)),), see_through=True, directed=False)
 DOOR = g.kind(
     "door",
     "D",
     g.var("cell", "state", g.word_type("open", "shut"), start="shut"),
-    blocks=(
-        ir.Block(what="ray", condition=g.same(g.of_cell("door", "state", g.word_type("open", "shut")), g.word("shut"))),
-    ),
+    blocks=(ir.Block(what="ray", condition=g.same(g.of_cell("door", "state", g.word_type("open", "shut")), g.word("shut"))),),
 )
 FLOOR, WALL, SOIL = g.kind("floor", "."), g.kind("wall", "#", blocks=(ir.Block(what="ray"),)), g.kind("soil", "A")
 GAME = g.game(

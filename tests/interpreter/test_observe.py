@@ -127,9 +127,7 @@ def test_agents_without_headings():
 @pytest.mark.parametrize("own", range(4))
 def test_headings_of_others_are_relative_to_ones_own(own, turn):
     game = small(HEADING)
-    assert (
-        planes(game)[1].labels[2 + turn] == "other " + ("same heading", "turned right", "opposite", "turned left")[turn]
-    )
+    assert planes(game)[1].labels[2 + turn] == "other " + ("same heading", "turned right", "opposite", "turned left")[turn]
     world = g.world_of(game, (1, 1), (0, 1), headings=(own, (own + turn) % 4))
     values = plane(game, world, "agent")[0]
     assert sorted(v for row in values for v in row if v) == [1, 2 + turn]

@@ -66,9 +66,7 @@ def test_three_hundred_steps_keep_every_promise():
         assert all(game.rows[row][col] != "#" for row, col in places)
         assert outcome.reward == outcome.events["eaten"]
         assert world.cells["soil", "fruit"].count("ripe") >= before - sum(outcome.events["eaten"])
-        assert all(
-            (place is None) == (gone is not None) for place, gone in zip(world.position, world.away, strict=True)
-        )
+        assert all((place is None) == (gone is not None) for place, gone in zip(world.position, world.away, strict=True))
         picture = observe(game, world)
         assert [int(p[1, 1, 1]) for p in picture] == [int(place is not None) for place in world.position]
         eaten, away = eaten + sum(outcome.events["eaten"]), away + sum(a is not None for a in world.away)

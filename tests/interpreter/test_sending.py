@@ -162,9 +162,7 @@ def test_several_come_back_in_id_order():
 def test_two_pools_that_come_back_together_do_not_collide():
     def fire(who, pool):
         where = ir.Logic(fn="and", args=(g.chose(g.ZAP), g.is_agent(who)))
-        return g.phase(
-            g.each(g.agents(where=where), g.send(g.cells("den"), pool=pool, after=g.number(1))), name=f"f{who}"
-        )
+        return g.phase(g.each(g.agents(where=where), g.send(g.cells("den"), pool=pool, after=g.number(1))), name=f"f{who}")
 
     game = den_game(ir.Tick(), fire(0, 0), fire(1, 1), agents=2)
     world = run(game, [(0, 0), (0, 1)])

@@ -147,17 +147,13 @@ def test_tallies():
 
 
 def test_when_takes_the_first_branch_that_holds():
-    branches = tuple(
-        ir.Branch(test=g.compare(g.index(), "<", g.number(n)), body=(set_(score(), g.number(n)),)) for n in (1, 2)
-    )
+    branches = tuple(ir.Branch(test=g.compare(g.index(), "<", g.number(n)), body=(set_(score(), g.number(n)),)) for n in (1, 2))
     game = small(g.each(g.agents(), ir.When(branches=branches, otherwise=(set_(score(), g.number(7)),))), agents=3)
     assert run(game)[0].agents["score"] == [1, 2, 7]
 
 
 def test_mark_shows_the_cells_of_a_shape_and_end_ends():
-    game = small(
-        g.each(g.agents(where=g.is_agent(0)), ir.Mark(shape="ray", anchor=g.agent())), ir.End(), rows=("...", ".AA")
-    )
+    game = small(g.each(g.agents(where=g.is_agent(0)), ir.Mark(shape="ray", anchor=g.agent())), ir.End(), rows=("...", ".AA"))
     world, outcome = run(game, (0, 1), (1, 1), headings=(1,))
     assert world.marks == [("act", 0, 2)]
     assert outcome.terminated is True

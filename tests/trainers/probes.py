@@ -9,10 +9,10 @@ import flax
 import jax
 import jax.numpy as jnp
 from jax import Array
-from sjdsl.trainers import Config, TrainState, make_train
-from sjdsl.trainers.ppo import make_network
 
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.trainers import Config, TrainState, make_train
+from sjdsl.trainers.ppo import make_network
 
 
 @flax.struct.dataclass

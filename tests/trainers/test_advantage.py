@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 import numpy as np
+
 from sjdsl.trainers.advantage import generalised_advantages, successor_values
 
 STEPS, ENVS, AGENTS = 23, 5, 3
@@ -34,9 +35,7 @@ def test_advantages_equal_a_plain_loop() -> None:
                 following = values[step, env, agent]
 
     successors = successor_values(*map(jnp.asarray, (values, last_value, terminal_values, done, truncated)))
-    advantages = generalised_advantages(
-        jnp.asarray(rewards), jnp.asarray(values), successors, jnp.asarray(done), GAMMA, LAMBDA
-    )
+    advantages = generalised_advantages(jnp.asarray(rewards), jnp.asarray(values), successors, jnp.asarray(done), GAMMA, LAMBDA)
     np.testing.assert_allclose(advantages, expected, atol=1e-5)
 
 
@@ -44,8 +43,6 @@ def test_lambda_one_is_the_discounted_return_less_the_value() -> None:
     rewards = jnp.array([1.0, 2.0, 4.0]).reshape(3, 1, 1)
     values = jnp.array([0.5, 0.25, 0.125]).reshape(3, 1, 1)
     done = jnp.array([[False], [False], [True]])
-    successors = successor_values(
-        values, jnp.full((1, 1), 9.0), jnp.full((3, 1, 1), 9.0), done, jnp.zeros((3, 1), bool)
-    )
+    successors = successor_values(values, jnp.full((1, 1), 9.0), jnp.full((3, 1, 1), 9.0), done, jnp.zeros((3, 1), bool))
     advantages = generalised_advantages(rewards, values, successors, done, 0.5, 1.0)
     np.testing.assert_allclose(advantages.ravel(), [1 + 1 + 1 - 0.5, 2 + 2 - 0.25, 4 - 0.125])

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import jax
 import numpy as np
-from sjdsl.trainers import evaluate, load_policy, load_preset, train
 
 import sjdsl
+from sjdsl.trainers import evaluate, load_policy, load_preset, train
 
 SMALL = {"num_envs": 4, "num_steps": 10, "total_timesteps": 4 * 10 * 6, "num_minibatches": 2}
 

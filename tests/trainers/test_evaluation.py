@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from probes import matching, uneven
+
 from sjdsl.trainers import Evaluation, estimate, evaluate, random_policy, save_evaluation, summarise
 
 EPISODES = 64
@@ -47,9 +48,7 @@ def test_the_random_policy_draws_for_each_agent_and_episode() -> None:
 
 
 def test_the_same_key_gives_the_same_episodes() -> None:
-    first, again, other = (
-        evaluate(matching(), random_policy(matching()), jax.random.key(seed), EPISODES).returns for seed in (1, 1, 2)
-    )
+    first, again, other = (evaluate(matching(), random_policy(matching()), jax.random.key(seed), EPISODES).returns for seed in (1, 1, 2))
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()
 

@@ -5,10 +5,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from sjdsl.trainers.convolution import convolve
-from sjdsl.trainers.networks import ActorCritic
 
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.trainers.convolution import convolve
+from sjdsl.trainers.networks import ActorCritic
 
 PLANES = (
     TokenPlane("content", "word", ("outside", "none", "mine")),

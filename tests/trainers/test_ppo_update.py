@@ -7,6 +7,7 @@ import optax
 import pytest
 from flax.training.train_state import TrainState as Learner
 from probes import QUICK, constant, dilemma, learn, matching, run_of, uneven
+
 from sjdsl.trainers import Config
 from sjdsl.trainers.networks import ActorCritic
 from sjdsl.trainers.ppo import Batch, explained_variance, learning_rate_schedule, make_optimiser, ppo_loss, take_epochs
@@ -166,9 +167,7 @@ def test_gradients_are_clipped_by_their_global_norm() -> None:
     memory = optimiser.init(parameters)
     first, second, expected = np.zeros(2), np.zeros(2), np.zeros(2)
     for step, gradient in enumerate([np.array([3.0, 4.0]), np.array([0.06, -0.08])], start=1):
-        updates, memory = optimiser.update(
-            {"a": jnp.float32(gradient[:1]), "b": jnp.float32(gradient[1:])}, memory, parameters
-        )
+        updates, memory = optimiser.update({"a": jnp.float32(gradient[:1]), "b": jnp.float32(gradient[1:])}, memory, parameters)
         parameters = optax.apply_updates(parameters, updates)
         gradient = gradient * min(1.0, 0.5 / np.linalg.norm(gradient))
         first = 0.9 * first + 0.1 * gradient

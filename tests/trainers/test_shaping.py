@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+
 from sjdsl.trainers.shaping import shape_reward
 
 REWARD = jnp.array([[[1.0, -2.0, 4.0]], [[0.0, 0.5, 0.0]]])  # [T=2, B=1, N=3]

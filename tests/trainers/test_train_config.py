@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from probes import QUICK, constant
 from pydantic import ValidationError
+
 from sjdsl.trainers import Config, ConfigError, load_preset, make_train
 
 

@@ -14,6 +14,7 @@ import optax
 import pytest
 from flax.training.train_state import TrainState as Learner
 from probes import QUICK, matching
+
 from sjdsl.trainers import Config, PolicyError, Result, RunError, Train, TrainState, evaluate, load_policy, run, train
 from sjdsl.trainers.progress import show_progress
 from sjdsl.trainers.run_folder import read_parameters
