@@ -14,6 +14,8 @@ def place(cells: Array, ranks: Array, position: Array, sent: Array) -> tuple[Arr
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
     """
+    if cells.shape[0] == 0:
+        return position, jnp.zeros_like(sent)
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
 
     def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
@@ -41,6 +43,8 @@ def choose(ranks: Array, number: Array) -> Array:
     Returns:
       `[..., S]` bool.
     """
+    if ranks.shape[-1] == 0:
+        return jnp.zeros(ranks.shape, bool)
     index = jnp.arange(ranks.shape[-1]).reshape((1,) * (ranks.ndim - 1) + (-1,))
 
     def more(state: tuple[Array, Array, Array]) -> Array:
@@ -67,6 +71,8 @@ def pair(ranks: Array, alike: bool) -> Array:
       `[L]` int32, R for those without a partner.
     """
     left, right = ranks.shape
+    if left == 0 or right == 0:
+        return jnp.full(left, right, jnp.int32)
     rows, cols = jnp.arange(left), jnp.arange(right)
 
     def take(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:

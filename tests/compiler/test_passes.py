@@ -212,13 +212,12 @@ def test_games_play_the_same(name: str) -> None:
         assert_passes_change_nothing(game)
 
 
-not_without = pytest.mark.xfail(strict=True, raises=TypeError, reason="unoptimised code reads a field of a kind that is not on the map")
 VARIATIONS = [
     "dull harvest",
     "constants",
     "chances",
-    pytest.param("harvest without soil", marks=not_without),
-    pytest.param("clean_up without an orchard", marks=not_without),
+    "harvest without soil",
+    "clean_up without an orchard",
 ]
 
 
@@ -228,7 +227,6 @@ def test_variations_play_the_same(name: str) -> None:
     assert programs > 1 or name == "chances"
 
 
-@pytest.mark.xfail(strict=True, reason="unoptimised code takes `~` of a Python bool")
 def test_a_constant_condition_among_others() -> None:
     assert_passes_change_nothing(framed("each agent on grass { when 1 > 2 { give 7 to agent } otherwise { give 1 to agent } }"))
 

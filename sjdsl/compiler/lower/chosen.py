@@ -36,6 +36,8 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
         wanted = both(there, binary(">", number, literal(0, "i32"), "bool"))
         return inner.when(frame.mask).when(wanted), invert(there)
     axis = new[-1]
+    if axis.size == 0:
+        return inner.when(literal(False, "bool")), literal(True, "bool")
     member_var = inner.variables[s.domain.var.name]
     near = isinstance(s.domain.place, ir.Near) and isinstance(member_var, CellVar)
     total = axis.size if near else reads.member_total(member_var, w)

@@ -93,7 +93,7 @@ def sentence(s: ir.Stmt, frame: Frame, w: Writer, sends: Sends) -> None:
 
 
 def _inside(body: tuple[ir.Stmt, ...], frame: Frame, w: Writer, sends: Sends) -> None:
-    if not body:
+    if not body or (frame.mask is not None and frame.mask.text == "False"):
         return
     if frame.mask is not None and len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
         frame = replace(frame, mask=w.keep("active", frame.mask))

@@ -3,10 +3,19 @@
 Axes are named; an operation lines its operands up by name. An axis made later (of an inner sentence) stands further right.
 """
 
+import operator
 import re
 from dataclasses import dataclass, replace
 
 DTYPES = {"f32": "jnp.float32", "i32": "jnp.int32", "u32": "jnp.uint32", "u8": "jnp.uint8", "bool": "bool"}
+_COMPARISONS = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
 _OPPOSITES = (("==", "!="), ("!=", "=="))
 _ATOM = re.compile(r"~?[A-Za-z_][A-Za-z0-9_.]*(\([^()]*\)|\[[^\[\]]*\])*|-?\d+(\.\d+)?(e-?\d+)?|0x[0-9a-f]+")
 
@@ -68,7 +77,9 @@ def as_dtype(value: Value, dtype: str) -> Value:
 
 
 def binary(op: str, a: Value, b: Value, dtype: str) -> Value:
-    """Returns `a op b`."""
+    """Returns `a op b`; a comparison of two literals is a literal."""
+    if a.literal and b.literal and op in _COMPARISONS:
+        return literal(_COMPARISONS[op](float(a.text), float(b.text)), "bool")
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
     left, right = (_operand(x, axes, levels) for x in (a, b))
