@@ -20,6 +20,7 @@ def describe(name: str) -> dict[str, Any]:
         "title": game.title,
         "file": source.name,
         "cites": list(game.cites),
+        "about": dict(game.about),
         "variants": [{"name": v.name.text, "title": v.title.text if v.title else ""} for v in composed.variants.values()],
         "agents": game.agents.number,
         "map": {"rows": len(game.rows), "columns": len(game.rows[0])},

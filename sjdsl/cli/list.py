@@ -47,6 +47,7 @@ def page(game: dict[str, Any]) -> str:
         ("actions", ", ".join(game["actions"])),
         ("metrics", ", ".join(map(_metric, game["metrics"]))),
     ]
+    facts += [(key.replace("_", " "), text) for key, text in game["about"].items()]
     facts += [("cite", cite) for cite in game["cites"]]
     lines = [f"{game['game']}: {game['title']}", *("  " + line for line in align(facts))]
     kinds = [(k["name"], "; ".join(f"{name}: {_words(v)}" for name, v in k["fields"].items())) for k in game["kinds"]]

@@ -32,6 +32,15 @@ class Cite:
 
 
 @dataclass(frozen=True)
+class About:
+    """A line of metadata; its texts are read one after the other."""
+
+    span: Span
+    name: Name
+    texts: tuple[String, ...]
+
+
+@dataclass(frozen=True)
 class Episode:
     span: Span
     steps: Expr
@@ -314,6 +323,7 @@ class Variant:
 
 Section = (
     Cite
+    | About
     | Constant
     | Episode
     | Kind

@@ -48,6 +48,7 @@ RULES: dict[str, nodes.Build] = {
     "start": lambda span, version, game: ast.File(span, int(version), game),
     "game": nodes.game,
     "cite": ast.Cite,
+    "about": nodes.several(ast.About, 1),
     "variant": nodes.variant,
     "override": ast.Override,
     "drop": ast.Drop,

@@ -22,6 +22,7 @@ class Composition:
     title: str
     span: Span
     cites: list[str] = field(default_factory=list)
+    about: dict[str, str] = field(default_factory=dict)
     constants: dict[str, ast.Constant] = field(default_factory=dict)
     episode: ast.Episode | None = None
     kinds: dict[str, ast.Kind] = field(default_factory=dict)
@@ -105,6 +106,8 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
         case ast.Variant():
             return [(f"variant {section.name.text}", section.name.span, section)]
+        case ast.About():
+            return [(f"about {section.name.text}", section.name.span, section)]
         case ast.Map() | ast.Episode() | ast.Schedule():
             return [(type(section).__name__.lower(), section.span, section)]
         case ast.Agents():
@@ -154,6 +157,8 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
         match section:
             case ast.Cite():
                 game.cites.append(section.text.text)
+            case ast.About():
+                game.about[section.name.text] = " ".join(text.text for text in section.texts)
             case ast.Constant():
                 game.constants[section.name.text] = section
             case ast.Episode():

@@ -94,6 +94,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         name=game.name,
         title=game.title,
         cites=tuple(game.cites),
+        about=tuple(game.about.items()),
         variants=tuple(game.variants),
         sizes=tuple(static.sizes.values()),
         params=tuple(static.params.values()),

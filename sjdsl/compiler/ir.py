@@ -163,6 +163,7 @@ class Game(Node):
     name: str
     title: str
     cites: tuple[str, ...] = ()
+    about: tuple[tuple[str, str], ...] = ()
     variants: tuple[str, ...] = ()
     sizes: tuple[Size, ...] = ()
     params: tuple[Param, ...] = ()

@@ -35,8 +35,9 @@ def _template() -> jinja2.Template:
 
 
 def game_hash(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits that two games share if and only if their IR is equal (positions aside)."""
-    return hashlib.sha256(ir_text(game).encode()).hexdigest()[:16]
+    """Returns 16 hexadecimal digits that two games share if and only if their IR is equal (positions, `cite` and `about` aside)."""
+    rules = game.model_copy(update={"cites": (), "about": ()})
+    return hashlib.sha256(ir_text(rules).encode()).hexdigest()[:16]
 
 
 def render(program: Program, game: ir.Game) -> str:

@@ -19,7 +19,7 @@ SENTENCES = frozenset((
     "REMOVE", "MOVE", "MARK", "END",
 ))  # fmt: skip
 SECTIONS = frozenset((
-    "CITE", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS", "SHAPE", "DEFINE",
+    "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS", "SHAPE", "DEFINE",
     "SCHEDULE", "PHASE", "OBSERVE", "METRICS", "CHECKS", "VARIANT",
 ))  # fmt: skip
 ENTRIES = frozenset((
