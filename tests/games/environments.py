@@ -15,9 +15,9 @@ Cell = tuple[int, int]
 
 
 @cache
-def environment(game: str) -> Environment:
-    """Returns a bundled game as it is."""
-    return make(game)
+def environment(game: str, variant: str | None = None, agents: int | None = None) -> Environment:
+    """Returns a bundled game, as it is unless a variant or a number of agents is named."""
+    return make(game, variant=variant, num_agents=agents)
 
 
 @cache
