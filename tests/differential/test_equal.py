@@ -16,7 +16,7 @@ VARIANTS = [
     ("harvest_open", "closed+socialjax", {}),
     ("clean_up", "socialjax", {}),
     ("coop_mining", "socialjax", {}),
-    ("gift_refinement", "socialjax+meltingpot", {}),
+    ("gift_refinement", "meltingpot", {}),
     ("mushrooms", "socialjax", {}),
     ("pd_arena", "socialjax", {}),
     ("harvest_closed", None, {"respawn_delay": 4}),
