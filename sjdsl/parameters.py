@@ -34,12 +34,13 @@ def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values)
     return sizes, rest
 
 
-def build_params(game: ir.Game, module: ModuleType, given: Values) -> Any:
+def build_params(game: ir.Game, module: ModuleType, given: Values, keep_promises: bool = True) -> Any:
     """Returns the game's `Params` with some values replaced.
 
     Args:
       given: by name: a number, a word, or for a table a mapping by word (whole or in part) or nested sequences in the order of
         the words.
+      keep_promises: whether a `require` of the game must hold.
     Raises ValueError: unknown name or word, a value outside its limits, a `require` of the game that no longer holds.
     """
     values = {p.name: p.value for p in game.params}
@@ -50,7 +51,7 @@ def build_params(game: ir.Game, module: ModuleType, given: Values) -> Any:
             raise ValueError(f"the game has no parameter `{name}`" + (f"; did you mean `{near}`?" if near else ""))
         values[name] = _merged(name, values[name], value, param.type.by, param.type)
     for check in game.checks:
-        if check.sort == "require" and not holds(check.values[0], values):
+        if keep_promises and check.sort == "require" and not holds(check.values[0], values):
             raise ValueError(f"these parameters break a promise of the game: require {expression(check.values[0])}")
     params = module.default_params()
     changed = {}

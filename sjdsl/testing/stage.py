@@ -1,0 +1,117 @@
+"""`Stage`: a game on a small map, on which scenes are put."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from sjdsl.factory import make
+from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.draws import Threefry
+from sjdsl.interpreter.state import Cell
+from sjdsl.interpreter.step import reset
+from sjdsl.parameters import build_params
+from sjdsl.runtime.env import Environment
+from sjdsl.testing.engines import Compiled, compile_quickly, interpreter_params, key_words
+from sjdsl.testing.paths import find_field, write_field
+from sjdsl.testing.pictures import numbered, put_picture, read_picture
+from sjdsl.testing.scene import Scene
+from sjdsl.testing.signs import Signs, make_signs
+from sjdsl.testing.states import make_away
+from sjdsl.testing.values import merged
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A game, as a rule on a small map.
+
+    Attributes:
+      game: a path to any `.sj` file, or the name of a bundled game.
+      map: rows of the map's glyphs, or a file of them; None: the game's own.
+      agents: how many; None: as the game says.
+      variant: a variant of the file, several as `"a+b"`.
+      params: numbers of the game for all scenes, sizes among them.
+      looks: further signs for pictures: character -> the state of a cell it stands for, as `{"t": "tree fruit=none"}`. Glyphs that the
+        game declares `with` a state are signs already.
+      arrows: the signs of agents facing north, east, south, west; others where the map has a `v`, say.
+
+    Making the environment raises what `sjdsl.make` raises, and ValueError for signs that cannot be.
+    """
+
+    game: str | Path
+    map: tuple[str, ...] | str | Path | None = None
+    agents: int | None = None
+    variant: str | None = field(default=None, kw_only=True)
+    params: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
+    looks: Mapping[str, str] = field(default_factory=dict, kw_only=True)
+    arrows: str = field(default="^>v<", kw_only=True)
+
+    @cached_property
+    def env(self) -> Environment:
+        """The environment, compiled once."""
+        return make(self.game, variant=self.variant, num_agents=self.agents, params=dict(self.params), map=self.map)
+
+    @cached_property
+    def signs(self) -> Signs:
+        return make_signs(self.env.game, self.looks, self.arrows)
+
+    @cached_property
+    def compiled(self) -> Compiled:
+        return compile_quickly(self.env)
+
+    @property
+    def board(self) -> Board:
+        return board_of(self.env.game)
+
+    def given_params(self, params: Mapping[str, Any]) -> Any:
+        """Returns the run-time parameters with some replaced; their limits hold, but not what the game `require`s."""
+        run_time = {p.name for p in self.env.game.params}
+        fixed = {name: value for name, value in self.params.items() if name in run_time}
+        return build_params(self.env.game, self.env.module, merged(fixed, params), keep_promises=False)
+
+    def put(
+        self,
+        *picture: str,
+        under: Mapping[int, str] | None = None,
+        fields: Mapping[str, Any] | None = None,
+        away: Mapping[int, int | tuple[int, str]] | None = None,
+        step: int = 0,
+        seed: int = 0,
+        params: Mapping[str, Any] | None = None,
+    ) -> Scene:
+        """Returns the scene of a picture; what it does not tell is as at the start of an episode.
+
+        Args:
+          picture: the rows of the map in signs, agents as arrows. Numbers of a row's agents may stand beside it, left to right; the
+            other agents count in reading order: `"..>.<  10"`.
+          under: agent -> the sign of what it stands on; else that is as on the map.
+          fields: `agent.NAME`, `KIND.NAME` or `NAME` (of the world), perhaps one entry `NAME[word]` -> a list over agents or cells (in
+            reading order), a mapping of some of them (cells by (row, column)), or one value for all. Timers are fields.
+          away: agents that are not on the map -> ticks until they return, with the phase that has sent them if several can; 0: never.
+          step: finished steps of the episode.
+          seed: of the first step; each further step has the next.
+          params: run-time numbers by name.
+        Raises ValueError: what does not fit the game.
+        """
+        game, board, values = self.env.game, self.board, self.given_params(params or {})
+        world = reset(game, interpreter_params(self.env, values), Threefry(*key_words(0)))
+        rows, gone = read_picture(picture, self.signs), away or {}
+        poses = numbered(rows, self.signs, board.agents, gone)
+        put_picture(rows, poses, under or {}, self.signs, board, world)
+        world.position = [Cell(*poses[agent][:2]) if agent in poses else None for agent in range(board.agents)]
+        world.heading = [poses[agent][2] if agent in poses else 0 for agent in range(board.agents)]
+        for agent, told in gone.items():
+            ticks, phase = told if isinstance(told, tuple) else (told, None)
+            world.away[agent] = make_away(game, agent, ticks, phase)
+        for path, given in (fields or {}).items():
+            write_field(find_field(game, path), given, board, world)
+        world.step, world.marks = step, []
+        return Scene(self, world, params or {}, seed)
+
+    def start(self, seed: int = 0, params: Mapping[str, Any] | None = None) -> Scene:
+        """Returns the scene an episode starts with: the phase `start`, on both engines with the same draws."""
+        given = interpreter_params(self.env, self.given_params(params or {}))
+        scene = Scene(self, reset(self.env.game, given, Threefry(*key_words(seed))), params or {}, seed)
+        scene.compare_start(seed)
+        return scene

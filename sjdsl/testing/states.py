@@ -1,0 +1,94 @@
+"""One state in both forms: the interpreter's world as the compiled state, and who is away."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.compiler.lower.sending import all_pools
+from sjdsl.compiler.optimise import optimise
+from sjdsl.interpreter.state import Away, Pool, World
+from sjdsl.runtime.env import Environment
+from sjdsl.testing.values import stored
+
+FACINGS = ("north", "east", "south", "west", None, "same")
+
+
+def fields_of(game: ir.Game) -> list[ir.VarField]:
+    """Returns all fields of a game."""
+    return [*(f for kind in game.kinds for f in kind.fields), *game.agents.fields, *game.fields]
+
+
+def held_values(declared: ir.VarField, world: World) -> Any:
+    """Returns the values of a field in the interpreter: a list over cells or agents, or the world's one value."""
+    match declared.place:
+        case "cell":
+            return world.cells[declared.kind, declared.name]
+        case "agent":
+            return world.agents[declared.name]
+        case _:
+            return world.fields[declared.name]
+
+
+def stored_values(declared: ir.VarField, world: World) -> Any:
+    """Returns the values of a field of the interpreter as the compiled state stores them."""
+    values = held_values(declared, world)
+    if declared.place == "world":
+        return stored(values, declared.type)
+    return [stored(value, declared.type) for value in values]
+
+
+def compiled_state(env: Environment, world: World) -> Any:
+    """Returns the compiled state that equals a world without marks. Raises ValueError for a number too large for its field."""
+    state, (_, cols), pad = env.module.initial_state(), env.module.FRAME, env.module.PAD
+    changed: dict[str, Any] = {
+        "step": world.step,
+        "position": [0 if p is None else (p.row + pad) * cols + p.col + pad for p in world.position],
+        "heading": world.heading,
+    }
+    if hasattr(state, "moved"):
+        changed["moved"] = world.moved
+    if hasattr(state, "away"):
+        numbers = pool_numbers(env.game)
+        changed["away"] = [a.ticks if a else 0 for a in world.away]
+        changed["away_pool"] = [numbers[a.pool] if a and a.pool else 0 for a in world.away]
+        changed["away_facing"] = [FACINGS.index(a.facing) if a else 0 for a in world.away]
+    for declared in fields_of(env.game):
+        values, dtype = np.asarray(stored_values(declared, world)), getattr(state, attribute_name(declared)).dtype
+        if np.issubdtype(dtype, np.integer) and values.size and not 0 <= values.max() <= np.iinfo(dtype).max:
+            raise ValueError(f"`{declared.name}` holds numbers up to {np.iinfo(dtype).max} in this game, not {values.max()}")
+        changed[attribute_name(declared)] = values
+    return state.replace(**{name: jnp.asarray(np.asarray(v, getattr(state, name).dtype)) for name, v in changed.items()})
+
+
+def pool_numbers(game: ir.Game) -> dict[Pool, int]:
+    """Returns the numbers by which the compiled state names the destinations of those who are away."""
+    return {Pool(phase, pool.send.pool): pool.number for phase, pools in all_pools(optimise(game)).items() for pool in pools}
+
+
+def away_pools(game: ir.Game) -> dict[Pool, ir.Send]:
+    """Returns the destinations one can be away before, each with a sentence that sends there."""
+    known, found = pool_numbers(game), {}
+    for phase in (game.start, *game.schedule):
+        for node in ir.walk(phase) if isinstance(phase, ir.Phase) else ():
+            if isinstance(node, ir.Send) and node.after is not None and Pool(phase.name, node.pool) in known:
+                found.setdefault(Pool(phase.name, node.pool), node)
+    return found
+
+
+def make_away(game: ir.Game, agent: int, ticks: int, phase: str | None) -> Away:
+    """Returns how an agent is away: for good (0 ticks), or sent by the phase of that name, or by the only one that sends away."""
+    if ticks == 0:
+        if not any(isinstance(node, ir.Remove) for node in ir.walk(game)):
+            raise ValueError(f"agent {agent}: nobody is removed for good in this game, so give the ticks until it returns")
+        return Away(0, None, None)
+    pools, labels = away_pools(game), {p.name: p.label for p in (game.start, *game.schedule) if isinstance(p, ir.Phase)}
+    fitting = {pool: send for pool, send in pools.items() if phase in (None, labels[pool.phase])}
+    if len(fitting) != 1 or ticks < 0:
+        phases = sorted({labels[pool.phase] for pool in pools})
+        wanted = f"one of {', '.join(phases)}" if phases else "none: nobody is sent away `after` some steps in this game"
+        raise ValueError(f"agent {agent}: an agent away is given as (ticks, phase that has sent it); the phase here is {wanted}")
+    (pool, send), *_ = fitting.items()
+    return Away(ticks, pool, send.facing)

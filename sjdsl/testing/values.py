@@ -1,0 +1,123 @@
+"""Values of fields in three forms: as an author writes them, as the interpreter holds them, as the compiled state stores them.
+
+Written: a word is a text, a number a number, an agent its number, nobody None, several agents a set of numbers; an entry of a
+`by` field stands under its word, `{"raw": 2}`.
+"""
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics import nearest
+
+LARGEST = 2**31 - 1
+
+
+def held(name: str, written: Any, type_: ir.Type, agents: int, before: Any = None) -> Any:
+    """Returns a written value as the interpreter holds it.
+
+    Args:
+      name: what is set, for messages.
+      before: the value so far: entries of a `by` field that are not written keep it.
+    Raises ValueError: not a value of this type.
+    """
+    if not type_.by:
+        return _held(name, written, type_, agents)
+    words, inner = type_.by[0], type_.model_copy(update={"by": type_.by[1:]})
+    if not isinstance(written, Mapping):
+        raise ValueError(f"`{name}` has an entry for each of {', '.join(words)}: write `{name}[{words[0]}]`, or a mapping by word")
+    for word in written:
+        if word not in words:
+            raise ValueError(f"`{name}` has no entry `{word}`{meant(str(word), words)}")
+    entries = zip(words, before, strict=True)
+    return tuple(held(f"{name}[{w}]", written[w], inner, agents, b) if w in written else b for w, b in entries)
+
+
+def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
+    match type_.kind:
+        case "word":
+            if written not in type_.words:
+                raise ValueError(f"`{name}` is one of {', '.join(type_.words)}, not {written!r}{meant(str(written), type_.words, False)}")
+            return written
+        case "agent":
+            return None if written is None else _agent(name, written, agents)
+        case "agents":
+            if isinstance(written, str) or not isinstance(written, Collection):
+                raise ValueError(f"`{name}` is a set of numbers of agents, not {written!r}")
+            return frozenset(_agent(name, agent, agents) for agent in written)
+    number = written.item() if isinstance(written, np.generic) else written
+    if isinstance(number, bool) or not isinstance(number, int | float) or not np.isfinite(number):
+        raise ValueError(f"`{name}` is a number, not {written!r}")
+    if type_.kind == "real":
+        return np.float32(number)
+    high = min(type_.high, LARGEST)
+    if number != int(number) or not type_.low <= number <= high:
+        raise ValueError(f"`{name}` is a whole number from {type_.low:g} to {high:g}, not {written!r}")
+    return int(number)
+
+
+def _agent(name: str, number: Any, agents: int) -> int:
+    if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 0 <= number < agents:
+        raise ValueError(f"`{name}`: the agents are 0 .. {agents - 1}, not {number!r}")
+    return int(number)
+
+
+def meant(name: str, candidates: Collection[str], list_all: bool = True) -> str:
+    """Returns the end of a message about an unknown name: the nearest one, or all there are."""
+    near = nearest(name, candidates)
+    return f"; did you mean `{near}`?" if near else f"; there are {', '.join(candidates)}" if list_all else ""
+
+
+def written(value: Any, type_: ir.Type) -> Any:
+    """Returns a value of the interpreter as an author writes it."""
+    if type_.by:
+        inner = type_.model_copy(update={"by": type_.by[1:]})
+        return {word: written(entry, inner) for word, entry in zip(type_.by[0], value, strict=True)}
+    if type_.kind == "agents":
+        return set(value)
+    return float(value) if type_.kind == "real" else value
+
+
+def stored(value: Any, type_: ir.Type) -> Any:
+    """Returns a value of the interpreter as the compiled state stores it: words and agents as numbers, sets as bits, rows as lists."""
+    if isinstance(value, tuple):
+        return [stored(entry, type_) for entry in value]
+    match type_.kind:
+        case "word":
+            return type_.words.index(value)
+        case "agent":
+            return -1 if value is None else value
+        case "agents":
+            return sum(1 << agent for agent in value)
+        case _:
+            return value
+
+
+def loaded(array: np.ndarray, type_: ir.Type) -> Any:
+    """Returns a stored parameter as the interpreter holds it, float32 for float32."""
+    if array.ndim:
+        return tuple(loaded(entry, type_) for entry in array)
+    if type_.kind == "word":
+        return type_.words[int(array)]
+    return np.float32(array) if type_.kind == "real" else int(array)
+
+
+def same(found: Any, wanted: Any) -> bool:
+    """Returns whether a found value is the wanted one: reals to 1e-6, of rows only the entries that `wanted` has."""
+    if isinstance(wanted, Mapping):
+        return isinstance(found, Mapping) and all(key in found and same(found[key], value) for key, value in wanted.items())
+    if isinstance(found, list):
+        return isinstance(wanted, list | tuple) and len(found) == len(wanted) and all(map(same, found, wanted))
+    if isinstance(found, float) and isinstance(wanted, int | float | np.number):
+        return bool(np.isclose(found, float(wanted), rtol=1e-6, atol=1e-6))
+    return bool(found == wanted)
+
+
+def merged(before: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns values with new ones over them; tables entry by entry."""
+    both = {
+        name: merged(before[name], new[name]) for name in new if isinstance(new[name], Mapping) and isinstance(before.get(name), Mapping)
+    }
+    return {**before, **new, **both}
