@@ -69,6 +69,7 @@ def compose(source: Source, file: ast.File, variants: tuple[str, ...], load: Loa
         if variant is None:
             facts = {"name": name, "nearest": nearest(name, game.variants)}
             raise CompileError([Diagnostic(errors.NO_VARIANT, game.span, facts)])
+        _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
         _apply(game, variant.changes)
     if game.problems:
@@ -124,12 +125,13 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             return []
 
 
-def _check_duplicates(game: Composition, sections: tuple[ast.Section, ...]) -> None:
+def _check_duplicates(game: Composition, sections: tuple[ast.Section | ast.Override | ast.Drop, ...]) -> None:
     seen: dict[str, Span] = {}
     for section in sections:
         for key, span, node in section_names(section):
-            if key in seen:
-                if isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
+            over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
+            if key in seen or over:
+                if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
                     game.problems.append(Diagnostic(errors.TWICE, span, {"what": f"`{key}`"}))
                 else:
                     what = f"something declared in line {seen[key].line}"
@@ -140,10 +142,18 @@ def _check_duplicates(game: Composition, sections: tuple[ast.Section, ...]) -> N
 def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: dict[str, tuple[str, object]]) -> None:
     for section in variant.changes:
         for key, span, node in section_names(section):
-            before = touched.setdefault(key, (name, _content(game, node)))
-            if before[0] != name and before[1] != _content(game, node):
-                facts = {"first": before[0], "second": name, "name": key}
-                game.problems.append(Diagnostic(errors.CHANGE_CLASH, span, facts))
+            for other, before in touched.items():
+                same = other == key and before[1] == _content(game, node)
+                if before[0] != name and _touches(other, key) and not same:
+                    facts = {"first": before[0], "second": name, "name": key}
+                    game.problems.append(Diagnostic(errors.CHANGE_CLASH, span, facts))
+                    break
+            touched.setdefault(key, (name, _content(game, node)))
+
+
+def _touches(a: str, b: str) -> bool:
+    """Returns whether two keys name the same thing, or one an entry of the other: `pay` and `pay[red]`."""
+    return a == b or a.startswith(f"{b}[") or b.startswith(f"{a}[")
 
 
 def _content(game: Composition, node: object) -> str:

@@ -16,11 +16,20 @@ from sjdsl.compiler.scope import Problems
 
 @dataclass(frozen=True)
 class Frame:
-    """One quantifier: the sentence, the variables it binds, and whether it gives at most one instance in all."""
+    """One quantifier: the sentence, the variables it binds, and whether it gives at most one instance for each around it."""
 
     sentence: ir.Stmt
     binds: tuple[ir.Member, ...]
     single: bool
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One way through a sentence with several. `once`: the sentence is met once in the phase, so only one of its ways is taken."""
+
+    sentence: int
+    way: int
+    once: bool
 
 
 @dataclass(frozen=True)
@@ -35,7 +44,7 @@ class Write:
     depends: frozenset[str]
     sentence: ir.Stmt
     frames: tuple[Frame, ...]
-    branches: tuple[tuple[int, int], ...]
+    branches: tuple[Branch, ...]
     facts: tuple[ir.Expr, ...]
     bounded: bool = False
 
@@ -45,7 +54,7 @@ class Around:
     """What surrounds a sentence. `locals`: the variables each `let` and `draw` depends on (`draw` on itself)."""
 
     frames: tuple[Frame, ...] = ()
-    branches: tuple[tuple[int, int], ...] = ()
+    branches: tuple[Branch, ...] = ()
     facts: tuple[ir.Expr, ...] = ()
     locals: dict[str, frozenset[str]] = field(default_factory=dict)
 
@@ -109,23 +118,32 @@ def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
 
 
 def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
-    facts = () if s.domain.where is None else tuple(conjuncts(s.domain.where))
-    single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
+    facts = (*_standing(s.domain), *(() if s.domain.where is None else conjuncts(s.domain.where)))
+    single = isinstance(s, ir.First) or (isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1)
     frame = Frame(s, _bound(s.domain), single)
     inner = replace(around, frames=(*around.frames, frame), facts=around.facts + facts)
-    yield from _writes(s.body, replace(inner, branches=(*around.branches, (id(s), 0))))
+    yield from _writes(s.body, replace(inner, branches=(*around.branches, _branch(s, 0, around))))
     if not isinstance(s, ir.Each):
-        yield from _writes(s.otherwise, replace(around, branches=(*around.branches, (id(s), 1))))
+        yield from _writes(s.otherwise, replace(around, branches=(*around.branches, _branch(s, 1, around))))
+
+
+def _standing(d: ir.Domain) -> tuple[ir.Expr, ...]:
+    """Returns what `agent on kind` says of the agent."""
+    return () if d.on is None else (ir.StandsOn(agent=d.var, kinds=d.on.kinds),)
+
+
+def _branch(s: ir.Stmt, way: int, around: Around) -> Branch:
+    return Branch(id(s), way, all(f.single for f in around.frames))
 
 
 def _branched(s: ir.When | ir.Chance, around: Around) -> Iterator[Write]:
     facts = around.facts
     for number, branch in enumerate(s.branches):
         here = facts + (tuple(conjuncts(branch.test)) if isinstance(s, ir.When) else ())
-        yield from _writes(branch.body, replace(around, branches=(*around.branches, (id(s), number)), facts=here))
+        yield from _writes(branch.body, replace(around, branches=(*around.branches, _branch(s, number, around)), facts=here))
         if isinstance(s, ir.When):
             facts = facts + tuple(conjuncts(branch.test, holds=False))
-    last = (id(s), len(s.branches))
+    last = _branch(s, len(s.branches), around)
     yield from _writes(s.otherwise, replace(around, branches=(*around.branches, last), facts=facts))
 
 
@@ -172,35 +190,32 @@ def _write(
 
 
 def is_own(w: Write) -> bool:
-    """Returns whether every target is written by one instance: it is the variable of the only quantifier that multiplies."""
-    frames = [f for f in w.frames if not f.single or _can_repeat(w, f)]
+    """Returns whether every target is written by one instance: it is the variable of the only quantifier that multiplies.
+
+    A quantifier that gives at most one instance for each of those around it does not multiply.
+    """
     if w.owner is None:
-        return not frames
+        return all(f.single for f in w.frames)
     if not isinstance(w.owner, ir.Member):
         return False
     names = {w.owner.name}
+    frames = list(w.frames)
     while frames:
         frame = frames.pop()
         if not any(m.name in names for m in frame.binds):
-            return False
-        domain = None if isinstance(frame.sentence, ir.Match) else frame.sentence.domain  # type: ignore[union-attr]
-        if domain is None:
-            return not frames
-        match domain.place:
-            case ir.Near() | ir.InAgents():
+            if not frame.single:
                 return False
-            case ir.Among():
-                if not frames or not isinstance(frames[-1].sentence, ir.Match):
-                    return False
-                names = {m.name for m in domain.place.members}
-            case None:
-                return not frames
+            continue
+        alone = all(f.single for f in frames)
+        domain = None if isinstance(frame.sentence, ir.Match) else frame.sentence.domain  # type: ignore[union-attr]
+        place = None if domain is None else domain.place
+        if isinstance(place, ir.Among) and frames and isinstance(frames[-1].sentence, ir.Match):
+            names = {m.name for m in place.members}
+        elif place is None or frame.single:
+            return alone
+        else:
+            return False
     return False
-
-
-def _can_repeat(w: Write, frame: Frame) -> bool:
-    """A `pick 1` happens once only if no quantifier is around it."""
-    return w.frames.index(frame) > 0
 
 
 def _agrees_with_itself(w: Write) -> bool:
@@ -232,16 +247,15 @@ def _compatible(a: Write, b: Write) -> bool:
 
 def _exclusive(a: Write, b: Write) -> bool:
     """Returns whether the two writes can never reach the same target in one phase."""
+    apart = [x for x in a.branches for y in b.branches if x.sentence == y.sentence and x.way != y.way]
+    if any(x.once for x in apart):
+        return True
     if is_own(a) and is_own(b):
-        if _opposite_branches(a, b) and _shared_frames(a, b):
+        if apart and _shared_frames(a, b):
             return True
         if _two_sides(a, b):
             return True
     return any(contradict(x, y) for x in _about_target(a) for y in _about_target(b))
-
-
-def _opposite_branches(a: Write, b: Write) -> bool:
-    return any(n == m and i != j for n, i in a.branches for m, j in b.branches)
 
 
 def _shared_frames(a: Write, b: Write) -> bool:

@@ -360,9 +360,16 @@ def forbids(game: Composition, agents: ir.Agents, static: Static, problems: Prob
                     or (isinstance(node, ir.FieldRead) and node.place == "agent" and not isinstance(node.owner, ir.Member))
                 ):
                     raise problems.fail(errors.FORBID_READS, node.origin or forbid.span, what=f"`{text(node)}`")  # type: ignore[arg-type]
-            numbers = tuple(_action(a, static, problems) for a in forbid.actions) or tuple(range(len(agents.actions)))
+            numbers = tuple(_forbidden(a, static, problems) for a in forbid.actions) or tuple(range(len(agents.actions)))
             found.append(ir.Forbid(actions=numbers, condition=test, origin=forbid.span))
     return agents.model_copy(update={"forbids": tuple(found)})
+
+
+def _forbidden(name: ast.Name, static: Static, problems: Problems) -> int:
+    if name.text == "stay":
+        what, wanted = "what forbidden actions become", "an action that can be forbidden"
+        raise problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted)
+    return _action(name, static, problems)
 
 
 def _action(name: ast.Name, static: Static, problems: Problems) -> int:

@@ -44,6 +44,10 @@ def contradict(a: ir.Expr, b: ir.Expr) -> bool:
     match a, b:
         case ir.Chose(), ir.Chose():
             return expression(a.agent) == expression(b.agent) and a.action != b.action
+        case ir.StandsOn(), ir.StandsOn():
+            return expression(a.agent) == expression(b.agent) and not set(a.kinds) & set(b.kinds)
+        case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
+            return expression(here.agent) == expression(there.agent) and set(here.kinds) <= set(there.kinds)
         case ((ir.Compare() | ir.InRange()), (ir.Compare() | ir.InRange())):
             return _ranges_apart(a, b)
         case _:

@@ -1,0 +1,84 @@
+"""Writes of one phase: which pairs are seen to be safe, and which near relatives of these are refused."""
+
+import pytest
+
+from sjdsl.compiler import build
+from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.source import Source
+
+GAME = """sj 1
+game frame "Writes" {{
+  episode 9
+  kind grass "."
+  kind tree "T" {{ field fruit : {{ none, ripe }} = ripe  field taker : agent = nobody }}
+  kind pond "O" {{ field fish : 0 .. 9 = 0 }}
+  group woods = tree, grass
+  group wet = tree, pond
+  map {{ "...." "TTOO" }}
+  field king : agent = nobody
+  param p : probability = 0.5
+  param times : count = 1 in 0 .. 3
+  agents 3 {{
+    acts turn_left, forward, stay, zap
+    moves relative
+    field bag : 0 .. 9 = 0
+    field last : agent = nobody
+  }}
+  phase start {{ each agent {{ send agent to grass }} }}
+  schedule rule
+  phase rule {{ {body} }}
+}}
+"""
+
+
+def codes(body: str) -> list[str]:
+    """Returns the codes of the errors of a phase."""
+    try:
+        build(Source("frame.sj", GAME.format(body=body)))
+    except CompileError as error:
+        return sorted({d.code.code for d in error.diagnostics if d.code.severity == "error"})
+    return []
+
+
+SAFE = [
+    # one way of a sentence that is met once
+    "chance p { each agent { set agent.bag = 1 } } otherwise { each agent { set agent.bag = agent.index } }",
+    "when step > 3 { pick 1 agent { set king = agent } } otherwise { set king = nobody }",
+    "pick 1 tree { each agent { set agent.bag = 1 } } otherwise { each agent as a { set a.bag = 2 } }",
+    # different kinds underfoot
+    "each agent on tree { set agent.bag = 1 } each agent on pond { set agent.bag = agent.index }",
+    "each agent on tree { set agent.bag = 1 } each agent where not agent on woods { set agent.bag = 2 }",
+    # at most one partner for each
+    "each agent as a { first agent as b in line(2) of a { set a.last = b } }",
+    "each tree as t { pick 1 agent as b in disc(2) of t { set t.taker = b } otherwise { set t.taker = nobody } }",
+    "each agent as a { first tree in line(3) of a { pick 1 agent as b in disc(1) of tree { set a.last = b } } }",
+    "pick 1 tree { pick 1 agent as b in disc(2) of tree { set b.bag = 1  set tree.taker = b  set king = b } }",
+    "pick 1 agent as a { first agent as b in line(2) of a { set b.bag = a.index } }",
+]
+REFUSED = [
+    # the branch is met once for each agent
+    "each agent as a { chance p { each tree { set tree.fruit = none } } otherwise { each tree { set tree.fruit = ripe } } }",
+    "each agent as a { when a.bag > 3 { set king = a } otherwise { set king = nobody } }",
+    # two sentences, not two branches of one
+    "chance p { each agent { set agent.bag = 1 } } chance p { each agent { set agent.bag = 2 } }",
+    # kinds that overlap
+    "each agent on tree { set agent.bag = 1 } each agent on wet { set agent.bag = 2 }",
+    "each agent on pond { set agent.bag = 1 } each agent where not agent on tree { set agent.bag = 2 }",
+    # the partner of several
+    "each agent as a { first agent as b in line(2) of a { set b.last = a } }",
+    "each agent as a { pick 1 tree in disc(2) of a { set tree.taker = a } }",
+    "each agent as a { each agent as b in disc(2) of a { set a.last = b } }",
+    "each agent as a { pick times tree in disc(2) of a { set a.last = a.last  set tree.taker = a } }",
+    "pick 1 agent as a { each agent as b in disc(2) of a { set king = b } }",
+    "each agent as a { pick 1 agent as b { set b.last = a } }",
+]
+
+
+@pytest.mark.parametrize("body", SAFE)
+def test_accepted(body: str) -> None:
+    assert codes(body) == []
+
+
+@pytest.mark.parametrize("body", REFUSED)
+def test_refused(body: str) -> None:
+    assert codes(body) in (["SJ401"], ["SJ402"])
