@@ -14,6 +14,7 @@ COMMANDS = {
     "bench": "Measure how fast games run.",
     "check": "Say what is wrong with a game.",
     "compile": "Write a game as a Python module.",
+    "doc": "Say the rules of a game in plain English.",
     "dump": "Show a game after one stage of the compiler.",
     "evaluate": "Play a trained policy against a random one.",
     "explain": "Explain the code of a message, such as SJ101.",

@@ -1,0 +1,6 @@
+"""Games in plain English, from their rules alone: rule sheets, and what differs between two games."""
+
+from sjdsl.doc.sheet import rule_sheet
+from sjdsl.doc.written import Written, WrittenNumber, read_written
+
+__all__ = ["Written", "WrittenNumber", "read_written", "rule_sheet"]

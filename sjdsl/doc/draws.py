@@ -1,0 +1,84 @@
+"""Every random draw of a game: where it is made, for whom, and what can come of it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sjdsl.compiler import ir
+from sjdsl.doc.conditions import condition
+from sjdsl.doc.domains import members
+from sjdsl.doc.sentences import chosen, drawn, paired, probability
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import code, table, variable
+
+HEAD = ("phase", "drawn for", "draw")
+
+
+@dataclass(frozen=True)
+class DrawRow:
+    """phase: its label; around: the sentences around the draw, outermost first; text: what is drawn."""
+
+    phase: str
+    around: tuple[str, ...]
+    text: str
+
+
+def draws(v: Vocabulary) -> list[str]:
+    """Returns the section on random draws."""
+    found = [row for p in (v.game.start, *v.game.schedule) if isinstance(p, ir.Phase) for row in phase_draws(p, v)]
+    rows = [(code(row.phase), "; ".join(row.around) or "the game, once", row.text) for row in found]
+    return [*table(HEAD, rows), ""] if rows else ["Nothing in this game is random.", ""]
+
+
+def phase_draws(phase: ir.Phase, v: Vocabulary) -> Iterator[DrawRow]:
+    """Yields the draws of one phase in the order of its sentences."""
+    for sentence in phase.body:
+        for around, text in _draws(sentence, (), v):
+            yield DrawRow(phase.label, around, text)
+
+
+Found = Iterator[tuple[tuple[str, ...], str]]
+
+
+def _draws(s: ir.Stmt, around: tuple[str, ...], v: Vocabulary) -> Found:
+    match s:
+        case ir.Chance():
+            chain = [probability(b.test, v) for b in s.branches]
+            yield around, "yes with " + ", else ".join(chain)
+        case ir.Draw():
+            yield around, f"{variable(s.name)}: {drawn(s, v)}"
+        case ir.Pick():
+            yield around, chosen(s, v)
+        case ir.Match():
+            yield around, f"random pairs, each of {paired(s, v)}"
+        case ir.Move():
+            yield around, "who enters a cell that several agents want: one of them, all equally likely"
+        case ir.Send():
+            yield around, f"which free {members(s.domain, v)} it is sent to: all equally likely"
+            if s.facing is None:
+                yield around, "which way it looks there: one of four, all equally likely"
+    for inner, body in _inside(s, v):
+        for sentence in body:
+            yield from _draws(sentence, (*around, *inner), v)
+
+
+def _inside(s: ir.Stmt, v: Vocabulary) -> Iterator[tuple[tuple[str, ...], tuple[ir.Stmt, ...]]]:
+    """Yields the blocks of a sentence with what each of them is about."""
+    match s:
+        case ir.Each():
+            yield (f"each {members(s.domain, v)}",), s.body
+        case ir.Pick():
+            yield ("each one chosen",), s.body
+            yield ("no one to choose",), s.otherwise
+        case ir.First():
+            yield (f"the nearest {members(s.domain, v)}",), s.body
+            yield ("each lane without one",), s.otherwise
+        case ir.Match():
+            yield ("each pair",), s.body
+        case ir.When():
+            for branch in s.branches:
+                yield (f"if {condition(branch.test, v)}",), branch.body
+            yield ("otherwise",), s.otherwise
+        case ir.Chance():
+            for branch in s.branches:
+                yield (f"where this happened ({probability(branch.test, v)})",), branch.body
+            yield ("where none of this happened",), s.otherwise

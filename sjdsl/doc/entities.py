@@ -1,0 +1,154 @@
+"""Entities, state and scales: agents and what they can do, kinds of cell, the map, fields and timers."""
+
+from sjdsl.compiler import ir
+from sjdsl.doc.conditions import condition
+from sjdsl.doc.shapes import shapes
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined, number, table
+
+RELATIVE = {
+    "turn_left": "turns a quarter to the left",
+    "turn_right": "turns a quarter to the right",
+    "step_left": "steps to the cell on its left",
+    "step_right": "steps to the cell on its right",
+    "forward": "steps to the cell in front of it",
+    "backward": "steps to the cell behind it",
+}
+COMPASS = RELATIVE | {
+    "step_left": "steps one cell west",
+    "step_right": "steps one cell east",
+    "forward": "steps one cell north",
+    "backward": "steps one cell south",
+}
+
+
+def entities(v: Vocabulary) -> list[str]:
+    """Returns the section on entities, state and scales."""
+    found = ["### Agents", "", *agents(v), "### Kinds of cell", "", *kinds(v), "### Map", "", *world_map(v.game)]
+    if v.game.fields:
+        found += ["### State of the world", "", *bullets(map(_field, v.game.fields)), ""]
+    return [*found, "### Shapes", "", *shapes(v)] if v.game.shapes else found
+
+
+def agents(v: Vocabulary) -> list[str]:
+    """Returns who acts, what with, and what an agent carries along."""
+    who = v.game.agents
+    moves = moving_phases(v.game)
+    rows = [(str(i), code(name), _meaning(i, name, v, bool(moves))) for i, name in enumerate(who.actions)]
+    place = "Each has a number (its `index`, from 0), a cell of its own (its `row` and `col`) and a `heading`: north, east, south or west."
+    found = [f"{counted(who.number, 'agent')}. {place}", "", *table(("number", "action", "what it does"), rows), ""]
+    if who.fields:
+        found += ["Each agent has:", "", *bullets(map(_field, who.fields)), ""]
+    if who.forbids:
+        found += ["When a step begins, some actions may be forbidden; an agent that chooses one stays:", "", *bullets(forbidden(v)), ""]
+    return found
+
+
+def moving_phases(game: ir.Game) -> list[str]:
+    """Returns the phases in which agents move."""
+    phases = [p for p in game.schedule if isinstance(p, ir.Phase)]
+    return [p.label for p in phases if any(isinstance(n, ir.Move) for n in ir.walk(p))]
+
+
+def _meaning(action: int, name: str, v: Vocabulary, moving: bool) -> str:
+    said = []
+    if name == "stay":
+        said.append("nothing")
+    elif name in RELATIVE:
+        said.append((RELATIVE if v.game.agents.relative else COMPASS)[name] if moving else "nothing by itself: no phase lets agents move")
+    phases = [p.label for p in v.game.schedule if isinstance(p, ir.Phase) and any(_asks(n, action) for n in ir.walk(p))]
+    if phases:
+        said.append(f"what phase {codes(phases)} says")
+    return "; ".join(said) or "nothing"
+
+
+def _asks(node: ir.Node, action: int) -> bool:
+    return isinstance(node, ir.Chose) and node.action == action
+
+
+def forbidden(v: Vocabulary) -> list[Line]:
+    """Returns which actions count as `stay`, and when."""
+    stay = v.game.agents.actions.index("stay")
+    others = set(range(len(v.game.agents.actions))) - {stay}
+    found = []
+    for forbid in v.game.agents.forbids:
+        names = [v.action(a) for a in forbid.actions if a != stay]
+        what = "every action" if others <= set(forbid.actions) and len(others) > 1 else joined(names)
+        found.append(Line(f"{what} of an agent counts as {code('stay')} while {condition(forbid.condition, v)}"))
+    return found
+
+
+def kinds(v: Vocabulary) -> list[str]:
+    """Returns what cells can be: their glyphs with the state that each stands for, what they stop, their fields."""
+    game = v.game
+    text = "".join(game.rows)
+    rows = [(code(g.glyph), g.kind, str(text.count(g.glyph)), _starts(g, game)) for g in game.glyphs]
+    found = [*table(("glyph", "kind", "cells on the map", "their state at the start"), rows), ""]
+    lines = [Line(f"{code(name)} means {joined(members, 'or')} cells") for name, members in game.groups]
+    lines += [line for kind in game.kinds for line in _blocks(kind, v)]
+    lines += [Line(f"each {kind.name} cell has", tuple(map(_field, kind.fields))) for kind in game.kinds if kind.fields]
+    return [*found, *bullets(lines), *([""] if lines else [])]
+
+
+def _starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
+    fields = next(k.fields for k in game.kinds if k.name == glyph.kind)
+    own = dict(glyph.starts)
+    return ", ".join(f"{code(f.name)} {start_text(own.get(f.name, f.start), f)}" for f in fields)
+
+
+def _blocks(kind: ir.Kind, v: Vocabulary) -> list[Line]:
+    found = []
+    for block in kind.blocks:
+        what = (
+            f"no agent can enter a {kind.name} cell"
+            if block.what == "agents"
+            else f"a lane of {code(block.what)} ends at a {kind.name} cell"
+        )
+        when = ""
+        if block.condition is not None:
+            when = f" if {condition(block.condition, v)}"
+            when += " (the agent is the one that would enter)" if block.what == "agents" and _reads_agent(block.condition) else ""
+        found.append(Line(what + when))
+    return found
+
+
+def _reads_agent(test: ir.Expr) -> bool:
+    return any(isinstance(n, ir.Member) and n.who == "agent" for n in ir.walk(test))
+
+
+def world_map(game: ir.Game) -> list[str]:
+    """Returns the map with its size."""
+    size = f"{counted(len(game.rows), 'row')} of {counted(len(game.rows[0]), 'cell')}; the first row is north, row 0; the first column is column 0."
+    return [size, "", "```text", *game.rows, "```", ""]
+
+
+def _field(field: ir.VarField) -> Line:
+    if field.timer:
+        return Line(
+            f"a timer {code(field.name)}: a number of steps, at first {start_text(field.start, field)}, which falls by 1 at every `tick`"
+        )
+    entries = f", one for each of {codes(field.type.by[0])}" if field.type.by else ""
+    rest = "; what would leave this range by adding is cut off" if field.capped else ""
+    return Line(f"{code(field.name)}{entries}: {_values(field.type)}, at first {start_text(field.start, field)}{rest}")
+
+
+def _values(type_: ir.Type) -> str:
+    match type_.kind:
+        case "word":
+            return codes(type_.words, "or")
+        case "int":
+            unit = {"count": "", "number": ""}.get(type_.unit, f" ({type_.unit})")
+            return f"a whole number from {number(type_.low)} to {number(type_.high)}{unit}"
+        case "agent":
+            return "an agent or nobody"
+        case "agents":
+            return "a set of agents"
+        case _:
+            return "a real number (a reward)"
+
+
+def start_text(start: int | float | str | None, field: ir.VarField) -> str:
+    """Returns the starting value of a field."""
+    if start is None:
+        return "empty" if field.type.kind == "agents" else "nobody"
+    return code(start) if isinstance(start, str) else number(start)

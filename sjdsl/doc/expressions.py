@@ -1,0 +1,196 @@
+"""Expressions with a value in words: what is read, counted and computed."""
+
+from collections.abc import Callable
+from typing import assert_never
+
+from sjdsl.compiler import ir
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import code, codes, number, variable
+
+SIGNS = {"+": "+", "-": "-", "*": "×", "/": "÷"}
+ATOMS = (ir.Number, ir.Word, ir.Nobody, ir.ParamRef, ir.Member, ir.Local, ir.FieldRead, ir.Attribute, ir.Step, ir.SumRow, ir.EventTotal)
+CLASSES = {
+    "prisoners_dilemma": "a prisoner's dilemma (T > R > P > S and 2R > T + S)",
+    "stag_hunt": "a stag hunt (R > T ≥ P > S)",
+    "chicken": "a game of chicken (T > R > S > P and 2R > T + S)",
+}
+
+
+def value(e: ir.Expr, v: Vocabulary) -> str:
+    """Returns an expression as a phrase; a parameter that stands alone shows its default value."""
+    match e:
+        case ir.Number():
+            return number(e.value)
+        case ir.Word():
+            return code(e.value)
+        case ir.Nobody():
+            return "nobody"
+        case ir.ParamRef():
+            return _parameter(e, v)
+        case ir.Member():
+            return v.refer(e)
+        case ir.Local():
+            return variable(e.name)
+        case ir.FieldRead():
+            return f"the {code(e.name)} of {'the world' if e.owner is None else value(e.owner, v)}"
+        case ir.Attribute():
+            return f"the {e.name} of {value(e.owner, v)}"
+        case ir.At():
+            return entry(e, v, _default_entry(e, v))
+        case ir.Step():
+            return "the number of finished steps"
+        case ir.Arithmetic():
+            return _arithmetic(e, v)
+        case ir.Case():
+            return case(e, v)
+        case ir.Lowest():
+            which = "last" if e.last else "first"
+            words = e.row.type.by[0]
+            return (
+                f"the {which} of the words {codes(words)} whose entry in {value(e.row, v)} is above 0 ({code(words[-e.last])} if none is)"
+            )
+        case ir.Mix():
+            return f"the shares of {value(e.row, v)}"
+        case ir.Ramp():
+            low, high = operand(e.zero_at, v), operand(e.one_at, v)
+            x = operand(e.value, v)
+            return f"({x} - {low}) ÷ ({high} - {low}), taken as 0 below 0 and as 1 above 1"
+        case ir.Named():
+            return _named(e, v)
+        case ir.Narrowed():
+            return value(e.value, v)
+        case ir.EventTotal():
+            return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(e.word)}")
+        case ir.SumRow():
+            return f"the sum of all entries of {value(e.row, v)}"
+        case ir.Count() | ir.Sum():
+            return _counted(e, v)
+        case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty() | ir.Chose():
+            return _whether(e, v)
+        case ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():
+            return _whether(e, v)
+        case _:
+            assert_never(e)
+
+
+def _whether(e: ir.Expr, v: Vocabulary) -> str:
+    from sjdsl.doc.conditions import condition
+
+    return f"whether {condition(e, v)}"
+
+
+def _counted(e: ir.Count | ir.Sum, v: Vocabulary) -> str:
+    from sjdsl.doc.domains import members
+
+    match e:
+        case ir.Count():
+            return f"the number of {members(e.domain, v, plural=True)}"
+        case ir.Sum():
+            return f"the sum of {operand(e.value, v)} over all {members(e.domain, v, plural=True)}"
+        case _:
+            assert_never(e)
+
+
+def operand(e: ir.Expr, v: Vocabulary) -> str:
+    """Returns an expression as it stands inside a longer one: in brackets unless no misreading is possible."""
+    if isinstance(e, ir.ParamRef):
+        return code(e.name)
+    if isinstance(e, ir.Narrowed):
+        return operand(e.value, v)
+    if _is_simple_entry(e):
+        return entry(e, v)  # type: ignore[arg-type]
+    if isinstance(e, ATOMS) or (isinstance(e, ir.Named) and e.name in v.defined):
+        return value(e, v)
+    return f"({value(e, v)})"
+
+
+def side(e: ir.Expr, v: Vocabulary) -> str:
+    """Returns an expression that stands at the end of a clause, so that its default value may follow it."""
+    return value(e, v) if isinstance(e, ir.ParamRef) or _is_simple_entry(e) else operand(e, v)
+
+
+def _is_simple_entry(e: ir.Expr) -> bool:
+    return isinstance(e, ir.At) and e.key.type.kind != "mix" and isinstance(e.row, ATOMS)
+
+
+def _parameter(e: ir.ParamRef, v: Vocabulary) -> str:
+    if e.type.by or e.name not in v.numbers:
+        return code(e.name)
+    default = v.numbers[e.name].value
+    return f"{code(e.name)} ({code(default) if isinstance(default, str) else number(default)})"
+
+
+def entry(e: ir.At, v: Vocabulary, default: str = "") -> str:
+    """Returns one entry of a row or table, or its mean weighted by a row; `default` is its default value if that is known."""
+    row = operand(e.row, v)
+    if e.key.type.kind == "mix":
+        weights = operand(e.key.row, v) if isinstance(e.key, ir.Mix) else operand(e.key, v)
+        return f"the mean of {row} weighted by {weights}"
+    if isinstance(e.key, ir.Word):
+        return f"the {code(e.key.value)} entry of {row}{default}"
+    return f"the entry of {row} for {_key(e.key, v)}"
+
+
+def _key(key: ir.Expr, v: Vocabulary) -> str:
+    return f"({value(key, v)})" if isinstance(key, ir.At) else operand(key, v)
+
+
+def _default_entry(e: ir.At, v: Vocabulary) -> str:
+    """Returns the default value of one entry of a parameter, in brackets; empty for all other entries."""
+    if isinstance(e.row, ir.ParamRef) and isinstance(e.key, ir.Word) and len(e.row.type.by) == 1 and e.row.name in v.numbers:
+        found = v.numbers[e.row.name].value[e.row.type.by[0].index(e.key.value)]  # type: ignore[index]
+        return f" ({code(found) if isinstance(found, str) else number(found)})"
+    return ""
+
+
+def _arithmetic(e: ir.Arithmetic, v: Vocabulary) -> str:
+    args = [operand(a, v) for a in e.args]
+    match e.fn:
+        case "min" | "max":
+            which = ("smaller" if e.fn == "min" else "larger") if len(args) == 2 else ("smallest" if e.fn == "min" else "largest")
+            return f"the {which} of {' and '.join(args) if len(args) == 2 else '; '.join(args)}"
+        case "neg":
+            return f"-{args[0]}"
+        case "%":
+            return f"the remainder of {args[0]} divided by {args[1]}"
+        case "+" | "-" | "*" | "/":
+            return f"{args[0]} {SIGNS[e.fn]} {args[1]}"
+        case _:
+            assert_never(e.fn)
+
+
+def case(e: ir.Case, v: Vocabulary, say: Callable[[ir.Expr, Vocabulary], str] = side) -> str:
+    """Returns the arms of a `case` one after the other; `say` puts what stands in an arm into words."""
+    if e.subject.type.kind == "condition":
+        from sjdsl.doc.conditions import condition
+
+        arms = {word: say(arm.value, v) for arm in e.arms for word in arm.words}
+        return f"{arms['yes']} if {condition(e.subject, v)}; {arms['no']} if not"
+    subject, alone = operand(e.subject, v), isinstance(e.subject, ATOMS)
+    return "; ".join(f"{say(arm.value, v)} if {subject if alone or not i else 'it'} {_arm(arm)}" for i, arm in enumerate(e.arms))
+
+
+def _arm(arm: ir.Arm) -> str:
+    if arm.words:
+        return f"is {codes(arm.words, 'or')}"
+    if arm.low == arm.high:
+        return "is anything" if arm.low is None else f"is {arm.low}"
+    if arm.low is None:
+        return f"is {arm.high} or less"
+    return f"is {arm.low} or more" if arm.high is None else f"is {arm.low} to {arm.high}"
+
+
+def _named(e: ir.Named, v: Vocabulary) -> str:
+    from sjdsl.doc.defines import free_names
+
+    if e.name not in v.defined:
+        return value(e.value, v)
+    about = free_names(e.value, v)
+    return code(e.name) + (f" of {' and '.join(about)}" if about else "")
+
+
+def payoff_class(e: ir.MatrixClass) -> str:
+    """Returns `payoff is a stag hunt (...)`."""
+    first = e.table.type.by[0][0] if e.table.type.by else ""
+    name = code(e.table.name) if isinstance(e.table, ir.ParamRef) else "the table"
+    return f"{name} is {CLASSES[e.name]}, cooperating being {code(first)}"

@@ -1,0 +1,84 @@
+"""What an agent sees, and what of the state it does not see."""
+
+from collections.abc import Iterator
+
+from sjdsl.compiler import ir
+from sjdsl.doc.conditions import condition
+from sjdsl.doc.reading import can_be_away
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
+
+
+def observation(v: Vocabulary) -> list[str]:
+    """Returns the section on observation."""
+    seen = [
+        Line("the kind of every cell, or that it is outside the map"),
+        *(_sight(s, v) for s in v.game.sights if s.what == "cell"),
+        _agents(v),
+        *_marks(v.game),
+        *(_sight(s, v) for s in v.game.sights if s.what not in ("cell", "heading")),
+    ]
+    unseen = _unseen(v.game)
+    hidden = f"Not seen: {joined(unseen)}." if unseen else "Nothing of the state is hidden but what lies outside the window."
+    return [window(v.game), "", "It sees, for every cell of the window:", "", *bullets(seen), "", hidden, ""]
+
+
+def window(game: ir.Game) -> str:
+    """Returns how far an agent sees."""
+    view = game.window
+    rows, columns = view.ahead + 1 + view.behind, view.left + 1 + view.right
+    sides = f"{view.ahead} ahead, {view.behind} behind, {view.left} to the left, {view.right} to the right"
+    size = f"{counted(rows, 'row')} of {counted(columns, 'cell')}"
+    away = " An agent that is away sees nothing." if can_be_away(game) else ""
+    return f"After each step every agent sees a window of {size} around it ({sides}), turned so that the agent looks up.{away}"
+
+
+def _agents(v: Vocabulary) -> Line:
+    heading = next((s for s in v.game.sights if s.what == "heading"), None)
+    who = "whether no agent, it itself or another agent stands there"
+    if heading is None:
+        return Line(f"{who}; not which way others look")
+    text = f"{who}, and which way another agent looks, as seen by the observer (same direction, right, opposite, left)"
+    return Line(text if heading.hidden_when is None else f"{text}, unless {condition(heading.hidden_when, v)}{_readers(heading)}")
+
+
+def _marks(game: ir.Game) -> list[Line]:
+    phases = [p.label for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and any(isinstance(n, ir.Mark) for n in ir.walk(p))]
+    return [Line(f"which of these phases marked it in this step, if any: {codes(phases)}")] if phases else []
+
+
+def _sight(s: ir.Sight, v: Vocabulary) -> Line:
+    whose = {"cell": f"each {s.kind} cell", "own": "the observer itself", "other": "other agents, where they stand", "world": "the world"}[
+        s.what
+    ]
+    entry = f"the {code(s.word)} entry of the" if s.word is not None else "the"
+    text = f"{entry} {code(s.field)} of {whose}" + (", the same everywhere in the window" if s.what in ("own", "world") else "")
+    if s.labels:
+        text += f", shown as the first of these that applies: {_labels(s.labels, v)}"
+    if s.hidden_when is not None:
+        text += f", unless {condition(s.hidden_when, v)}"
+    return Line(text + (_readers(s) if s.labels or s.hidden_when is not None else ""))
+
+
+def _readers(s: ir.Sight) -> str:
+    """Returns what the variables in the conditions of a sight stand for."""
+    other = {"cell": f', "the {s.kind} cell" the cell that is seen', "other": ", agent *other* the one that is seen"}.get(s.what, "")
+    return f' ("the agent" is the observer{other or (", agent *other* the one that is seen" if s.what == "heading" else "")})'
+
+
+def _labels(labels: tuple[ir.Label, ...], v: Vocabulary) -> str:
+    return "; ".join(code(x.name) + (f" if {condition(x.condition, v)}" if x.condition is not None else " otherwise") for x in labels)
+
+
+def _unseen(game: ir.Game) -> list[str]:
+    """Returns the fields that no sight shows."""
+    shown = {(s.what, s.kind, s.field) for s in game.sights}
+    return [text for key, text in _fields(game) if key not in shown]
+
+
+def _fields(game: ir.Game) -> Iterator[tuple[tuple[str, str, str], str]]:
+    for kind in game.kinds:
+        yield from ((("cell", kind.name, f.name), f"the {code(f.name)} of {kind.name} cells") for f in kind.fields)
+    for what, whose in (("own", "the observer itself"), ("other", "other agents")):
+        yield from (((what, "", f.name), f"the {code(f.name)} of {whose}") for f in game.agents.fields)
+    yield from ((("world", "", f.name), f"the {code(f.name)} of the world") for f in game.fields)

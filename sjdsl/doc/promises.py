@@ -1,0 +1,104 @@
+"""Episodes, metrics and promises in words."""
+
+from typing import assert_never
+
+from sjdsl.compiler import ir
+from sjdsl.doc.conditions import condition
+from sjdsl.doc.domains import members
+from sjdsl.doc.expressions import value
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
+
+PAYOFFS = (
+    "R is what each earns if both cooperate, P if both do not; T and S are what one earns who does not cooperate with one who does, "
+    "and the other way round."
+)
+
+
+def episode(v: Vocabulary) -> list[str]:
+    """Returns when an episode is over."""
+    length = v.game.episode
+    steps = counted(length.value, "step") if isinstance(length, ir.Number) else f"{value(length, v)} steps"
+    found = [f"An episode is cut off (truncated) after {steps}; the reward of the last step counts."]
+    ending = [p.label for p in v.game.schedule if isinstance(p, ir.Phase) and any(isinstance(n, ir.End) for n in ir.walk(p))]
+    if ending:
+        found.append(f"It can end before (terminated) in phase {codes(ending, 'or')}; if both happen at once it is terminated.")
+    return [" ".join(found), ""]
+
+
+def metrics(v: Vocabulary) -> list[str]:
+    """Returns what is counted and measured."""
+    lines = [*map(event_line, v.game.events), *(measure_line(m, v) for m in v.game.measures)]
+    return [*bullets(lines), ""] if lines else ["None but the rewards.", ""]
+
+
+def event_line(event: ir.Event) -> Line:
+    entries = f", separately for {codes(event.by)}" if event.by else ""
+    return Line(f"{code(event.name)}: an event counted {'for each agent' if event.per_agent else 'for the whole game'}{entries}")
+
+
+def measure_line(measure: ir.Measure, v: Vocabulary) -> Line:
+    when = "the mean over the steps of an episode of" if measure.mean else "at the last step of an episode"
+    return Line(f"{code(measure.name)}: {when} {value(measure.value, v)}, read at the end of each step")
+
+
+def promises(v: Vocabulary) -> list[str]:
+    """Returns what the game promises."""
+    lines = [promise_line(check, v) for check in v.game.checks]
+    if not lines:
+        return ["None.", ""]
+    has_classes = any(isinstance(n, ir.MatrixClass) for check in v.game.checks for n in ir.walk(check))
+    return [*bullets(lines), "", *([PAYOFFS, ""] if has_classes else [])]
+
+
+def promise_line(check: ir.Check, v: Vocabulary) -> Line:
+    """Returns one check."""
+    match check.sort:
+        case "require":
+            return Line(f"of the numbers: {condition(check.values[0], v)}")
+        case "always":
+            return Line(f"after every step: {condition(check.values[0], v)}")
+        case "once":
+            first, then = (condition(c, v) for c in check.values)
+            return Line(f"from the first step on after which {first}: {then}")
+        case "conserved":
+            return Line(f"never changes: {value(check.values[0], v)}")
+        case "monotone":
+            direction, name, argument = check.words
+            grows = "never larger" if direction == "falling" else "never smaller"
+            of, what = (_spelt(e, n, v) for e, n in zip(check.values, (name, argument), strict=True))
+            return Line(f"where {what} is larger, {of} is {grows}")
+        case "symmetric":
+            (what,) = check.words
+            return Line(
+                "other numbers for the agents change nothing but the numbers"
+                if what == "agents"
+                else "on the mirrored map all happens mirrored"
+            )
+        case "expect":
+            who = joined(policy(p, v) for p in check.policies)
+            turn = ", in turn" if len(check.policies) > 1 else ""
+            return Line(
+                f"at the end of {counted(check.episodes, 'episode')} in which the agents {who}{turn}: {condition(check.values[0], v)}"
+            )
+        case _:
+            assert_never(check.sort)
+
+
+def _spelt(e: ir.Expr, name: str, v: Vocabulary) -> str:
+    """Returns the name of a define, with its meaning where that stands nowhere else."""
+    return code(name) if name in v.defined else f"{code(name)} ({value(e, v)})"
+
+
+def policy(p: ir.Policy, v: Vocabulary) -> str:
+    """Returns how agents of a policy play."""
+    match p.name:
+        case "random":
+            return "choose all actions equally likely"
+        case "never":
+            return f"choose all actions but {joined(map(v.action, p.actions))} equally likely"
+        case "seek":
+            assert p.domain is not None
+            return f"walk to the nearest {members(p.domain, v)} (the agent: the one who walks)"
+        case _:
+            assert_never(p.name)

@@ -1,0 +1,48 @@
+"""Process overview: the order of events in a step, and what each phase can change."""
+
+from sjdsl.compiler import ir
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import capital, code, codes, joined
+
+
+def overview(v: Vocabulary) -> list[str]:
+    """Returns the schedule as a numbered list, with what the environment does before and after the phases."""
+    game = v.game
+    steps = ["every agent has chosen an action" + (", and forbidden ones become `stay`" if game.agents.forbids else "")]
+    steps += [_tick(game) if isinstance(t, ir.Tick) else f"{code(t.label)}{_touches(t, v)}" for t in game.schedule]
+    steps += ["rewards, counts and metrics of the step are read", "the number of finished steps grows by 1", "the agents observe"]
+    return [*(f"{i}. {capital(text)}" for i, text in enumerate(steps, 1)), ""]
+
+
+def _tick(game: ir.Game) -> str:
+    found = ["timers fall"] if any(isinstance(n, ir.VarField) and n.timer for n in ir.walk(game)) else []
+    if any(isinstance(n, ir.Send) and n.after is not None for n in ir.walk(game)):
+        found.append("agents that are away come nearer")
+    return f"`tick`: {joined(found) if found else 'nothing'}"
+
+
+def _touches(phase: ir.Phase, v: Vocabulary) -> str:
+    """Returns what a phase can change, in short."""
+    nodes = list(ir.walk(phase))
+    fields = [_written(n.target, v) for n in nodes if isinstance(n, ir.Set | ir.Add)]
+    found = [f"sets {joined(dict.fromkeys(fields))}"] if fields else []
+    sorts = (
+        (ir.Move, "agents move"),
+        (ir.Send, "agents are sent elsewhere"),
+        (ir.Remove, "agents are taken away"),
+        (ir.Give, "gives rewards"),
+        (ir.Mark, "marks cells"),
+        (ir.End, "can end the episode"),
+    )
+    found += [text for sort, text in sorts if any(isinstance(n, sort) for n in nodes)]
+    events = dict.fromkeys(n.event for n in nodes if isinstance(n, ir.Tally))
+    found += [f"counts {codes(events)}"] if events else []
+    return f": {'; '.join(found)}" if found else ": nothing"
+
+
+def _written(target: ir.Expr, v: Vocabulary) -> str:
+    if isinstance(target, ir.At):
+        return _written(target.row, v)
+    assert isinstance(target, ir.FieldRead)
+    owner = f"{v.kinds(target.kinds)} cells" if target.place == "cell" else {"agent": "agents", "world": "the world"}[target.place]
+    return f"{code(target.name)} of {owner}"

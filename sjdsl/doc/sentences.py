@@ -1,0 +1,187 @@
+"""Sentences of a phase in words: one line for each, with the sentences inside it below."""
+
+from typing import assert_never
+
+from sjdsl.compiler import ir
+from sjdsl.doc.conditions import condition
+from sjdsl.doc.domains import members, nearest, shape_of
+from sjdsl.doc.expressions import operand, side, value
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import Line, article, code, codes, counted, joined, number, variable
+
+
+def block(body: tuple[ir.Stmt, ...], v: Vocabulary) -> tuple[Line, ...]:
+    """Returns the lines of a block of sentences."""
+    return tuple(line for sentence in body for line in lines(sentence, v))
+
+
+def lines(s: ir.Stmt, v: Vocabulary) -> list[Line]:
+    """Returns a sentence; those with several branches have a line for each."""
+    match s:
+        case ir.Let():
+            return [Line(f"let {variable(s.name)} be {value(s.value, v)}")]
+        case ir.Draw():
+            return [Line(f"draw {variable(s.name)} at random: {drawn(s, v)}")]
+        case ir.Each():
+            return [Line(f"each {members(s.domain, v)}", block(s.body, v))]
+        case ir.Pick():
+            return _pick(s, v)
+        case ir.First():
+            return _first(s, v)
+        case ir.Match():
+            return [_match(s, v)]
+        case ir.When():
+            return _branches([f"if {condition(b.test, v)}" for b in s.branches], s.branches, s.otherwise, v)
+        case ir.Chance():
+            return _branches([f"with {probability(b.test, v)}" for b in s.branches], s.branches, s.otherwise, v)
+        case ir.Set():
+            return [Line(_set(s, v))]
+        case ir.Add():
+            return [Line(_add(s, v))]
+        case ir.Give():
+            return [Line(f"{_receivers(s, v)} a reward of {value(s.value, v)}")]
+        case ir.Tally():
+            return [Line(_tally(s, v))]
+        case ir.Send():
+            return [Line(_send(s, v))]
+        case ir.Remove():
+            return [Line(f"{value(s.who, v)} is taken away for the rest of the episode")]
+        case ir.Move():
+            return [Line(f"each {members(s.domain, v)} makes the move it chose, all at the same time (see Movement)")]
+        case ir.Mark():
+            return [Line(f"the cells of {shape_of(s.shape, s.anchor, v)} are marked for the next observation")]
+        case ir.End():
+            return [Line("the episode ends after the last phase of this step")]
+        case _:
+            assert_never(s)
+
+
+def probability(e: ir.Expr, v: Vocabulary) -> str:
+    """Returns `probability regrow (0.05)`; of a `case` the arms follow in brackets."""
+    if isinstance(e, ir.At) and isinstance(e.key, ir.Word):
+        return f"a probability of {value(e, v)}"
+    return f"a probability of ({value(e, v)})" if isinstance(e, ir.Case) else f"probability {side(e, v)}"
+
+
+def drawn(s: ir.Draw, v: Vocabulary) -> str:
+    """Returns what a `draw` draws from."""
+    if s.low is not None and s.high is not None:
+        return f"a whole number from {side(s.low, v)} to {side(s.high, v)}, both included, all equally likely"
+    if s.weights:
+        return joined((f"{code(w)} with {probability(p, v)}" for w, p in zip(s.words, s.weights, strict=True)), "or")
+    return f"{codes(s.words, 'or')}, all equally likely"
+
+
+def chosen(s: ir.Pick, v: Vocabulary) -> str:
+    """Returns of whom and how many a `pick` chooses."""
+    crowd = f"from all {members(s.domain, v, plural=True)}, choose"
+    if _is_one(s):
+        return f"{crowd} one at random"
+    many = side(s.number, v) if isinstance(s.number, ir.Number) else f"as many as {side(s.number, v)}"
+    return f"{crowd} {many} at random (all of them, if there are fewer)"
+
+
+def paired(s: ir.Match, v: Vocabulary) -> str:
+    """Returns who is paired with whom by a `match`."""
+    left = article(members(s.left, v))
+    if not s.first:
+        return f"{left} and {article(members(s.right, v))}"
+    right, shape = nearest(s.right, v)
+    return f"{left} and, in a lane of {shape}, the nearest {right}"
+
+
+def _branches(heads: list[str], branches: tuple[ir.Branch, ...], otherwise: tuple[ir.Stmt, ...], v: Vocabulary) -> list[Line]:
+    said = [Line(f"{'otherwise, ' if i else ''}{head}", _body(b.body, v)) for i, (head, b) in enumerate(zip(heads, branches, strict=True))]
+    return [*said, Line("otherwise", block(otherwise, v))] if otherwise else said
+
+
+def _body(body: tuple[ir.Stmt, ...], v: Vocabulary) -> tuple[Line, ...]:
+    return block(body, v) or (Line("nothing happens"),)
+
+
+def _pick(s: ir.Pick, v: Vocabulary) -> list[Line]:
+    found = [Line(f"{chosen(s, v)}; for {'it' if _is_one(s) else 'each one chosen'}", _body(s.body, v))]
+    return [*found, Line("if there was none to choose from", block(s.otherwise, v))] if s.otherwise else found
+
+
+def _is_one(s: ir.Pick) -> bool:
+    return isinstance(s.number, ir.Number) and s.number.value == 1
+
+
+def _first(s: ir.First, v: Vocabulary) -> list[Line]:
+    noun, shape = nearest(s.domain, v)
+    found = [Line(f"in each lane of {shape}, for the nearest {noun}", _body(s.body, v))]
+    return [*found, Line("for each lane without one", block(s.otherwise, v))] if s.otherwise else found
+
+
+def _match(s: ir.Match, v: Vocabulary) -> Line:
+    return Line(f"make random pairs, each of {paired(s, v)}, so that nothing and nobody is in two pairs; for each pair", _body(s.body, v))
+
+
+def _set(s: ir.Set, v: Vocabulary) -> str:
+    target = value(s.target, v)
+    if s.target.type.by and not s.value.type.by:
+        return f"every entry of {target} becomes {value(s.value, v)}"
+    if s.target.type.kind == "agents":
+        return f"{target} becomes empty" if isinstance(s.value, ir.Nobody) else f"{target} becomes {value(s.value, v)}"
+    return f"{target} becomes {value(s.value, v)}"
+
+
+def _add(s: ir.Add, v: Vocabulary) -> str:
+    target = value(s.target, v)
+    if s.target.type.kind == "agents":
+        return f"{value(s.value, v)} joins {target}"
+    field = v.field(_read(s.target))
+    limits = f" (which stays within {number(field.type.low)} to {number(field.type.high)})" if field.capped else ""
+    if s.value.type.by:
+        return f"each entry of {operand(s.value, v)} is added to the same entry of {target}{limits}"
+    if isinstance(s.value, ir.Number) and s.value.value < 0:
+        return f"{number(-s.value.value)} is taken from {target}{limits}"
+    return f"{value(s.value, v)} is added to {target}{limits}"
+
+
+def _read(target: ir.Expr) -> ir.FieldRead:
+    return _read(target.row) if isinstance(target, ir.At) else target  # type: ignore[return-value]
+
+
+def _receivers(s: ir.Give, v: Vocabulary) -> str:
+    if s.receiver is None:
+        return "every agent receives" if s.but is None else f"every agent except {v.refer(s.but)} receives"
+    who = value(s.receiver, v)
+    return f"each agent among {who} receives" if s.receiver.type.kind == "agents" else f"{who} receives"
+
+
+def _tally(s: ir.Tally, v: Vocabulary) -> str:
+    if s.receiver is None:
+        whom = ""
+    elif s.receiver.type.kind == "agents":
+        whom = f" for each agent among {value(s.receiver, v)}"
+    else:
+        whom = f" for {value(s.receiver, v)}"
+    times = "once" if s.amount is None else f"{side(s.amount, v)} times"
+    under = "" if s.word is None else f", under {value(s.word, v)}"
+    return f"the event {code(s.event)} is counted {times}{whom}{under}"
+
+
+def _send(s: ir.Send, v: Vocabulary) -> str:
+    """Returns whom a `send` sends, where to, when, and how they look there."""
+    look = "looking in a random direction"
+    if s.facing is not None:
+        look = "looking as before" if s.facing == "same" else f"looking {s.facing}"
+    goal = f"a random free {members(s.domain, v)}, {look}"
+    if s.after is not None:
+        wait = counted(s.after.value, "tick") if isinstance(s.after, ir.Number) else f"{value(s.after, v)} ticks"
+        stay = "; while there is no free cell then, it stays away" if s.stay else ""
+        return f"{value(s.who, v)} is away for {wait}, then comes back to {goal}{stay}"
+    return f"{value(s.who, v)} is sent to {goal}" + ("; if there is no free cell left, it stays where it is" if s.stay else "")
+
+
+def tick_lines(v: Vocabulary) -> list[Line]:
+    """Returns what happens at `tick` in this game."""
+    agents = [f"{code(f.name)} of each agent" for f in v.game.agents.fields if f.timer]
+    cells = [f"{code(f.name)} of each {k.name} cell" for k in v.game.kinds for f in k.fields if f.timer]
+    world = [f"{code(f.name)} of the world" for f in v.game.fields if f.timer]
+    found = [Line(f"these timers fall by 1 if they are above 0: {joined([*agents, *cells, *world])}")] if agents or cells or world else []
+    if any(isinstance(n, ir.Send) and n.after is not None for n in ir.walk(v.game)):
+        found.append(Line("each agent that is away for a number of ticks is one tick nearer to its return; who has none left returns now"))
+    return found or [Line("nothing: the game has no timers, and nobody is away for a time")]

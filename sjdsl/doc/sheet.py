@@ -1,0 +1,80 @@
+"""The rule sheet of a game in plain English, in the order of the ODD protocol (Grimm et al. 2020, JASSS 23(2) 7)."""
+
+from sjdsl.compiler import ir
+from sjdsl.doc.defines import explained, vocabulary
+from sjdsl.doc.draws import draws
+from sjdsl.doc.entities import entities
+from sjdsl.doc.numbers import parameters
+from sjdsl.doc.observation import observation
+from sjdsl.doc.promises import episode, metrics, promises
+from sjdsl.doc.reading import how_to_read
+from sjdsl.doc.schedule import overview
+from sjdsl.doc.sentences import block, tick_lines
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import bullets, code, plain
+from sjdsl.doc.written import Written
+
+
+def rule_sheet(w: Written) -> str:
+    """Returns the whole sheet as Markdown."""
+    v = vocabulary(w.game)
+    sections = (
+        ("Purpose", purpose(w)),
+        ("Entities, state and scales", entities(v)),
+        ("Parameters", parameters(w)),
+        ("Process overview: one step", overview(v)),
+        ("How to read the rules", how_to_read(w.game)),
+        *([("Names", [*bullets(explained(v)), ""])] if v.defined else []),
+        ("Initialisation", initialisation(v)),
+        ("Phases", phases(v)),
+        ("Random draws", draws(v)),
+        ("Observation", observation(v)),
+        ("Episode", episode(v)),
+        ("Metrics", metrics(v)),
+        ("Promises", promises(v)),
+        ("Variants", variants(w)),
+    )
+    found = [*heading(w)]
+    for title, lines in sections:
+        found += [f"## {title}", "", *lines]
+    return "\n".join(found).rstrip("\n") + "\n"
+
+
+def heading(w: Written) -> list[str]:
+    name = f"{code(w.game.name)}, from {code(w.file)}"
+    variant = f", variant {code('+'.join(w.chosen))}" if w.chosen else ""
+    return [f"# {plain(w.game.title or w.game.name)}", "", f"The rules of the game {name}{variant}.", ""]
+
+
+def purpose(w: Written) -> list[str]:
+    """Returns what the file says the game is about."""
+    about = dict(w.game.about)
+    summary = about.pop("summary", "")
+    found = [plain(summary), ""] if summary else []
+    found += [f"- {plain(key.replace('_', ' '))}: {plain(text)}" for key, text in about.items()]
+    found += [f"- source: {plain(cite)}" for cite in w.game.cites]
+    return [*found, ""] if found else ["The file does not say.", ""]
+
+
+def initialisation(v: Vocabulary) -> list[str]:
+    """Returns how an episode begins."""
+    first = "Fields have their starting values, cells the state that their glyph on the map stands for; no agent has a place, all look north. Then:"
+    return [first, "", *bullets(block(v.game.start.body, v)), ""]
+
+
+def phases(v: Vocabulary) -> list[str]:
+    """Returns each turn of the schedule with its sentences."""
+    found = []
+    for number, turn in enumerate(v.game.schedule, 1):
+        name = turn.label if isinstance(turn, ir.Phase) else "tick"
+        lines = block(turn.body, v) if isinstance(turn, ir.Phase) else tick_lines(v)
+        found += [f"### {number}. {code(name)}", "", *(bullets(lines) if lines else ["Nothing happens."]), ""]
+    return found
+
+
+def variants(w: Written) -> list[str]:
+    """Returns the variants of the game; their differences are another report."""
+    if not w.variants:
+        return ["None.", ""]
+    shown = [f"- {code(name)}: {plain(title)}" if title else f"- {code(name)}" for name, title in w.variants]
+    return [*shown, "", f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes.", ""]

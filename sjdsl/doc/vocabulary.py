@@ -1,0 +1,65 @@
+"""What the names of one game stand for while it is put into words."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from sjdsl.compiler import ir
+from sjdsl.doc.wording import article, code, joined, variable
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """A game with its names; `defined`: the defines that are explained in one place, so that their name is enough elsewhere."""
+
+    game: ir.Game
+    defined: frozenset[str] = field(default=frozenset())
+
+    @cached_property
+    def groups(self) -> dict[tuple[str, ...], str]:
+        return {kinds: name for name, kinds in reversed(self.game.groups)}
+
+    @cached_property
+    def shapes(self) -> dict[str, ir.Shape]:
+        return {shape.name: shape for shape in self.game.shapes}
+
+    @cached_property
+    def numbers(self) -> dict[str, ir.Param]:
+        return {param.name: param for param in self.game.params}
+
+    def kinds(self, kinds: tuple[str, ...]) -> str:
+        """Returns `soil`; `river` for the kinds of a group; `soil or sand`."""
+        return self.groups.get(kinds) or joined(kinds, "or")
+
+    def noun(self, member: ir.Member) -> str:
+        """Returns `agent` or `soil cell`."""
+        return "agent" if member.who == "agent" else f"{self.kinds(member.kinds)} cell"
+
+    def is_plain(self, member: ir.Member) -> bool:
+        """Returns whether a variable has no name of its own: it is called as what it is."""
+        return member.name == ("agent" if member.who == "agent" else self.kinds(member.kinds))
+
+    def named(self, member: ir.Member, plural: bool = False) -> str:
+        """Returns a variable where it is introduced: `soil cell`, `agent *zapper*`."""
+        noun = self.noun(member) + ("s" if plural else "")
+        return noun if self.is_plain(member) else f"{noun} {variable(member.name)}"
+
+    def refer(self, member: ir.Member) -> str:
+        """Returns a variable where it is used: `the soil cell`, `agent *zapper*`."""
+        return f"the {self.noun(member)}" if self.is_plain(member) else self.named(member)
+
+    def a_cell(self, kinds: tuple[str, ...]) -> str:
+        return article(f"{self.kinds(kinds)} cell")
+
+    def field(self, read: ir.FieldRead) -> ir.VarField:
+        """Returns the declaration of the field that is read or written."""
+        match read.place:
+            case "agent":
+                fields = self.game.agents.fields
+            case "world":
+                fields = self.game.fields
+            case "cell":
+                fields = next(k.fields for k in self.game.kinds if k.name == read.kinds[0])
+        return next(f for f in fields if f.name == read.name)
+
+    def action(self, number: int) -> str:
+        return code(self.game.agents.actions[number])
