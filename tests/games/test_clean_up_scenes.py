@@ -2,16 +2,11 @@
 
 import pytest
 
-from .scenario import Scene, Stage
+from sjdsl.testing import Scene, Stage
 
-LOOKS = {
-    "H": ("water", "state", "clean"),
-    "F": ("water", "state", "dirty"),
-    "B": ("orchard", "fruit", "none"),
-    "b": ("orchard", "fruit", "ripe"),
-}
+LOOKS = {"b": "orchard fruit=ripe"}
 # 18 cells of water and 2 of channel: 8 dirty cells are a fraction of 0.4
-STAGE = Stage("clean_up", ("HHHHHHS", "HHHHHHS", "HHHH#HH", ".......", "PPP.#..", "BBBBBBB", "BBBBBBB"), 3, LOOKS)
+STAGE = Stage("clean_up", ("HHHHHHS", "HHHHHHS", "HHHH#HH", ".......", "PPP.#..", "BBBBBBB", "BBBBBBB"), 3, looks=LOOKS)
 DIRTY = ("FFFFFFS", "FFFFFFS", "FFFF#FF")
 CLEAN = ("HHHHHHS", "HHHHHHS", "HHHH#HH")
 BARE = ("BBBBBBB", "BBBBBBB")
@@ -20,11 +15,11 @@ AHEAD = [(-1, 0), (0, 1), (1, 0), (0, -1)]
 
 def put(*picture: str, step: int = 0, seed: int = 0, under: dict[int, str] | None = None, **params: float) -> Scene:
     """Returns a scene in which nothing grows and no dirt comes, unless `best_rate` and `pollution` say so."""
-    return STAGE.put(*picture, step=step, seed=seed, under=under, **({"best_rate": 0, "pollution": 0} | params))
+    return STAGE.put(*picture, step=step, seed=seed, under=under, params={"best_rate": 0, "pollution": 0} | params)
 
 
 def count(scene: Scene, kind: str, name: str, word: str) -> int:
-    return scene.values(kind, name).count(word)
+    return scene.value(f"{kind}.{name}").count(word)
 
 
 # Cleaning
@@ -50,8 +45,8 @@ def test_the_beam_turns_with_the_agent(heading: int, arrow: str) -> None:
         (1 + row + right[0], 2 + col + right[1]),
         (1 + row - right[0], 2 + col - right[1]),
     }
-    water = [(r, c) for r, line in enumerate(STAGE.rows) for c, glyph in enumerate(line) if glyph == "H"]
-    clean = {cell for cell, state in zip(water, scene.values("water", "state"), strict=True) if state == "clean"}
+    water = [(r, c) for r, line in enumerate(STAGE.map) for c, glyph in enumerate(line) if glyph == "H"]
+    clean = {cell for cell, state in zip(water, scene.value("water.state"), strict=True) if state == "clean"}
     assert clean == beam & set(water)
     assert scene.events["cleaned"] == [len(clean), 0, 0]
 
@@ -244,7 +239,7 @@ def test_headings_of_others_are_relative_to_ones_own(observer: int) -> None:
     labels = ["other same heading", "other turned right", "other opposite", "other turned left"]
     ahead = {0: (2, 3), 1: (3, 4), 2: (4, 3), 3: (3, 2)}[observer]
     for other, arrow in enumerate("^>v<"):
-        rows = [list(row) for row in STAGE.rows]
+        rows = [list(row) for row in STAGE.map]
         rows[3][3] = "^>v<"[observer]
         rows[ahead[0]][ahead[1]] = arrow
         rows[6][6] = "^"

@@ -2,16 +2,16 @@
 
 import pytest
 
-from .scenario import Scene, Stage
+from sjdsl.testing import Scene, Stage
 
-LOOKS = {"C": ("tile", "coin", "none"), "r": ("tile", "coin", "red"), "g": ("tile", "coin", "green")}
-STAGE = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, LOOKS)
+LOOKS = {"r": "tile coin=red", "g": "tile coin=green"}
+STAGE = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, looks=LOOKS)
 RED, GREEN = 0, 1  # agent 0 is red, agent 1 green
 
 
-def put(*picture: str, **facts: float) -> Scene:
+def put(*picture: str, seed: int = 0, **params: float) -> Scene:
     """Returns a scene in which no coin comes by itself."""
-    return STAGE.put(*picture, **({"spawn": 0} | facts))
+    return STAGE.put(*picture, seed=seed, params={"spawn": 0} | params)
 
 
 # what agents 0 and 1 step on -> their rewards. Source: SocialJax, coin_game: payoff_matrix [[1, 1, -2], [1, 1, -2]]

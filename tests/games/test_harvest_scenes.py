@@ -5,33 +5,33 @@ import itertools
 import numpy as np
 import pytest
 
-from .scenario import Scene, Stage
+from sjdsl.testing import Scene, Stage
 
-LOOKS = {"A": ("soil", "fruit", "ripe"), "a": ("soil", "fruit", "none")}
-GROVE = Stage("harvest_open", ("AAAAAA", "AAAAAA", "AAAAAA", "AAAAAA", "AAAAA#", "AAAA#A", "QQPP.."), 2, LOOKS)
-SOIL = [(r, c) for r, row in enumerate(GROVE.rows) for c, glyph in enumerate(row) if glyph == "A"]
+LOOKS = {"a": "soil fruit=none"}
+GROVE = Stage("harvest_open", ("AAAAAA", "AAAAAA", "AAAAAA", "AAAAAA", "AAAAA#", "AAAA#A", "QQPP.."), 2, looks=LOOKS)
+SOIL = [(r, c) for r, row in enumerate(GROVE.map) for c, glyph in enumerate(row) if glyph == "A"]
 HOME = "QQ^>.."  # two agents out of the way
 RATES = ("regrow_1", "regrow_2", "regrow_3")  # chances with one, two, three or more apples near
 FIELD = Stage("harvest_open", ("QQPPPP", "....#.", "......", "......", "......", "......"), 4)
 GATES = {(0, c) for c in range(2, 6)}
-PATIENT = Stage("harvest_open", ("QQPP", "....", "...."), 2, sizes=(("respawn_delay", 2),))
+PATIENT = Stage("harvest_open", ("QQPP", "....", "...."), 2, params={"respawn_delay": 2})
 
 # Source: SocialJax, harvest_open: the cells of a zap as (ahead, right) of the agent
 BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}
 
 
 def grove(*picture: str, rates: tuple[float, float, float] = (0, 0, 0), seed: int = 0, under: dict[int, str] | None = None) -> Scene:
-    return GROVE.put(*picture, seed=seed, under=under, **dict(zip(RATES, rates, strict=True)))
+    return GROVE.put(*picture, seed=seed, under=under, params=dict(zip(RATES, rates, strict=True)))
 
 
 def with_ripe(*ripe: tuple[int, int], rates: tuple[float, float, float]) -> Scene:
     """Returns a scene with apples on these cells alone."""
-    rows = ["".join("A" if (r, c) in ripe else glyph.replace("A", "a") for c, glyph in enumerate(row)) for r, row in enumerate(GROVE.rows)]
+    rows = ["".join("A" if (r, c) in ripe else glyph.replace("A", "a") for c, glyph in enumerate(row)) for r, row in enumerate(GROVE.map)]
     return grove(*rows[:-1], HOME, rates=rates)
 
 
 def ripe(scene: Scene) -> set[tuple[int, int]]:
-    return {cell for cell, fruit in zip(SOIL, scene.values("soil", "fruit"), strict=True) if fruit == "ripe"}
+    return {cell for cell, fruit in zip(SOIL, scene.value("soil.fruit"), strict=True) if fruit == "ripe"}
 
 
 def near(cell: tuple[int, int]) -> set[tuple[int, int]]:
@@ -148,7 +148,7 @@ def field(*picture: str, seed: int = 0) -> Scene:
 
 def placed(poses: dict[int, tuple[int, int, str]], seed: int = 0) -> Scene:
     """Returns the field with agents by number at (row, column, arrow)."""
-    rows = [list(row) for row in FIELD.rows]
+    rows = [list(row) for row in FIELD.map]
     for row, col, arrow in poses.values():
         rows[row][col] = arrow
     beside = [

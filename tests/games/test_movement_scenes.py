@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from .scenario import Scene, Stage
+from sjdsl.testing import Scene, Stage
 
 STAGE = Stage("harvest_open", ("QQPPPP", "......", "..#...", "......", "......"), 4)
 EMPTY = "QQPPPP"
@@ -13,8 +13,8 @@ EMPTY = "QQPPPP"
 AROUND = [(-1, 0), (0, 1), (1, 0), (0, -1)]
 
 
-def put(*picture: str, **facts: float) -> Scene:
-    return STAGE.put(EMPTY, *picture, **facts)
+def put(*picture: str, seed: int = 0) -> Scene:
+    return STAGE.put(EMPTY, *picture, seed=seed)
 
 
 @pytest.mark.parametrize(("heading", "arrow"), list(enumerate("^>v<")))
