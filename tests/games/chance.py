@@ -48,15 +48,15 @@ def times(outcomes: Any, number: int) -> np.ndarray:
     return np.bincount(np.asarray(outcomes).reshape(-1), minlength=number)
 
 
-def many(env: Environment, look: Callable[[Any, Any], Any], batch: int = BATCH) -> Callable[..., Any]:
+def many(env: Environment, look: Callable[[Any, Any, Any], Any], batch: int = BATCH) -> Callable[..., Any]:
     """Returns a function that takes the same step many times, each time with another key, and sums what `look` sees.
 
-    `look`: (state before, state after) -> numbers. The function: (seed, state, actions, params, rounds of `batch` steps).
+    `look`: (state before, state after, rewards) -> numbers. The function: (seed, state, actions, params, rounds of `batch` steps).
     """
 
     def one(key: jax.Array, state: Any, actions: jax.Array, params: Any) -> Any:
-        _, after, *_ = env.step_env(key, state, actions, params)
-        return jax.tree.map(lambda x: jnp.asarray(x).astype(jnp.int32), look(state, after))
+        _, after, reward, *_ = env.step_env(key, state, actions, params)
+        return jax.tree.map(lambda x: jnp.asarray(x).astype(jnp.int32), look(state, after, reward))
 
     def rounds(key: jax.Array, number: jax.Array, state: Any, actions: jax.Array, params: Any) -> Any:
         def add(i: jax.Array, sums: Any) -> Any:

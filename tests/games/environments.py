@@ -3,6 +3,8 @@
 from functools import cache
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
 from sjdsl import Environment, make
@@ -36,6 +38,15 @@ def places(env: Environment, position: Any) -> np.ndarray:
     """Returns the (row, col) of positions, in a new last axis."""
     position, pad, cols = np.asarray(position), env.module.PAD, env.module.FRAME[1]
     return np.stack([position // cols - pad, position % cols - pad], axis=-1)
+
+
+def placed(env: Environment, cells: list[Cell], headings: Any = 0, **fields: Any) -> Any:
+    """Returns a first state with the agents on these (row, col) cells, and attributes of the state as given."""
+    _, state = env.reset(jax.random.key(0))
+    changed = {name: jnp.asarray(value, getattr(state, name).dtype) for name, value in fields.items()}
+    assert all(changed[name].shape == getattr(state, name).shape for name in changed)
+    heading = jnp.broadcast_to(jnp.asarray(headings, jnp.int32), (env.num_agents,))
+    return state.replace(position=jnp.asarray(frame_cells(env, cells)), heading=heading, **changed)
 
 
 def cells_of(env: Environment, kind: str) -> list[Cell]:

@@ -34,7 +34,7 @@ def counted() -> Any:
     env = environment("clean_up")
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
-    def look(before: Any, after: Any) -> Any:
+    def look(before: Any, after: Any, _: Any) -> Any:
         grown = after.orchard_fruit == 1
         dirtied = (before.water_state == 0) & (after.water_state == 1)
         return {

@@ -25,7 +25,7 @@ def counted() -> Any:
     """Counts, over many steps from one state: red and green coins by cell, coins on cells of two numbers in a row, and winners of (5, 5)."""
     env = environment("coins")
 
-    def look(_: Any, after: Any) -> Any:
+    def look(_: Any, after: Any, __: Any) -> Any:
         red, green = after.tile_coin == 1, after.tile_coin == 2
         return {
             "red": red,

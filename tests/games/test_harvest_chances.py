@@ -29,7 +29,7 @@ def counted() -> Any:
     env = environment(GAME)
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
-    def look(before: Any, after: Any) -> Any:
+    def look(before: Any, after: Any, _: Any) -> Any:
         grown = (before.soil_fruit == 0) & (after.soil_fruit == 1)
         return {
             "grown": grown,
