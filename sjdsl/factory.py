@@ -44,7 +44,7 @@ def make(
     source = read_source(find_game(game))
     variants = () if not variant else tuple(variant.split("+"))
     sizes, run_time = split_sizes(*number_names(source, variants), dict(params or {}))
-    made = build(source, variants, Overrides(sizes, num_agents, map_rows(map, source)))
+    made = build(source, variants, Overrides(sizes, num_agents, *map_rows(map, source)))
     if num_agents is not None and made.game.agents.number != num_agents:
         raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
     key = game_hash(made.game)
@@ -53,23 +53,23 @@ def make(
     return Environment(made.game, module, build_params(made.game, module, run_time), key, observation)
 
 
-def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[str, ...] | None:
-    """Returns the rows of a map given by its file or by itself; it is checked against the game's legend later."""
-    if map is None:
-        return None
-    if isinstance(map, tuple | list):
-        return tuple(map)
+def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
+    """Returns the rows of a map given by its file or by itself, and where they stand; the legend is asked later."""
     from sjdsl.compiler.scope import Problems
-    from sjdsl.compiler.worldmap import parse_rows
+    from sjdsl.compiler.worldmap import parse_rows, row_spans
 
+    if map is None:
+        return None, ()
+    if isinstance(map, tuple | list):
+        return tuple(map), row_spans(map, "map")
     path = Path(map)
     if not path.is_file():
         raise FileNotFoundError(f"there is no map file `{map}`")
     problems = Problems()
-    rows = parse_rows(path.read_bytes(), str(map), Span(source.name, 0, 0, 1, 1), problems)
+    rows, spans = parse_rows(path.read_bytes(), str(map), Span(source.name, 0, 0, 1, 1), problems)
     if problems.found:
         raise CompileError(problems.found)
-    return rows
+    return rows, spans
 
 
 @lru_cache(maxsize=256)

@@ -11,7 +11,6 @@ from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
 from sjdsl.compiler import build, compile_build
 from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.read import read_source
 from sjdsl.games_folder import bundled
 
@@ -82,7 +81,7 @@ def compile_game(name: str, variant: str | None, map_file: str | None, output: s
     """Returns the module of a game; its warnings go to the terminal. Raises CompileError."""
     source = read_source(game_path(name))
     variants = split_variants(variant)
-    made = build(source, variants, Overrides(rows=read_map(map_file, source)))
+    made = build(source, variants, read_map(map_file, source))
     print_diagnostics(made.warnings, made.sources, err=True)
     path = Path(output or FOLDER)
     if path.suffix != ".py":

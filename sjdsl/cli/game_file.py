@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.read import read_source
 from sjdsl.compiler.scope import Problems
 from sjdsl.compiler.source import Source
@@ -33,18 +34,18 @@ def split_variants(text: str | None) -> tuple[str, ...]:
     return tuple(text.split("+")) if text else ()
 
 
-def read_map(file: str | None, source: Source) -> tuple[str, ...] | None:
-    """Returns the rows of a map file, or None without one. Raises CompileError for what is no map."""
+def read_map(file: str | None, source: Source) -> Overrides:
+    """Returns the rows of a map file as what they override, nothing without a file. Raises CompileError for what is no map."""
     if file is None:
-        return None
+        return Overrides()
     path = Path(file)
     if not path.is_file():
         raise click.ClickException(f"there is no map file `{file}`")
     problems = Problems()
-    rows = parse_rows(path.read_bytes(), file, source.span(0, 0), problems)
+    rows, spans = parse_rows(path.read_bytes(), file, source.span(0, 0), problems)
     if problems.found:
         raise CompileError(problems.found)
-    return rows
+    return Overrides(rows=rows, row_spans=spans)
 
 
 def variant_option(command: Callable[..., Any]) -> Callable[..., Any]:

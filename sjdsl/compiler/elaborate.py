@@ -19,17 +19,19 @@ from sjdsl.compiler.placing import check_placing
 from sjdsl.compiler.promises import check_requires, checks, events, measures, requires
 from sjdsl.compiler.scope import Poisoned, Problems, Scope
 from sjdsl.compiler.sights import sights, window
+from sjdsl.compiler.source import Span
 from sjdsl.compiler.upkeep import check_time, check_use
 from sjdsl.compiler.worldmap import check_rows, count_cells, glyph_table, read_rows
 
 
 @dataclass(frozen=True)
 class Overrides:
-    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows."""
+    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand."""
 
     sizes: Mapping[str, Any] | None = None
     num_agents: int | None = None
     rows: tuple[str, ...] | None = None
+    row_spans: tuple[Span, ...] = ()
 
 
 def elaborate(game: Composition, overrides: Overrides) -> tuple[ir.Game | None, list[Diagnostic]]:
@@ -55,8 +57,11 @@ def _map(game: Composition, made: Declarations, overrides: Overrides, problems: 
     span = game.map.span if game.map is not None else game.span
     inline = game.map.rows if game.map is not None and overrides.rows is None else ()
     before = len(problems.found)
-    rows = overrides.rows if overrides.rows is not None else read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
-    if len(problems.found) > before or not check_rows(rows, glyphs, span, problems, inline):
+    if overrides.rows is not None:
+        rows, spans = overrides.rows, overrides.row_spans
+    else:
+        rows, spans = read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
+    if len(problems.found) > before or not check_rows((rows, spans), glyphs, span, problems, inline):
         static.cells = dict.fromkeys(static.kinds, 1)
         static.map_rows = static.map_cols = 1
         return ()

@@ -200,7 +200,7 @@ NO_FREE_CELL = Code(
     "SJ404",
     "There may be no free cell",
     "`{kind}` may have no free cell: up to {agents} agents come, and only {cells} cells are certain",
-    "write `otherwise stay` after the destination",
+    "write `otherwise stay` after the destination, or take a map with more such cells, or fewer agents",
 )
 MOVE_ALONE = Code(
     "SJ405",

@@ -134,7 +134,8 @@ def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
                 facts = {"kind": " | ".join(domain.var.kinds), "cells": cells, "agents": needed}
                 problems.add(errors.TOO_FEW_CELLS, span, **facts)  # type: ignore[arg-type]
             else:
-                problems.add(errors.NO_FREE_CELL, span, agents=needed, cells=cells, kind=domain_text(domain))  # type: ignore[arg-type]
+                kind = " | ".join(domain.var.kinds) if domain.where is None else domain_text(domain)
+                problems.add(errors.NO_FREE_CELL, span, agents=needed, cells=cells, kind=kind)  # type: ignore[arg-type]
     _check_overlap(pools, problems)
 
 

@@ -1,6 +1,7 @@
 """Maps: text, inline or in a file beside the game, checked against the legend row by row."""
 
 import unicodedata
+from collections.abc import Iterable
 from pathlib import Path
 
 from sjdsl.compiler import ast, errors, ir, limits
@@ -8,26 +9,28 @@ from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.scope import Problems, Static
 from sjdsl.compiler.source import Source, Span
 
+Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
 
-def read_rows(map_: ast.Map, source: Source, problems: Problems) -> tuple[str, ...]:
-    """Returns the rows of a map as text; a map that cannot be read has none, and the reason is reported."""
+
+def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
+    """Returns the rows of a map; one that cannot be read has none, and the reason is reported. Rows in the game itself have no spans."""
     if map_.file is None:
-        return tuple(row.text for row in map_.rows)
+        return tuple(row.text for row in map_.rows), ()
     return read_file(map_.file.text, map_.file.span, source, problems)
 
 
-def read_file(name: str, span: Span, source: Source, problems: Problems) -> tuple[str, ...]:
+def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows:
     """Returns the rows of a map file in the game's folder."""
     path = inside_folder(name, span, source, problems)
     if path is None:
-        return ()
+        return (), ()
     if not path.is_file():
         folder = path.parent
         beside = [p.name for p in folder.iterdir()] if folder.is_dir() else []
         near = nearest(path.name, beside)
         problems.add(errors.NO_FILE, span, name=name, nearest=str(Path(name).with_name(near)) if near else "")
-        return ()
-    return parse_rows(path.read_bytes(), name, span, problems)
+        return (), ()
+    return parse_rows(path.read_bytes(), (Path(source.name).parent / name).as_posix(), span, problems)
 
 
 def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
@@ -47,17 +50,27 @@ def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> 
     return path
 
 
-def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> tuple[str, ...]:
-    """Returns the rows of a map file's bytes."""
+def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
+    """Returns the rows of a map file's bytes. `span`: what names the file, to say there that it cannot be read."""
     if len(data) > 4 * limits.MAX_MAP_CELLS:
         problems.add(errors.MAP_FILE, span, name=name, problem=f"it has more than {limits.MAX_MAP_CELLS} cells")
-        return ()
+        return (), ()
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         problems.add(errors.MAP_FILE, span, name=name, problem="it is not text")
-        return ()
-    return tuple(line.rstrip("\r") for line in text.rstrip("\r\n").split("\n")) if text.strip() else ()
+        return (), ()
+    lines = text.rstrip("\r\n").split("\n") if text.strip() else []
+    return tuple(line.rstrip("\r") for line in lines), row_spans(lines, name)
+
+
+def row_spans(lines: Iterable[str], name: str) -> tuple[Span, ...]:
+    """Returns where each line of a map stands in its file, without the line's end; of a map without lines, the file's beginning."""
+    spans, start = [], 0
+    for number, line in enumerate(lines, 1):
+        spans.append(Span(name, start, start + len(line.rstrip("\r")), number, 1))
+        start += len(line) + 1
+    return tuple(spans) or (Span(name, 0, 0, 1, 1),)
 
 
 def check_glyph(glyph: str) -> str:
@@ -69,13 +82,13 @@ def check_glyph(glyph: str) -> str:
     return "it is a blank" if glyph == " " else ""
 
 
-def check_rows(
-    rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems, inline: tuple[ast.String, ...] = ()
-) -> bool:
+def check_rows(rows: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems, inline: tuple[ast.String, ...] = ()) -> bool:
     """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound.
 
-    `inline`: the rows as written in the game, to point at the very place.
+    `span`: the map as a whole; `inline`: the rows as written in the game, to point at the very place.
     """
+    rows, spans = rows
+    span = spans[0] if spans else span
     if not rows or not rows[0]:
         problems.add(errors.EMPTY_MAP, span)
         return False
@@ -88,7 +101,7 @@ def check_rows(
         return False
     for number, row in enumerate(rows):
         if len(row) != wanted:
-            problems.add(errors.RAGGED_MAP, _place(inline, number, None, span), row=number, length=len(row), wanted=wanted)
+            problems.add(errors.RAGGED_MAP, _place(inline, spans, number, None, span), row=number, length=len(row), wanted=wanted)
             sound = False
     unknown: dict[str, tuple[int, int]] = {}
     for number, row in enumerate(rows):
@@ -98,12 +111,16 @@ def check_rows(
     for glyph, (number, column) in list(unknown.items())[:20]:
         other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
         shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
-        problems.add(errors.UNKNOWN_GLYPH, _place(inline, number, column, span), glyph=shown, row=number, column=column, nearest=other_case)
+        place = _place(inline, spans, number, column, span)
+        problems.add(errors.UNKNOWN_GLYPH, place, glyph=shown, row=number, column=column, nearest=other_case)
     return sound and not unknown
 
 
-def _place(inline: tuple[ast.String, ...], row: int, column: int | None, span: Span) -> Span:
-    """Returns the span of a row, or of one glyph of it, where the map stands in the game's own text."""
+def _place(inline: tuple[ast.String, ...], spans: tuple[Span, ...], row: int, column: int | None, span: Span) -> Span:
+    """Returns the span of a row, or of one glyph of it, in the map's own file or in the game's text."""
+    if row < len(spans):
+        line = spans[row]
+        return line if column is None else Span(line.file, line.start + column, line.start + column + 1, line.line, column + 1)
     if row >= len(inline):
         return span
     whole = inline[row].span
