@@ -294,7 +294,10 @@ Check = Require | Always | Once | Conserved | Monotone | Symmetric | Expect
 
 @dataclass(frozen=True)
 class Checks:
+    """`checks { … }`, or `checks dilemma { … }`: a block with a name can be replaced and dropped"""
+
     span: Span
+    name: Name | None
     checks: tuple[Check, ...]
 
 

@@ -116,7 +116,7 @@ RULES: dict[str, nodes.Build] = {
     "event": nodes.event,
     "mean": lambda span, name, value: ast.Measure(span, True, name, value),
     "final": lambda span, name, value: ast.Measure(span, False, name, value),
-    "checks": nodes.several(ast.Checks),
+    "checks": nodes.checks,
     "require": ast.Require,
     "always": ast.Always,
     "once": ast.Once,

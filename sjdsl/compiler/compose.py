@@ -42,16 +42,16 @@ class Composition:
     window: ast.Window | None = None
     sights: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
-    checks: list[ast.Check] = field(default_factory=list)
+    checks: dict[str, tuple[ast.Check, ...]] = field(default_factory=dict)  # by the name of their block, "" without one
     variants: dict[str, ast.Variant] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
     problems: list[Diagnostic] = field(default_factory=list)
 
-    TABLES = ("constants", "kinds", "groups", "fields", "shapes", "defines", "phases", "metrics")
+    TABLES = ("constants", "kinds", "groups", "fields", "shapes", "defines", "phases", "metrics", "checks")
 
     def names(self) -> list[str]:
         """Returns every name a variant may change."""
-        return [name for table in self.TABLES for name in getattr(self, table)] + list(self.agent_fields)
+        return [name for table in self.TABLES for name in getattr(self, table) if name] + list(self.agent_fields)
 
 
 Load = Callable[[str, Span, Source], tuple[Source, ast.File]]
@@ -109,6 +109,8 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             return [(f"variant {section.name.text}", section.name.span, section)]
         case ast.About():
             return [(f"about {section.name.text}", section.name.span, section)]
+        case ast.Checks():
+            return [] if section.name is None else [(f"checks {section.name.text}", section.name.span, section)]
         case ast.Map() | ast.Episode() | ast.Schedule():
             return [(type(section).__name__.lower(), section.span, section)]
         case ast.Agents():
@@ -196,7 +198,8 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
             case ast.Metrics():
                 game.metrics |= {m.name.text: m for m in section.metrics}
             case ast.Checks():
-                game.checks += section.checks
+                name = "" if section.name is None else section.name.text
+                game.checks[name] = section.checks if name else game.checks.get(name, ()) + section.checks
             case ast.Variant():
                 game.variants[section.name.text] = section
             case ast.Override():

@@ -128,6 +128,11 @@ def event(span: Span, *items: Any) -> ast.Event:
     return ast.Event(span, name, clauses.get("by"))
 
 
+def checks(span: Span, *items: Any) -> ast.Checks:
+    name = items[0] if items and isinstance(items[0], ast.Name) else None
+    return ast.Checks(span, name, items[1:] if name else items)
+
+
 def symmetric(span: Span, _: ast.Name, what: ast.Name) -> ast.Symmetric:
     return ast.Symmetric(span, what)
 

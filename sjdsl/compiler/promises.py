@@ -1,6 +1,7 @@
 """`metrics` and `checks`: what is counted, measured and promised."""
 
 from collections.abc import Iterable
+from itertools import chain
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.compose import Composition
@@ -17,7 +18,7 @@ from sjdsl.compiler.types import is_number
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     """Returns the conditions of all `require`s, about numbers only; proofs elsewhere rely on them."""
     found = []
-    for check in game.checks:
+    for check in _written(game):
         if isinstance(check, ast.Require):
             with scope.problems.survive():
                 test = condition(check.condition, scope)
@@ -30,6 +31,10 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
                         )
                 found.append(test)
     return tuple(found)
+
+
+def _written(game: Composition) -> Iterable[ast.Check]:
+    return chain.from_iterable(game.checks.values())
 
 
 def check_requires(game: Composition, scope: Scope) -> None:
@@ -78,7 +83,7 @@ def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
 def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
     """Returns the promises of a game, their expressions typed."""
     found = []
-    for check in game.checks:
+    for check in _written(game):
         with scope.problems.survive():
             found.append(_check(check, scope))
     return tuple(found)

@@ -71,7 +71,8 @@ def matrix_class(name: str, table: tuple[tuple[float, float], tuple[float, float
     """Returns whether a table of the row player's payoffs (first word: cooperate) is of a class of 2 x 2 games.
 
     Source: Macy and Flache 2002, the orders of R, S, T, P: prisoner's dilemma T > R > P > S and 2R > T + S;
-    stag hunt R > T >= P > S; chicken T > R > S > P and 2R > T + S.
+    stag hunt R > T >= P > S; chicken T > R > S > P. Their 2R > T + S is not asked of a chicken game: taking turns
+    may pay more than cooperating, as in the one of Melting Pot (3, 2 / 5, 0).
     """
     (r, s), (t, p) = table
     match name:
@@ -80,5 +81,5 @@ def matrix_class(name: str, table: tuple[tuple[float, float], tuple[float, float
         case "stag_hunt":
             return r > t >= p > s
         case "chicken":
-            return t > r > s > p and 2 * r > t + s
+            return t > r > s > p
     raise AssertionError(name)

@@ -12,7 +12,7 @@ ATOMS = (ir.Number, ir.Word, ir.Nobody, ir.ParamRef, ir.Member, ir.Local, ir.Fie
 CLASSES = {
     "prisoners_dilemma": "a prisoner's dilemma (T > R > P > S and 2R > T + S)",
     "stag_hunt": "a stag hunt (R > T ≥ P > S)",
-    "chicken": "a game of chicken (T > R > S > P and 2R > T + S)",
+    "chicken": "a game of chicken (T > R > S > P)",
 }
 
 

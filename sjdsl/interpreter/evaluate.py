@@ -184,7 +184,7 @@ def _is_of_class(
 ) -> bool:
     """Returns whether a table [own word][other's word], cooperation first, is such a game.
 
-    Source: Macy and Flache, "Learning dynamics in social dilemmas", PNAS 2002.
+    Source: Macy and Flache, "Learning dynamics in social dilemmas", PNAS 2002; a chicken game by its order alone.
     """
     (reward, sucker), (temptation, punishment) = table
     match name:
@@ -193,6 +193,6 @@ def _is_of_class(
         case "stag_hunt":
             return bool(reward > temptation >= punishment > sucker)
         case "chicken":
-            return bool(temptation > reward > sucker > punishment and 2 * reward > temptation + sucker)
+            return bool(temptation > reward > sucker > punishment)
         case _:
             assert_never(name)

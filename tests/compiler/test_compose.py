@@ -72,3 +72,23 @@ def test_nothing_is_changed_twice(changes: str, tmp_path: Path) -> None:
 def test_stay_cannot_be_forbidden(tmp_path: Path) -> None:
     assert codes(tmp_path, "agents { forbid zap, stay when agent.bag > 2 }") == ["SJ113"]
     assert game(tmp_path, "agents { forbid all when agent.bag > 2 }").agents.forbids
+
+
+PROMISES = "checks { require apple > 0 }  checks cheap { require apple < 2  conserved count(agent) }  variant rich"
+
+
+def test_checks_are_added_and_those_with_a_name_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Otherwise no game on this one could break a promise that belongs to the numbers of this one."""
+    monkeypatch.setitem(globals(), "BASE", BASE.replace("variant rich", PROMISES))
+
+    def sorts(changes: str, variant: str = "", *variants: str) -> list[str]:
+        return [check.sort for check in game(tmp_path, changes, variant, *variants).checks]
+
+    assert sorts("") == ["require", "require", "conserved"]
+    assert sorts("checks { always apple > 0 }") == ["require", "always", "require", "conserved"]
+    assert codes(tmp_path, "set apple = 3  checks dear { require apple > 2 }") == ["SJ212"]
+    assert sorts("set apple = 3  checks cheap { require apple > 2 }") == ["require", "require"]
+    assert sorts("set apple = 3  drop cheap") == ["require"]
+    assert sorts("", "set apple = 3  checks cheap { always apple > 2 }", "rich") == ["require", "always"]
+    assert codes(tmp_path, "drop chaep") == ["SJ108"]
+    assert codes(tmp_path, "checks cheap { } checks cheap { }") == ["SJ115"]

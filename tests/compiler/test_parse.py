@@ -220,11 +220,11 @@ def test_sentences(text: str, tree: str) -> None:
         ),
         (
             "checks { require a  always b  once c always d  conserved e  monotone f falling in g  symmetric agents }",
-            "Checks([Require(a), Always(b), Once(c, d), Conserved(e), Monotone(f, falling, g), Symmetric(agents)])",
+            "Checks(-, [Require(a), Always(b), Once(c, d), Conserved(e), Monotone(f, falling, g), Symmetric(agents)])",
         ),
         (
-            "checks { expect a with random, never(b), seek c over 3 episodes }",
-            "Checks([Expect(a, [Policy(random, [], -), Policy(never, [b], -), Policy(seek, [], Domain(c, -, -, -, -))], 3)])",
+            "checks dear { expect a with random, never(b), seek c over 3 episodes }",
+            "Checks(dear, [Expect(a, [Policy(random, [], -), Policy(never, [b], -), Policy(seek, [], Domain(c, -, -, -, -))], 3)])",
         ),
         (
             'variant v "V" { set a[b] = 1  drop c  episode 2 }',

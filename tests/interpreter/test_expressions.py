@@ -241,10 +241,12 @@ def test_matrix_classes(here):
         here.world.params["payoff"] = table
         return evaluate(ir.MatrixClass(name=name, table=ir.ParamRef(type=PAY, name="payoff")), here)
 
-    dilemma, hunt, chicken = ((3, -1), (5, 1)), ((4, 0), (3, 1)), ((3, 1), (4, 0))
-    assert [is_class("prisoners_dilemma", t) for t in (dilemma, hunt, chicken)] == [True, False, False]
-    assert [is_class("stag_hunt", t) for t in (dilemma, hunt, chicken)] == [False, True, False]
-    assert [is_class("chicken", t) for t in (dilemma, hunt, chicken)] == [False, False, True]
+    dilemma, hunt, chicken, hawk_dove = ((3, -1), (5, 1)), ((4, 0), (3, 1)), ((3, 1), (4, 0)), ((3, 2), (5, 0))
+    taking_turns = ((3, -1), (8, 1))  # pays more than cooperating, so no prisoner's dilemma
+    tables = (dilemma, hunt, chicken, hawk_dove, taking_turns)
+    assert [is_class("prisoners_dilemma", t) for t in tables] == [True, False, False, False, False]
+    assert [is_class("stag_hunt", t) for t in tables] == [False, True, False, False, False]
+    assert [is_class("chicken", t) for t in tables] == [False, False, True, True, False]
 
 
 def test_a_number_outside_its_proven_interval_is_found(here):
