@@ -43,6 +43,20 @@ def assert_uniform(counts: Any, within: float) -> None:
     assert np.abs(counts - counts.sum() * probability).max() <= allowed, counts.tolist()
 
 
+def assert_shares(counts: Any, probabilities: Any, within: float) -> None:
+    """Asserts how often each outcome of independent trials came. `within`: how tight the test must be, as a share of the trials."""
+    counts, probabilities = np.asarray(counts), np.asarray(probabilities)
+    assert counts.shape == probabilities.shape
+    assert abs(probabilities.sum() - 1) < 1e-9
+    trials = counts.sum()
+    for outcome in np.ndindex(counts.shape):
+        allowed = distance(trials, probabilities[outcome], FALSE_ALARM / counts.size)
+        assert allowed <= within * trials, f"{trials} trials tell the share of {outcome} to {allowed / trials:.3f} only"
+        found = counts[outcome] / trials
+        assert abs(found - probabilities[outcome]) <= allowed / trials, f"{outcome}: {found:.6g}, not {probabilities[outcome]:.6g}"
+        assert probabilities[outcome] > 0 or found == 0, f"{outcome} is impossible"
+
+
 def times(outcomes: Any, number: int) -> np.ndarray:
     """Returns how often each of the outcomes 0 .. number - 1 came."""
     return np.bincount(np.asarray(outcomes).reshape(-1), minlength=number)

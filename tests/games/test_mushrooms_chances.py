@@ -1,0 +1,188 @@
+"""The chances of Mushrooms, counted: what grows after a meal and where, where a zapped agent comes to, contested cells."""
+
+from collections.abc import Sequence
+from functools import cache
+from math import comb
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from .chance import BATCH, assert_share, assert_shares, assert_uniform, many
+from .environments import Cell, cells_of, environment, frame_cells, placed
+
+GAME = "mushrooms"
+FLOOR = 276  # cells. Source: the released code's map
+RED, GREEN, BLUE, ORANGE = KINDS = 1, 2, 3, 4
+NAMES = {RED: "red", GREEN: "green", BLUE: "blue", ORANGE: "orange"}
+ZAP, STAY, FORWARD, BACKWARD = 7, 6, 4, 5
+MOST = 8  # of one kind that can come in these tests
+# chance of each trial. Sources: the paper; the released code; Melting Pot
+CHANCE = {RED: 0.25, GREEN: 0.4, BLUE: 0.6, ORANGE: 1.0}
+# trials of red, green, blue, orange after a meal. Source: the released code
+TRIALS = {RED: (2, 0, 0, 0), GREEN: (2, 2, 0, 0), BLUE: (2, 2, 2, 0), ORANGE: (2, 0, 0, 1)}
+# Source: Melting Pot
+TRIALS_OF_THREE = {RED: (3, 0, 0, 0), GREEN: (3, 3, 0, 0), BLUE: (3, 3, 3, 0), ORANGE: (0, 0, 0, 1)}
+
+
+@cache
+def counter(variant: str | None = None) -> Any:
+    """Counts, over many steps from one state: how many of each kind came, all at once and by cell, and how agents 0 to 2 stand."""
+    env = environment(GAME, variant)
+    sizes = env.module.FRAME[0] * env.module.FRAME[1]
+
+    def look(before: Any, after: Any, _: Any) -> Any:
+        new = (after.ground_grows[None] == jnp.array(KINDS, jnp.uint8)[:, None]) & (before.ground_grows == 0)[None]
+        number = jnp.sum(new, axis=1, dtype=jnp.int32)
+        together = number[0] * MOST**2 + number[1] * MOST + number[2]
+        return {
+            "new": new,
+            "numbers": jax.nn.one_hot(together, MOST**3, dtype=jnp.int32),
+            "orange": jax.nn.one_hot(number[3], MOST, dtype=jnp.int32),
+            "place": jax.nn.one_hot(after.position[:3], sizes, dtype=jnp.int32),
+            "headings": jax.nn.one_hot(after.heading[1] * 4 + after.heading[2], 16, dtype=jnp.int32),
+        }
+
+    return many(env, look)
+
+
+def binomial(trials: int, probability: float) -> np.ndarray:
+    """Returns the probabilities of 0, 1, … MOST - 1 successes."""
+    return np.array([comb(trials, k) * probability**k * (1 - probability) ** max(0, trials - k) for k in range(MOST)])
+
+
+def assert_grown(seen: Any, trials: Sequence[int], within: float) -> None:
+    """Asserts how many of each kind came: red, green and blue independent of one another, orange for certain."""
+    red, green, blue = (binomial(n, CHANCE[kind]) for n, kind in zip(trials[:3], KINDS))
+    wanted = red[:, None, None] * green[:, None] * blue
+    assert_shares(seen["numbers"].reshape(wanted.shape), wanted, within)
+    assert_shares(seen["orange"], binomial(trials[3], CHANCE[ORANGE]), within)
+
+
+def first_of(kind: int, variant: str | None = None) -> Cell:
+    """Returns the cell of a kind's first mushroom on the map."""
+    rows = environment(GAME, variant).game.rows
+    return next((r, row.index("?RGBO"[kind])) for r, row in enumerate(rows) if "?RGBO"[kind] in row)
+
+
+def before_meals(kinds: Sequence[int], variant: str | None = None, **fields: Any) -> tuple[Any, list[int]]:
+    """Returns a state and actions with which the first agents each eat a mushroom, coming from the cell below it."""
+    env = environment(GAME, variant)
+    eaters = [(first_of(kind, variant)[0] + 1, first_of(kind, variant)[1]) for kind in kinds]
+    state = placed(env, [*eaters, *[(0, c) for c in range(env.num_agents - len(kinds))]], **fields)
+    north = FORWARD
+    return state, [north] * len(kinds) + [STAY] * (env.num_agents - len(kinds))
+
+
+@pytest.mark.parametrize("variant", [None, "meltingpot"])
+@pytest.mark.parametrize("kind", KINDS, ids=NAMES.get)
+def test_what_grows_after_a_meal(kind: int, variant: str | None) -> None:
+    """In the step of the meal; two trials or, in Melting Pot, three, and there orange sows no red."""
+    env = environment(GAME, variant)
+    state, actions = before_meals([kind], variant)
+    seen = counter(variant)(kind, state, actions, env.params, 4)
+    assert_grown(seen, (TRIALS_OF_THREE if variant else TRIALS)[kind], 0.03)
+
+
+def test_meals_of_one_step_add_up() -> None:
+    env = environment(GAME)
+    for kinds in ([RED, BLUE], [GREEN, ORANGE]):
+        state, actions = before_meals(kinds)
+        seen = counter()(sum(kinds), state, actions, env.params, 4)
+        assert_grown(seen, np.sum([TRIALS[kind] for kind in kinds], axis=0).tolist(), 0.03)
+
+
+def test_as_released_it_grows_one_step_later() -> None:
+    """Nothing in the step of the meal, whatever the key; in the next step what the meal gives, once."""
+    env = environment(GAME, "socialjax")
+    state, actions = before_meals([BLUE], "socialjax")
+    run = counter("socialjax")
+    assert not run(1, state, actions, env.params, 1)["new"].any()
+    for number, trials in ((2, TRIALS[BLUE]), (3, (0, 0, 0, 0))):
+        _, state, *_ = env.step_env(jax.random.key(number), state, jnp.array(actions))
+        actions = [STAY] * env.num_agents
+        assert_grown(run(number, state, actions, env.params, 4), trials, 0.03)
+
+
+def test_none_grows_while_more_than_five_exist() -> None:
+    """Of red, green and blue, counted after the meal; five are not too many, and orange has no such bound."""
+    env = environment(GAME)
+    cells = cells_of(env, "ground")
+    plain = [i for i, cell in enumerate(cells) if env.game.rows[cell[0]][cell[1]] == "." and cell[0] > 0]
+    state, actions = before_meals([BLUE])
+    full = np.array(state.ground_grows)
+    for kind, spare in ((RED, plain[10:]), (GREEN, plain[60:]), (BLUE, plain[110:])):
+        full[spare[: 6 - (full == kind).sum() + (kind == BLUE)]] = kind
+    assert [(full == kind).sum() for kind in KINDS] == [6, 6, 7, 1]
+    for kind in (RED, GREEN, BLUE):
+        fewer = full.copy()
+        fewer[np.flatnonzero(full == kind)[-1]] = 0
+        seen = counter()(kind, state.replace(ground_grows=jnp.asarray(fewer)), actions, env.params, 4)
+        assert_grown(seen, [2 * (kind == grown) for grown in KINDS[:3]] + [0], 0.03)
+    state, actions = before_meals([ORANGE])
+    oranges = np.where(np.isin(np.arange(FLOOR), plain[20:60]), ORANGE, np.array(state.ground_grows))
+    seen = counter()(9, state.replace(ground_grows=jnp.asarray(oranges)), actions, env.params, 1)
+    assert seen["orange"].tolist() == [0, BATCH, 0, 0, 0, 0, 0, 0]
+
+
+def test_every_floor_cell_is_a_site() -> None:
+    """But those with mushrooms or agents; also where a mushroom stood at first. All trials succeed: two of each kind, all apart."""
+    env = environment(GAME)
+    cells = cells_of(env, "ground")
+    assert len(cells) == FLOOR
+    state, actions = before_meals([BLUE])
+    bare = cells.index(first_of(ORANGE))
+    grows = np.array(state.ground_grows)
+    grows[bare] = 0
+    sure = env.params.replace(regrow=jnp.ones(4))
+    seen = counter()(4, state.replace(ground_grows=jnp.asarray(grows)), actions, sure, 12)
+    under = [cells.index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
+    free = [i for i in range(FLOOR) if grows[i] == 0 and i not in under]
+    assert bare in free
+    assert len(free) == 263
+    steps = 12 * BATCH
+    assert seen["numbers"].reshape(MOST, MOST, MOST)[2, 2, 2] == steps
+    for kind in range(3):
+        assert seen["new"][kind].sum() == seen["new"][kind][free].sum() == 2 * steps
+        for site in free:
+            assert_share(seen["new"][kind][site], steps, 2 / 263, 0.35)
+
+
+def test_where_tells_nothing_of_whether() -> None:
+    """With trials that may fail: the first half of the sites gets its part of what grows."""
+    env = environment(GAME)
+    state, actions = before_meals([BLUE])
+    seen = counter()(5, state, actions, env.params, 6)
+    under = [cells_of(env, "ground").index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
+    free = [i for i in range(FLOOR) if state.ground_grows[i] == 0 and i not in under]
+    for kind in range(3):
+        assert_share(seen["new"][kind][free[:131]].sum(), seen["new"][kind].sum(), 131 / 262, 0.06)
+
+
+def test_home_is_every_free_bare_cell_alike() -> None:
+    """Two are hit in every step: each comes to any floor cell without mushroom and agent, and looks any way."""
+    env = environment(GAME)
+    places = [(6, 1), (6, 2), (6, 3), (11, 21), (11, 22)]
+    state = placed(env, places, [1, 0, 2, 0, 0])
+    seen = counter()(6, state, [ZAP, STAY, STAY, STAY, STAY], env.params, 16)
+    bare = [c for c, grows in zip(cells_of(env, "ground"), state.ground_grows, strict=True) if grows == 0 and c not in places]
+    assert len(bare) == 261
+    assert not seen["new"].any()
+    assert seen["place"][0, frame_cells(env, places[0])] == 16 * BATCH
+    for victim in (1, 2):
+        homes = seen["place"][victim, frame_cells(env, bare)]
+        assert homes.sum() == 16 * BATCH
+        assert_uniform(homes, 0.45)
+    assert_uniform(seen["headings"], 0.1)
+
+
+def test_a_contested_cell_goes_to_each_alike() -> None:
+    """Three want it; then two."""
+    env = environment(GAME)
+    state = placed(env, [(6, 1), (7, 2), (6, 3), (11, 21), (11, 22)], [1, 0, 3, 0, 0])
+    for number in (3, 2):
+        won = counter()(7, state, [FORWARD] * number + [STAY] * (5 - number), env.params, 6)["place"][:, frame_cells(env, (6, 2))]
+        assert won.sum() == 6 * BATCH
+        assert_uniform(won[:number], 0.06)
