@@ -33,8 +33,7 @@ def entities(v: Vocabulary) -> list[str]:
 def agents(v: Vocabulary) -> list[str]:
     """Returns who acts, what with, and what an agent carries along."""
     who = v.game.agents
-    moves = moving_phases(v.game)
-    rows = [(str(i), code(name), _meaning(i, name, v, bool(moves))) for i, name in enumerate(who.actions)]
+    rows = [(str(i), code(name), _meaning(i, name, v)) for i, name in enumerate(who.actions)]
     place = "Each has a number (its `index`, from 0), a cell of its own (its `row` and `col`) and a `heading`: north, east, south or west."
     found = [f"{counted(who.number, 'agent')}. {place}", "", *table(("number", "action", "what it does"), rows), ""]
     if who.fields:
@@ -44,26 +43,17 @@ def agents(v: Vocabulary) -> list[str]:
     return found
 
 
-def moving_phases(game: ir.Game) -> list[str]:
-    """Returns the phases in which agents move."""
-    phases = [p for p in game.schedule if isinstance(p, ir.Phase)]
-    return [p.label for p in phases if any(isinstance(n, ir.Move) for n in ir.walk(p))]
-
-
-def _meaning(action: int, name: str, v: Vocabulary, moving: bool) -> str:
+def _meaning(action: int, name: str, v: Vocabulary) -> str:
     said = []
     if name == "stay":
         said.append("nothing")
     elif name in RELATIVE:
-        said.append((RELATIVE if v.game.agents.relative else COMPASS)[name] if moving else "nothing by itself: no phase lets agents move")
-    phases = [p.label for p in v.game.schedule if isinstance(p, ir.Phase) and any(_asks(n, action) for n in ir.walk(p))]
-    if phases:
-        said.append(f"what phase {codes(phases)} says")
+        moves = RELATIVE if v.game.agents.relative else COMPASS
+        said.append(moves[name] if v.phases_with(ir.Move) else "nothing by itself: no phase lets agents move")
+    asking = [label for label, nodes in v.phases.items() if any(isinstance(n, ir.Chose) and n.action == action for n in nodes)]
+    if asking:
+        said.append(f"what phase {codes(asking)} says")
     return "; ".join(said) or "nothing"
-
-
-def _asks(node: ir.Node, action: int) -> bool:
-    return isinstance(node, ir.Chose) and node.action == action
 
 
 def forbidden(v: Vocabulary) -> list[Line]:

@@ -20,16 +20,16 @@ def observation(v: Vocabulary) -> list[str]:
     ]
     unseen = _unseen(v.game)
     hidden = f"Not seen: {joined(unseen)}." if unseen else "Nothing of the state is hidden but what lies outside the window."
-    return [window(v.game), "", "It sees, for every cell of the window:", "", *bullets(seen), "", hidden, ""]
+    return [window(v), "", "It sees, for every cell of the window:", "", *bullets(seen), "", hidden, ""]
 
 
-def window(game: ir.Game) -> str:
+def window(v: Vocabulary) -> str:
     """Returns how far an agent sees."""
-    view = game.window
+    view = v.game.window
     rows, columns = view.ahead + 1 + view.behind, view.left + 1 + view.right
     sides = f"{view.ahead} ahead, {view.behind} behind, {view.left} to the left, {view.right} to the right"
     size = f"{counted(rows, 'row')} of {counted(columns, 'cell')}"
-    away = " An agent that is away sees nothing." if can_be_away(game) else ""
+    away = " An agent that is away sees nothing." if can_be_away(v) else ""
     return f"After each step every agent sees a window of {size} around it ({sides}), turned so that the agent looks up.{away}"
 
 

@@ -20,7 +20,7 @@ def episode(v: Vocabulary) -> list[str]:
     length = v.game.episode
     steps = counted(length.value, "step") if isinstance(length, ir.Number) else f"{value(length, v)} steps"
     found = [f"An episode is cut off (truncated) after {steps}; the reward of the last step counts."]
-    ending = [p.label for p in v.game.schedule if isinstance(p, ir.Phase) and any(isinstance(n, ir.End) for n in ir.walk(p))]
+    ending = v.phases_with(ir.End)
     if ending:
         found.append(f"It can end before (terminated) in phase {codes(ending, 'or')}; if both happen at once it is terminated.")
     return [" ".join(found), ""]
@@ -47,8 +47,7 @@ def promises(v: Vocabulary) -> list[str]:
     lines = [promise_line(check, v) for check in v.game.checks]
     if not lines:
         return ["None.", ""]
-    has_classes = any(isinstance(n, ir.MatrixClass) for check in v.game.checks for n in ir.walk(check))
-    return [*bullets(lines), "", *([PAYOFFS, ""] if has_classes else [])]
+    return [*bullets(lines), "", *([PAYOFFS, ""] if v.has(ir.MatrixClass) else [])]
 
 
 def promise_line(check: ir.Check, v: Vocabulary) -> Line:
@@ -87,7 +86,7 @@ def promise_line(check: ir.Check, v: Vocabulary) -> Line:
 
 def _spelt(e: ir.Expr, name: str, v: Vocabulary) -> str:
     """Returns the name of a define, with its meaning where that stands nowhere else."""
-    return code(name) if name in v.defined else f"{code(name)} ({value(e, v)})"
+    return value(e, v) if name in v.defined else f"{code(name)} ({value(e, v)})"
 
 
 def policy(p: ir.Policy, v: Vocabulary) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
+from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets
 
 ALWAYS = (
@@ -60,27 +61,26 @@ NOTES: tuple[tuple[tuple[type, ...], Line], ...] = (
 )  # fmt: skip
 
 
-def how_to_read(game: ir.Game) -> list[str]:
+def how_to_read(v: Vocabulary) -> list[str]:
     """Returns the notes that a game needs."""
-    return [*bullets(_notes(game)), ""]
+    return [*bullets(_notes(v)), ""]
 
 
-def _notes(game: ir.Game) -> Iterator[Line]:
-    nodes = list(ir.walk(game))
+def _notes(v: Vocabulary) -> Iterator[Line]:
     yield from ALWAYS
-    yield from (line for sorts, line in NOTES if any(isinstance(node, sorts) for node in nodes))
-    sends = [node for node in nodes if isinstance(node, ir.Send)]
+    yield from (line for sorts, line in NOTES if v.has(*sorts))
+    sends = [node for node in v.nodes if isinstance(node, ir.Send)]
     if sends:
         yield _sending(sends)
-    if can_be_away(game):
+    if can_be_away(v):
         yield _away(sends)
-    if any(isinstance(node, ir.Move) for node in nodes):
+    if v.has(ir.Move):
         yield MOVEMENT
 
 
-def can_be_away(game: ir.Game) -> bool:
+def can_be_away(v: Vocabulary) -> bool:
     """Returns whether an agent can be off the map for a time or for ever."""
-    return any(isinstance(n, ir.Remove) or (isinstance(n, ir.Send) and n.after is not None) for n in ir.walk(game))
+    return v.waits or v.has(ir.Remove)
 
 
 def _sending(sends: list[ir.Send]) -> Line:

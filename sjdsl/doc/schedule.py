@@ -9,21 +9,20 @@ def overview(v: Vocabulary) -> list[str]:
     """Returns the schedule as a numbered list, with what the environment does before and after the phases."""
     game = v.game
     steps = ["every agent has chosen an action" + (", and forbidden ones become `stay`" if game.agents.forbids else "")]
-    steps += [_tick(game) if isinstance(t, ir.Tick) else f"{code(t.label)}{_touches(t, v)}" for t in game.schedule]
+    steps += [_tick(v) if isinstance(t, ir.Tick) else f"{code(t.label)}{_touches(t, v)}" for t in game.schedule]
     steps += ["rewards, counts and metrics of the step are read", "the number of finished steps grows by 1", "the agents observe"]
     return [*(f"{i}. {capital(text)}" for i, text in enumerate(steps, 1)), ""]
 
 
-def _tick(game: ir.Game) -> str:
-    found = ["timers fall"] if any(isinstance(n, ir.VarField) and n.timer for n in ir.walk(game)) else []
-    if any(isinstance(n, ir.Send) and n.after is not None for n in ir.walk(game)):
-        found.append("agents that are away come nearer")
+def _tick(v: Vocabulary) -> str:
+    found = ["timers fall"] if any(isinstance(n, ir.VarField) and n.timer for n in v.nodes) else []
+    found += ["agents that are away come nearer"] if v.waits else []
     return f"`tick`: {joined(found) if found else 'nothing'}"
 
 
 def _touches(phase: ir.Phase, v: Vocabulary) -> str:
     """Returns what a phase can change, in short."""
-    nodes = list(ir.walk(phase))
+    nodes = v.phases[phase.label]
     fields = [_written(n.target, v) for n in nodes if isinstance(n, ir.Set | ir.Add)]
     found = [f"sets {joined(dict.fromkeys(fields))}"] if fields else []
     sorts = (

@@ -182,6 +182,6 @@ def tick_lines(v: Vocabulary) -> list[Line]:
     cells = [f"{code(f.name)} of each {k.name} cell" for k in v.game.kinds for f in k.fields if f.timer]
     world = [f"{code(f.name)} of the world" for f in v.game.fields if f.timer]
     found = [Line(f"these timers fall by 1 if they are above 0: {joined([*agents, *cells, *world])}")] if agents or cells or world else []
-    if any(isinstance(n, ir.Send) and n.after is not None for n in ir.walk(v.game)):
+    if v.waits:
         found.append(Line("each agent that is away for a number of ticks is one tick nearer to its return; who has none left returns now"))
     return found or [Line("nothing: the game has no timers, and nobody is away for a time")]

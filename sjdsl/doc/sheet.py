@@ -23,7 +23,7 @@ def rule_sheet(w: Written) -> str:
         ("Entities, state and scales", entities(v)),
         ("Parameters", parameters(w)),
         ("Process overview: one step", overview(v)),
-        ("How to read the rules", how_to_read(w.game)),
+        ("How to read the rules", how_to_read(v)),
         *([("Names", [*bullets(explained(v)), ""])] if v.defined else []),
         ("Initialisation", initialisation(v)),
         ("Phases", phases(v)),

@@ -15,6 +15,29 @@ class Vocabulary:
     defined: frozenset[str] = field(default=frozenset())
 
     @cached_property
+    def nodes(self) -> tuple[ir.Node, ...]:
+        """All parts of the rules."""
+        return tuple(ir.walk(self.game))
+
+    def has(self, *sorts: type[ir.Node]) -> bool:
+        """Returns whether the rules have a part of one of these sorts."""
+        return any(isinstance(node, sorts) for node in self.nodes)
+
+    @cached_property
+    def phases(self) -> dict[str, tuple[ir.Node, ...]]:
+        """The parts of each phase of the schedule, by its label."""
+        return {phase.label: tuple(ir.walk(phase)) for phase in self.game.schedule if isinstance(phase, ir.Phase)}
+
+    def phases_with(self, *sorts: type[ir.Node]) -> list[str]:
+        """Returns the labels of the phases that have a part of one of these sorts."""
+        return [label for label, nodes in self.phases.items() if any(isinstance(node, sorts) for node in nodes)]
+
+    @cached_property
+    def waits(self) -> bool:
+        """Whether an agent can be away for a time."""
+        return any(isinstance(node, ir.Send) and node.after is not None for node in self.nodes)
+
+    @cached_property
     def groups(self) -> dict[tuple[str, ...], str]:
         return {kinds: name for name, kinds in reversed(self.game.groups)}
 

@@ -1,0 +1,144 @@
+"""Small changes of a game's rules, one node and one field at a time: what a sheet must show."""
+
+from collections.abc import Iterator
+from typing import Any, Literal, get_args, get_origin
+
+from sjdsl.compiler import ir
+
+# Fields that are no part of the rules: positions, types that follow from the rest, numbers of streams, and what is said twice.
+SILENT = {
+    "*": {"origin", "op", "type", "stream"},
+    "Send": {"pool", "order_stream", "heading_stream"},  # a pool is the destination as written
+    "Phase": {"name"},  # the label as an identifier
+    "FieldRead": {"place", "kinds"},  # follow from the owner
+    "Kind": {"glyph"},  # also the first of its glyphs
+    "VarField": {"place", "kind"},  # where it stands
+    "Game": {"variants"},  # their titles are not in the rules
+    "Narrowed": {"value"},
+}
+
+# Tuples whose order numbers things for observations and draws, and means nothing else.
+ORDERLESS = {("Game", "kinds"), ("Game", "sights"), ("Shape", "lanes")}
+
+Path = tuple[tuple[str, int], ...]  # (field, place in its tuple or -1), outermost first
+
+
+def places(node: ir.Node, path: Path = ()) -> Iterator[tuple[Path, ir.Node]]:
+    """Yields every node of a game with the way to it."""
+    yield path, node
+    for name in type(node).model_fields:
+        value = getattr(node, name)
+        if isinstance(value, ir.Node):
+            yield from places(value, (*path, (name, -1)))
+        elif isinstance(value, tuple):
+            for i, item in enumerate(value):
+                if isinstance(item, ir.Node):
+                    yield from places(item, (*path, (name, i)))
+
+
+def replaced(node: ir.Node, path: Path, new: ir.Node) -> Any:
+    """Returns the game with another node at the end of the way."""
+    if not path:
+        return new
+    (name, place), rest = path[0], path[1:]
+    value = getattr(node, name)
+    if place < 0:
+        return node.model_copy(update={name: replaced(value, rest, new)})
+    items = (*value[:place], replaced(value[place], rest, new), *value[place + 1 :])
+    return node.model_copy(update={name: items})
+
+
+def without_origins(node: ir.Node) -> Any:
+    """Returns rules that know nothing of their text."""
+    changed: dict[str, Any] = {"origin": None}
+    for name in type(node).model_fields:
+        old = getattr(node, name)
+        if isinstance(old, ir.Node):
+            changed[name] = without_origins(old)
+        elif isinstance(old, tuple):
+            changed[name] = tuple(without_origins(o) if isinstance(o, ir.Node) else o for o in old)
+    return node.model_copy(update=changed)
+
+
+def fields_of(path: Path, node: ir.Node, game: ir.Game) -> Iterator[str]:
+    """Yields the fields of a node whose change changes the rules."""
+    silent = SILENT["*"] | SILENT.get(type(node).__name__, set())
+    for name in type(node).model_fields:
+        if name not in silent and _matters(path, node, name, game):
+            yield name
+    if isinstance(node, ir.VarField):
+        yield "type"
+
+
+def _matters(path: Path, node: ir.Node, name: str, game: ir.Game) -> bool:
+    match node, name:
+        case ir.Agents(), "relative":
+            return any(isinstance(n, ir.Move) for n in ir.walk(game))
+        case ir.Phase(), "label":
+            return path[-1][0] != "start"
+        case ir.Member(), "kinds" | "who":
+            return path[-1][0] in ("var", "on")  # elsewhere they follow from the name
+        case ir.Check(), "episodes":
+            return node.sort == "expect"
+        case _:
+            return True
+
+
+def changed_nodes(node: ir.Node, name: str, game: ir.Game) -> Iterator[ir.Node]:
+    """Yields the node with other values of one field."""
+    value = getattr(node, name)
+    if name == "type":
+        others = _other_types(value)
+    elif (type(node).__name__, name) in ORDERLESS:
+        others = iter([value[:-1]] if len(value) > 1 else [])
+    else:
+        others = _others(value, type(node).model_fields[name].annotation, name, game)
+    for other in others:
+        yield node.model_copy(update={name: other})
+
+
+def swapped_nodes(node: ir.Node) -> Iterator[ir.Node]:
+    """Yields the node with two of the nodes inside it in each other's place."""
+    names = [n for n in type(node).model_fields if isinstance(getattr(node, n), ir.Node)]
+    for i, one in enumerate(names):
+        for two in names[i + 1 :]:
+            if getattr(node, one) != getattr(node, two):
+                yield node.model_copy(update={one: getattr(node, two), two: getattr(node, one)})
+
+
+def _other_types(type_: ir.Type) -> Iterator[ir.Type]:
+    match type_.kind:
+        case "word":
+            yield type_.model_copy(update={"words": type_.words[::-1]})
+        case "int" if type_.high < 1e9:
+            yield type_.model_copy(update={"low": type_.low - 1})
+            yield type_.model_copy(update={"high": type_.high + 1})
+        case "agent":
+            yield ir.AGENTS
+
+
+def _others(value: Any, annotation: Any, name: str, game: ir.Game) -> Iterator[Any]:
+    words = [w for part in (annotation, *get_args(annotation)) if get_origin(part) is Literal for w in get_args(part)]
+    if words:
+        yield from (w for w in words if w != value)
+        return
+    match value:
+        case bool():
+            yield not value
+        case int() if name == "action":
+            yield (value + 1) % len(game.agents.actions)
+        case int() | float():
+            yield value + 1
+        case str() if value:
+            yield value + "x"
+        case ir.Node():
+            if type(None) in get_args(annotation):
+                yield None
+        case tuple() if value:
+            yield from _other_tuples(value)
+
+
+def _other_tuples(value: tuple) -> Iterator[tuple]:
+    yield value[:-1]
+    if len(value) > 1 and value[0] != value[-1]:
+        yield (value[-1], *value[1:-1], value[0])

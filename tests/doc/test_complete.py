@@ -1,0 +1,89 @@
+"""A sheet says all: every node of the IR has its English, and no part of the rules can change without the sheet changing."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+
+import pytest
+
+from sjdsl.compiler import ir
+from sjdsl.doc import Written, rule_sheet
+from sjdsl.doc.sentences import lines
+
+from .changes import SILENT, changed_nodes, fields_of, places, replaced, swapped_nodes, without_origins
+from .corpus import games, manual, small
+
+SECTIONS_THAT_REPEAT = ("Process overview: one step", "Random draws")  # what they say stands in the phases already
+LEFT_OVER = re.compile(r"\bTrue\b|\bFalse\b|\binf\b|\(\)|[a-z]  [a-z]|\w+\(.*?=|object at|\* \*|[.,:;][.,:;]|\b(?:of|the|a) *[.,:)]")
+EACH = 2  # changed nodes tried for a field of a class
+ABSTRACT = {ir.Node, ir.Expression, ir.Sentence, ir.PlaceNode, ir.TurnNode}
+
+
+def node_classes(parent: type[ir.Node] = ir.Node) -> Iterator[type[ir.Node]]:
+    for child in parent.__subclasses__():
+        yield child
+        yield from node_classes(child)
+
+
+@pytest.mark.parametrize("programs", [games, small, manual], ids=["games", "small", "manual"])
+def test_every_program_has_a_sheet(programs) -> None:
+    for name, written in programs().items():
+        text = rule_sheet(written)
+        assert text.startswith("# ") and "\n## Phases\n" in text, name
+        prose = re.sub(r"```text\n.*?```", "", text, flags=re.DOTALL)
+        found = [prose[max(0, m.start() - 40) : m.end() + 20] for m in LEFT_OVER.finditer(prose)]
+        assert not found, (name, found)
+
+
+def test_every_node_of_the_ir_is_in_some_program() -> None:
+    found = {type(node) for written in (small() | manual()).values() for node in ir.walk(written.game)}
+    assert set(node_classes()) - ABSTRACT - found == set()
+
+
+def test_a_sentence_without_english_is_an_error() -> None:
+    class Jump(ir.Sentence):
+        pass
+
+    written = small()["walking"]
+    with pytest.raises(AssertionError):
+        lines(Jump(), written.game)  # type: ignore[arg-type]
+
+
+def said(written: Written, game: ir.Game) -> str:
+    """Returns the sheet of changed rules, without the sections that say again what the phases say."""
+    changed = Written(game, written.file, written.chosen, written.variants, written.numbers)
+    try:
+        sections = rule_sheet(changed).split("\n## ")
+    except (KeyError, StopIteration, ValueError, AttributeError, IndexError, RuntimeError, AssertionError):
+        return "not even a game"  # a name that nothing has: it is read
+    return "\n## ".join(s for s in sections if not s.startswith(SECTIONS_THAT_REPEAT))
+
+
+def changes(game: ir.Game, tried: Counter[tuple[str, str]]) -> Iterator[tuple[str, str, ir.Game]]:
+    """Yields the game with one small change of its rules: (class, field, game); a few for each field of each class."""
+    for path, node in places(game):
+        sort = type(node).__name__
+        for field in fields_of(path, node, game):
+            for new in changed_nodes(node, field, game) if tried[sort, field] < EACH else ():
+                tried[sort, field] += 1
+                yield sort, field, replaced(game, path, new)
+        for new in swapped_nodes(node) if tried[sort, "two nodes"] < EACH else ():
+            tried[sort, "two nodes"] += 1
+            yield sort, "two nodes", replaced(game, path, new)
+
+
+def test_no_part_of_the_rules_changes_without_the_sheet() -> None:
+    tried: Counter[tuple[str, str]] = Counter()
+    unnoticed = []
+    for name, written in (small() | manual()).items():
+        game = without_origins(written.game)
+        before = said(written, game)
+        unnoticed += [(name, sort, field) for sort, field, changed in changes(game, tried) if said(written, changed) == before]
+    assert unnoticed == []
+    fields = {(c.__name__, f) for c in set(node_classes()) - ABSTRACT for f, info in c.model_fields.items() if not is_part(info.annotation)}
+    assert fields - set(tried) - {(c, f) for c, f in fields if f in SILENT["*"] | SILENT.get(c, set())} == set()
+
+
+def is_part(annotation: object) -> bool:
+    """Returns whether a field always holds one node: that changes where the node itself is changed."""
+    return isinstance(annotation, type) and issubclass(annotation, ir.Node)
