@@ -29,6 +29,11 @@ FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that i
 
 def parse(source: Source) -> ast.File:
     """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
+    return build_ast(read_tree(source)[1], source.name)
+
+
+def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
+    """Returns the tokens of one `.sj` text and the grammar's own tree of them. Raises CompileError with every syntax error."""
     _raise(check_text(source))
     wrong = _check_version(source)
     if wrong and wrong[0].code is errors.NEWER_LANGUAGE:
@@ -39,7 +44,7 @@ def parse(source: Source) -> ast.File:
     _raise(wrong + found.problems + (_find_errors(found, not wrong) if found.complete else []))
     tree = _tree(found.tokens)
     _raise(check_tree(tree, source))
-    return build_ast(tree, source.name)
+    return found.tokens, tree
 
 
 def _raise(problems: list[Diagnostic]) -> None:

@@ -1,0 +1,21 @@
+"""The one layout of a `.sj` text: same words and comments, other spaces and line ends; decided by the tree, written token by token."""
+
+from sjdsl.compiler.parse import read_tree
+from sjdsl.compiler.source import Source
+from sjdsl.format.gaps import read_gaps
+from sjdsl.format.layout import lay_out
+from sjdsl.format.lines import render
+from sjdsl.format.structure import read_structure
+
+
+def format_source(source: Source) -> str:
+    """Returns the text of a file as it should be laid out: at most 140 columns, ended by one line end.
+
+    A line is longer only where it holds nothing that can be broken. Formatting the result changes nothing.
+    Raises CompileError with every syntax error of the file.
+    """
+    tokens, tree = read_tree(source)
+    structure = read_structure(tokens, tree)
+    text = render(lay_out(tokens, structure, read_gaps(source.text, tokens)))
+    assert read_tree(Source(source.name, text))[0] == tokens, "formatting changed the words of the file"
+    return text
