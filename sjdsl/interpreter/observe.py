@@ -26,10 +26,14 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
         if place is None:
             continue
         here = Instance(board, world, names={"agent": agent})
-        for row in range(rows):
-            for column in range(columns):
-                cell = cell_at(place, world.heading[agent], window.ahead - row, column - window.left)
-                picture[agent, row, column] = [_value(plane, cell, agent, here) for plane in all_planes]
+        for number, plane in enumerate(all_planes):
+            if plane.what in ("own", "world"):  # the same in the whole window
+                picture[agent, :, :, number] = _shown(_sight(plane), here, 0)
+                continue
+            for row in range(rows):
+                for column in range(columns):
+                    cell = cell_at(place, world.heading[agent], window.ahead - row, column - window.left)
+                    picture[agent, row, column, number] = _value(plane, cell, agent, here)
     return picture
 
 
@@ -47,7 +51,7 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
             other = _other(cell, agent, here)
             return 0 if other is None else _shown(_sight(plane), here.binding({"other": other}), bool(plane.labels))
         case "own" | "world":
-            return _shown(_sight(plane), here, 0)
+            raise AssertionError(plane)
         case _:
             assert_never(plane.what)
 
