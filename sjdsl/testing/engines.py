@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.compiler.identifiers import attribute_name, param_attribute
@@ -24,11 +23,23 @@ CLOSE = {"rtol": 1e-6, "atol": 1e-6}
 
 @dataclass(frozen=True)
 class Compiled:
-    """A compiled game. look: state, params -> observation, allowed actions; step: as of the environment, and the allowed actions."""
+    """A compiled game. look: state, params -> observation, allowed actions; step: as of the environment, and the allowed actions.
+
+    blank: the state before the phase `start`, as NumPy arrays.
+    """
 
     env: Environment
+    blank: Any
     look: Callable[[Any, Any], Any]
     step: Callable[[Any, Any, Any, Any], Any]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Run-time numbers for the compiled game and, the same bit for bit, for the interpreter."""
+
+    compiled: Any
+    interpreted: dict[str, Any]
 
 
 def compile_quickly(env: Environment) -> Compiled:
@@ -41,7 +52,9 @@ def compile_quickly(env: Environment) -> Compiled:
         _, state, reward, done, info = env.step_env(key, state, actions, params)
         return look(state, params), state, reward, done, info
 
-    return Compiled(env, jax.jit(look, compiler_options=QUICK), jax.jit(whole_step, compiler_options=QUICK))
+    return Compiled(
+        env, jax.device_get(env.module.initial_state()), jax.jit(look, compiler_options=QUICK), jax.jit(whole_step, compiler_options=QUICK)
+    )
 
 
 def key_words(seed: int) -> tuple[int, int]:
@@ -57,12 +70,11 @@ def interpreter_params(env: Environment, params: Any) -> dict[str, Any]:
 
 @dataclass
 class Stepped:
-    """What both engines made of a step; `reward`, `events`, `metrics` as plain numbers of the compiled step."""
+    """What both engines made of a step, as plain numbers of the compiled step; seen: observation and allowed actions."""
 
     state: Any
     world: World
-    observation: np.ndarray
-    allowed: np.ndarray
+    seen: tuple[np.ndarray, np.ndarray]
     reward: list[float]
     events: dict[str, Any]
     metrics: dict[str, float]
@@ -70,12 +82,12 @@ class Stepped:
     truncated: bool
 
 
-def take_step(compiled: Compiled, state: Any, world: World, actions: Sequence[int], params: Any, seed: int) -> Stepped:
+def take_step(compiled: Compiled, state: Any, world: World, actions: Sequence[int], numbers: Numbers, seed: int) -> Stepped:
     """Takes a step on both engines with the same draws. Raises AssertionError if they come out differently."""
     env = compiled.env
     draws = Recorded(Threefry(*key_words(seed)))
-    world, outcome = step(env.game, world, actions, interpreter_params(env, params), draws)
-    seen, state, reward, _, info = compiled.step(jax.random.key(seed), state, jnp.asarray(np.asarray(actions, np.int32)), params)
+    world, outcome = step(env.game, world, actions, numbers.interpreted, draws)
+    seen, state, reward, _, info = compiled.step(jax.random.key(seed), state, np.asarray(actions, np.int32), numbers.compiled)
     differences = [*state_differences(env, state, world, seen), *outcome_differences(env, reward, info, outcome)]
     if differences and draws.near:
         raise AssertionError(f"a draw of seed {seed} falls on a computed chance, which rounding may decide either way: take another seed")
@@ -84,7 +96,7 @@ def take_step(compiled: Compiled, state: Any, world: World, actions: Sequence[in
     return Stepped(
         state,
         world,
-        *map(np.asarray, seen),
+        (np.asarray(seen[0]), np.asarray(seen[1])),
         reward=np.asarray(reward).tolist(),
         events={name: np.asarray(value).tolist() for name, value in info["events"].items()},
         metrics={name: float(value) for name, value in info["metrics"].items()},
@@ -93,11 +105,13 @@ def take_step(compiled: Compiled, state: Any, world: World, actions: Sequence[in
     )
 
 
-def compare_states(compiled: Compiled, state: Any, world: World, params: Any) -> None:
-    """Raises AssertionError if a compiled state is not a world."""
-    differences = state_differences(compiled.env, state, world, compiled.look(state, params))
+def look_at(compiled: Compiled, state: Any, world: World, params: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the observation of a state and the allowed actions. Raises AssertionError if the state is not the world."""
+    seen = compiled.look(state, params)
+    differences = state_differences(compiled.env, state, world, seen)
     if differences:
         raise AssertionError("the compiled game and the interpreter differ:\n  " + "\n  ".join(differences))
+    return np.asarray(seen[0]), np.asarray(seen[1])
 
 
 def state_differences(env: Environment, state: Any, world: World, seen: Any) -> list[str]:

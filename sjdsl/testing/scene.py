@@ -8,7 +8,7 @@ import numpy as np
 
 from sjdsl.interpreter.planes import marking
 from sjdsl.interpreter.state import HEADINGS, World
-from sjdsl.testing.engines import compare_states, take_step
+from sjdsl.testing.engines import look_at, take_step
 from sjdsl.testing.paths import by_owner, find_field, owners_of, read_field
 from sjdsl.testing.pictures import Row, compare_pictures, draw_cells, draw_picture, read_picture
 from sjdsl.testing.states import compiled_state
@@ -23,26 +23,43 @@ class Scene:
 
     Attributes:
       reward: `[N]` of the last step; events, metrics: by name, of the last step, as `info` has them; terminated, truncated: bool.
-      observation: `[N, rows, cols, planes]` uint8 tokens.
       state, params: of the compiled game; world: of the interpreter.
     """
 
     def __init__(self, stage: "Stage", world: World, params: Mapping[str, Any], seed: int):
         self.stage, self.env, self.world = stage, stage.env, world
-        self.seed, self._given, self._past = seed, dict(params), ""
-        self.params = stage.given_params(params)
-        self.state = compiled_state(stage.env, world)
-        self.observation, self.allowed = map(np.asarray, stage.compiled.look(self.state, self.params))
+        self.seed, self._past = seed, ""
+        self._set_params(params)
+        self.state = compiled_state(stage.env, stage.compiled.blank, world)
         self.reward: list[float] = []
         self.events: dict[str, Any] = {}
         self.metrics: dict[str, float] = {}
         self.terminated = self.truncated = False
 
+    @property
+    def observation(self) -> np.ndarray:
+        """What the agents see: `[N, rows, cols, planes]` uint8 tokens."""
+        return self._looked()[0]
+
+    @property
+    def allowed(self) -> np.ndarray:
+        """Which actions each agent may take: `[N, actions]` bool."""
+        return self._looked()[1]
+
+    def _looked(self) -> tuple[np.ndarray, np.ndarray]:
+        if self._seen is None:
+            self._seen = look_at(self.stage.compiled, self.state, self.world, self.params)
+        return self._seen
+
     def change(self, **params: Any) -> "Scene":
         """Sets run-time numbers for the steps that follow."""
-        self._given = merged(self._given, params)
-        self.params = self.stage.given_params(self._given)
+        self._set_params(merged(self._changed, params))
         return self
+
+    def _set_params(self, changed: Mapping[str, Any]) -> None:
+        self._seen: tuple[np.ndarray, np.ndarray] | None = None
+        self._changed, self._numbers = dict(changed), self.stage.numbers(changed)
+        self.params = self._numbers.compiled
 
     def step(self, actions: str = "", times: int = 1) -> "Scene":
         """Takes a step, or several with the same actions: the names of what agent 0, 1, … do, parted by commas; who is not named stays.
@@ -50,15 +67,17 @@ class Scene:
         Raises ValueError for an unknown action, AssertionError if the two engines differ.
         """
         __tracebackhide__ = True
-        numbers = self._numbers(actions)
+        chosen = self._chosen(actions)
         for _ in range(times):
-            stepped = take_step(self.stage.compiled, self.state, self.world, numbers, self.params, self.seed)
-            self.__dict__.update(vars(stepped))
+            stepped = take_step(self.stage.compiled, self.state, self.world, chosen, self._numbers, self.seed)
+            self.state, self.world, self._seen = stepped.state, stepped.world, stepped.seen
+            self.reward, self.events, self.metrics = stepped.reward, stepped.events, stepped.metrics
+            self.terminated, self.truncated = stepped.terminated, stepped.truncated
             self.seed += 1
             self._past += f"; {actions or 'all stay'}"
         return self
 
-    def _numbers(self, actions: str) -> list[int]:
+    def _chosen(self, actions: str) -> list[int]:
         names, agents = self.env.action_names, self.env.num_agents
         wanted = [name.strip() for name in actions.split(",")] if actions.strip() else []
         if len(wanted) > agents:
@@ -137,9 +156,8 @@ class Scene:
 
     def compare_start(self, seed: int) -> None:
         """Asserts that the compiled reset of a seed gives this scene."""
-        _, state = self.env.reset(jax.random.key(seed), self.params)
-        compare_states(self.stage.compiled, state, self.world, self.params)
-        self.state = state
+        _, self.state = self.env.reset(jax.random.key(seed), self.params)
+        self._seen = look_at(self.stage.compiled, self.state, self.world, self.params)
 
     def _rows(self) -> list[Row]:
         return draw_picture(self.stage.signs, self.stage.board, self.world)
@@ -214,7 +232,7 @@ class Scene:
         return values[name]
 
     def _allowed(self, action: str) -> list[bool]:
-        return self.allowed[:, self._numbers(action)[0]].tolist()
+        return self.allowed[:, self._chosen(action)[0]].tolist()
 
     def _marks(self, phase: str) -> set[tuple[int, int]]:
         names = {p.label: p.name for p in marking(self.env.game)}

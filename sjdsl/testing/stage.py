@@ -13,7 +13,7 @@ from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import reset
 from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.engines import Compiled, compile_quickly, interpreter_params, key_words
+from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_words
 from sjdsl.testing.paths import find_field, write_field
 from sjdsl.testing.pictures import numbered, put_picture, read_picture
 from sjdsl.testing.scene import Scene
@@ -64,11 +64,19 @@ class Stage:
     def board(self) -> Board:
         return board_of(self.env.game)
 
-    def given_params(self, params: Mapping[str, Any]) -> Any:
-        """Returns the run-time parameters with some replaced; their limits hold, but not what the game `require`s."""
-        run_time = {p.name for p in self.env.game.params}
-        fixed = {name: value for name, value in self.params.items() if name in run_time}
-        return build_params(self.env.game, self.env.module, merged(fixed, params), keep_promises=False)
+    def numbers(self, params: Mapping[str, Any]) -> Numbers:
+        """Returns the run-time numbers with some replaced; their limits hold, but not what the game `require`s."""
+        key = repr(sorted(params.items()))
+        if key not in self._numbers:
+            run_time = {p.name for p in self.env.game.params}
+            fixed = {name: value for name, value in self.params.items() if name in run_time}
+            made = build_params(self.env.game, self.env.module, merged(fixed, params), keep_promises=False)
+            self._numbers[key] = Numbers(made, interpreter_params(self.env, made))
+        return self._numbers[key]
+
+    @cached_property
+    def _numbers(self) -> dict[str, Numbers]:
+        return {}
 
     def put(
         self,
@@ -94,8 +102,8 @@ class Stage:
           params: run-time numbers by name.
         Raises ValueError: what does not fit the game.
         """
-        game, board, values = self.env.game, self.board, self.given_params(params or {})
-        world = reset(game, interpreter_params(self.env, values), Threefry(*key_words(0)))
+        game, board = self.env.game, self.board
+        world = reset(game, self.numbers(params or {}).interpreted, Threefry(*key_words(0)))
         rows, gone = read_picture(picture, self.signs), away or {}
         poses = numbered(rows, self.signs, board.agents, gone)
         put_picture(rows, poses, under or {}, self.signs, board, world)
@@ -111,7 +119,7 @@ class Stage:
 
     def start(self, seed: int = 0, params: Mapping[str, Any] | None = None) -> Scene:
         """Returns the scene an episode starts with: the phase `start`, on both engines with the same draws."""
-        given = interpreter_params(self.env, self.given_params(params or {}))
+        given = self.numbers(params or {}).interpreted
         scene = Scene(self, reset(self.env.game, given, Threefry(*key_words(seed))), params or {}, seed)
         scene.compare_start(seed)
         return scene

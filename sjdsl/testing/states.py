@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.compiler import ir
@@ -40,9 +39,12 @@ def stored_values(declared: ir.VarField, world: World) -> Any:
     return [stored(value, declared.type) for value in values]
 
 
-def compiled_state(env: Environment, world: World) -> Any:
-    """Returns the compiled state that equals a world without marks. Raises ValueError for a number too large for its field."""
-    state, (_, cols), pad = env.module.initial_state(), env.module.FRAME, env.module.PAD
+def compiled_state(env: Environment, blank: Any, world: World) -> Any:
+    """Returns the compiled state that equals a world without marks, as NumPy arrays. `blank`: any state of the game without marks.
+
+    Raises ValueError for a number too large for its field.
+    """
+    state, (_, cols), pad = blank, env.module.FRAME, env.module.PAD
     changed: dict[str, Any] = {
         "step": world.step,
         "position": [0 if p is None else (p.row + pad) * cols + p.col + pad for p in world.position],
@@ -60,7 +62,7 @@ def compiled_state(env: Environment, world: World) -> Any:
         if np.issubdtype(dtype, np.integer) and values.size and not 0 <= values.max() <= np.iinfo(dtype).max:
             raise ValueError(f"`{declared.name}` holds numbers up to {np.iinfo(dtype).max} in this game, not {values.max()}")
         changed[attribute_name(declared)] = values
-    return state.replace(**{name: jnp.asarray(np.asarray(v, getattr(state, name).dtype)) for name, v in changed.items()})
+    return state.replace(**{name: np.asarray(v, getattr(state, name).dtype) for name, v in changed.items()})
 
 
 def pool_numbers(game: ir.Game) -> dict[Pool, int]:
