@@ -4,6 +4,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members
+from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.draws import note_if_near
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -14,24 +15,29 @@ HALF = 2**31
 _COMPUTING = (ir.Arithmetic, ir.Ramp, ir.Mix, ir.Sum, ir.SumRow, ir.Local)
 
 
-def chance(sentence: ir.Chance, here: Instance) -> tuple[ir.Stmt, ...]:
-    """Returns the sentences that happen: one word for the whole chain, each branch its share of what is left."""
+def chance(sentence: ir.Chance, here: Instance) -> Drawn:
+    """Returns the branch that happens: one word for the whole chain, each branch its share of what is left."""
     assert here.draws is not None
     word = here.word(sentence.stream, here.number)
-    threshold, computed = 0, False
-    for branch in sentence.branches:
+    threshold, computed, bounds = 0, False, []
+    for number, branch in enumerate(sentence.branches):
         threshold += int(np.float32(HALF - threshold) * np.float32(evaluate(branch.test, here)))
+        bounds.append(threshold)
         computed = computed or _is_computed(branch.test)
         if computed:
             note_if_near(here.draws, sentence.stream, here.number, word, threshold)
         if word >> 1 < threshold:
-            return branch.body
-    return sentence.otherwise
+            return Drawn(sentence, here.number, word, number, tuple(bounds))
+    return Drawn(sentence, here.number, word, None, tuple(bounds))
 
 
-def draw(sentence: ir.Draw, here: Instance) -> Value:
+def draw(sentence: ir.Draw, here: Instance) -> Drawn:
     """Returns the number or word drawn."""
     word = here.word(sentence.stream, here.number)
+    return Drawn(sentence, here.number, word, _drawn(sentence, word, here))
+
+
+def _drawn(sentence: ir.Draw, word: int, here: Instance) -> Value:
     if sentence.low is not None and sentence.high is not None:
         low, high = evaluate(sentence.low, here), evaluate(sentence.high, here)
         assert 1 <= high - low + 1 <= 65535, (low, high)
@@ -59,31 +65,32 @@ def _is_computed(share: ir.Expr) -> bool:
     return any(isinstance(node, _COMPUTING) and node.type.kind == "real" for node in ir.walk(share))
 
 
-def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[Found]:
-    """Returns the members that come first in a uniformly random order."""
+def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[tuple[Found, Drawn]]:
+    """Returns all members in a uniformly random order; as many as the sentence says are picked."""
     radix = members.radix(sentence.domain, here.board)
-    ranks = {m.number: here.word(sentence.stream, here.number * radix + m.number) >> 1 for m in all_members}
-    order = sorted(all_members, key=lambda m: (-ranks[m.number], m.number))
-    return order[: max(0, evaluate(sentence.number, here))]
+    words = {m.number: here.word(sentence.stream, here.number * radix + m.number) for m in all_members}
+    order = sorted(all_members, key=lambda m: (-(words[m.number] >> 1), m.number))
+    taken = max(0, evaluate(sentence.number, here))
+    return [(m, Drawn(sentence, here.number * radix + m.number, words[m.number], i < taken)) for i, m in enumerate(order)]
 
 
-def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found]]:
-    """Returns the pairs: all possible ones in a random order, each taken if both of its members are still free."""
+def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Drawn]]:
+    """Returns all possible pairs in a random order; each is matched if both of its members are still free."""
     rights = members.everybody(sentence.right, here.board)
     pairs_in_all = members.everybody(sentence.left, here.board) * rights
-    ranked: list[tuple[int, int, Found, Found]] = []
+    ranked: list[tuple[int, int, int, Found, Found]] = []
     for left in members.found(sentence.left, here):
         for right in _partners(sentence, left, here):
             mine, theirs = (members.own_number(d, m, here.board) for d, m in ((sentence.left, left), (sentence.right, right)))
-            number = mine * rights + theirs
-            word = here.word(sentence.stream, here.number * pairs_in_all + number)
-            ranked.append((-(word >> 1), number, left, right))
+            number = here.number * pairs_in_all + mine * rights + theirs
+            word = here.word(sentence.stream, number)
+            ranked.append((-(word >> 1), number, word, left, right))
     taken: set[object] = set()
-    pairs: list[tuple[Found, Found]] = []
-    for _, _, left, right in sorted(ranked, key=lambda pair: pair[:2]):
-        if left.member not in taken and right.member not in taken:
-            taken |= {left.member, right.member}
-            pairs.append((left, right))
+    pairs: list[tuple[Found, Found, Drawn]] = []
+    for _, number, word, left, right in sorted(ranked, key=lambda pair: pair[:2]):
+        free = not taken & {left.member, right.member}
+        taken |= {left.member, right.member} if free else set()
+        pairs.append((left, right, Drawn(sentence, number, word, free)))
     return pairs
 
 

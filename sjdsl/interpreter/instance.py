@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
+from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.draws import Draws
 from sjdsl.interpreter.state import Value, World
@@ -15,7 +16,7 @@ class Instance:
 
     world: the snapshot. actions: one for each agent, after `forbid`. draws: None where nothing may be drawn.
     totals: for checks, (event, word or None) -> how often it was counted so far. known: values that are the same in
-      every instance on this state, by the identity of their expression.
+      every instance on this state, by the identity of their expression. causes: draws that led here, outermost first.
     """
 
     board: Board
@@ -26,6 +27,7 @@ class Instance:
     number: int = 0
     totals: Mapping[tuple[str, str | None], int] = field(default_factory=dict)
     known: dict[int, tuple[ir.Expr, Value]] = field(default_factory=dict)
+    causes: tuple[Drawn, ...] = ()
 
     def binding(self, names: Mapping[str, Value]) -> "Instance":
         """Returns this instance with more variables and the same number."""
@@ -40,8 +42,13 @@ class Instance:
         """Returns an instance on the same state in which only these variables exist."""
         return self._with(names, 0)
 
-    def _with(self, names: Mapping[str, Value], number: int) -> "Instance":
-        return Instance(self.board, self.world, self.actions, self.draws, names, number, self.totals, self.known)
+    def because(self, drawn: Drawn) -> "Instance":
+        """Returns this instance, which a draw has led to."""
+        return self._with(self.names, self.number, (*self.causes, drawn))
+
+    def _with(self, names: Mapping[str, Value], number: int, causes: tuple[Drawn, ...] | None = None) -> "Instance":
+        causes = self.causes if causes is None else causes
+        return Instance(self.board, self.world, self.actions, self.draws, names, number, self.totals, self.known, causes)
 
     def word(self, stream: int, number: int) -> int:
         """Returns word `number` of a stream of this step."""

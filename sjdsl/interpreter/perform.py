@@ -6,6 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter import chances, members, shapes
+from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.evaluate import agents_in, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.writes import Counted, Sending, Writes, slots
@@ -18,9 +19,12 @@ def perform(body: tuple[ir.Stmt, ...], here: Instance, writes: Writes) -> None:
             case ir.Let():
                 here = here.binding({sentence.name: evaluate(sentence.value, here)})
             case ir.Draw():
-                here = here.binding({sentence.name: chances.draw(sentence, here)})
+                drawn = _noted(chances.draw(sentence, here), writes)
+                here = here.binding({sentence.name: drawn.result}).because(drawn)
             case _:
+                before = writes.sizes()
                 _sentence(sentence, here, writes)
+                writes.tell(sentence, here, before)
 
 
 def _sentence(
@@ -38,14 +42,16 @@ def _sentence(
         case ir.First():
             _first(sentence, here, writes)
         case ir.Match():
-            for left, right in chances.matched(sentence, here):
-                pair = here.binding(right.names)
-                _inside(sentence.body, sentence.left, left, pair, writes)
+            for left, right, drawn in chances.matched(sentence, here):
+                if _noted(drawn, writes).result:
+                    _inside(sentence.body, sentence.left, left, here.binding(right.names).because(drawn), writes)
         case ir.When():
             holding = [b.body for b in sentence.branches if evaluate(b.test, here)][:1]
             perform(holding[0] if holding else sentence.otherwise, here, writes)
         case ir.Chance():
-            perform(chances.chance(sentence, here), here, writes)
+            drawn = _noted(chances.chance(sentence, here), writes)
+            body = sentence.otherwise if drawn.result is None else sentence.branches[drawn.result].body
+            perform(body, here.because(drawn), writes)
         case ir.Set():
             writes.sets += slots(sentence.target, evaluate(sentence.value, here), here)
         case ir.Add():
@@ -69,6 +75,12 @@ def _sentence(
             assert_never(sentence)
 
 
+def _noted(drawn: Drawn, writes: Writes) -> Drawn:
+    if writes.drawn is not None:
+        writes.drawn.append(drawn)
+    return drawn
+
+
 def _inside(body: tuple[ir.Stmt, ...], domain: ir.Domain, member: members.Found, here: Instance, writes: Writes) -> None:
     perform(body, here.inside(member.names, member.number, members.radix(domain, here.board)), writes)
 
@@ -77,8 +89,9 @@ def _pick(sentence: ir.Pick, here: Instance, writes: Writes) -> None:
     all_members = members.found(sentence.domain, here)
     if not all_members:
         perform(sentence.otherwise, here, writes)
-    for member in chances.picked(sentence, all_members, here):
-        _inside(sentence.body, sentence.domain, member, here, writes)
+    for member, drawn in chances.picked(sentence, all_members, here):
+        if _noted(drawn, writes).result:
+            _inside(sentence.body, sentence.domain, member, here.because(drawn), writes)
 
 
 def _first(sentence: ir.First, here: Instance, writes: Writes) -> None:

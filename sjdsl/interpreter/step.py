@@ -6,6 +6,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.draws import Draws
 from sjdsl.interpreter.evaluate import evaluate
@@ -17,20 +18,22 @@ from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
 
 
-def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws) -> World:
-    """Returns the state an episode starts from."""
+def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell | None = None) -> World:
+    """Returns the state an episode starts from. `tell` is given the account of the phase `start`."""
     board = board_of(game)
     world = declared_world(board, dict(params))
     stays = (game.agents.actions.index("stay"),) * board.agents
-    world = _phase(game.start, Instance(board, world, stays, draws), _nothing_yet(board))
+    world = _phase(game.start, Instance(board, world, stays, draws), _nothing_yet(board), tell)
     assert all(place is not None or away is not None for place, away in zip(world.position, world.away, strict=True)), (
         "an agent has no place"
     )
     return world
 
 
-def step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws) -> tuple[World, Outcome]:
-    """Returns the next state and what happened on the way. `world` is left as it was."""
+def step(
+    game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws, tell: Tell | None = None
+) -> tuple[World, Outcome]:
+    """Returns the next state and what happened on the way. `world` is left as it was. `tell` is given an account of every turn."""
     board = board_of(game)
     world = copied(world)
     world.params = dict(params)
@@ -41,9 +44,11 @@ def step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[st
         here = Instance(board, world, allowed, draws)
         match turn:
             case ir.Phase():
-                world = _phase(turn, here, outcome)
+                world = _phase(turn, here, outcome, tell)
             case ir.Tick():
                 world = _tick(here)
+                if tell is not None:
+                    tell(Account(turn, here.world, world))
             case _:
                 assert_never(turn)
     outcome.measures = {m.name: evaluate(m.value, Instance(board, world, allowed)) for m in game.measures}
@@ -80,9 +85,9 @@ def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, .
     )
 
 
-def _phase(phase: ir.Phase, here: Instance, outcome: Outcome) -> World:
+def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None) -> World:
     """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
-    writes = Writes()
+    writes = Writes() if tell is None else Writes(told=[], drawn=[])
     perform(phase.body, here, writes)
     world = copied(here.world)
     write_fields(writes, here.board, world)
@@ -100,6 +105,8 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome) -> World:
         _count(counted, here.board, outcome)
     outcome.terminated = outcome.terminated or writes.end
     _check_places(here.board, world)
+    if tell is not None:
+        tell(Account(phase, here.world, world, tuple(writes.told or ()), tuple(writes.drawn or ())))
     return world
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.evaluate import agents_in, evaluate
 from sjdsl.interpreter.instance import Instance
@@ -38,9 +39,16 @@ class Counted(NamedTuple):
     amount: int
 
 
+_LISTS = ("sets", "adds", "gives", "tallies", "sends")
+_WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.Move, ir.Mark, ir.End)
+
+
 @dataclass
 class Writes:
-    """Everything the sentences of one phase wrote. `movers`: rank of each agent of a `move`, None without one."""
+    """Everything the sentences of one phase wrote. `movers`: rank of each agent of a `move`, None without one.
+
+    told, drawn: an account of it, sentence by sentence, where one is wanted; else None.
+    """
 
     sets: list[tuple[Slot, Value]] = field(default_factory=list)
     adds: list[tuple[Slot, Value]] = field(default_factory=list)
@@ -51,6 +59,18 @@ class Writes:
     movers: dict[int, int] | None = None
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
+    told: list[Done] | None = None
+    drawn: list[Drawn] | None = None
+
+    def sizes(self) -> dict[str, int]:
+        """Returns how much was written so far, of what comes in lists; nothing where no account is wanted."""
+        return {} if self.told is None else {name: len(getattr(self, name)) for name in _LISTS}
+
+    def tell(self, sentence: ir.Stmt, here: Instance, before: dict[str, int]) -> None:
+        """Keeps what a sentence that writes (not one that has others in it) has written since `before`."""
+        if self.told is not None and isinstance(sentence, _WRITING):
+            written = {name: tuple(getattr(self, name)[size:]) for name, size in before.items() if len(getattr(self, name)) > size}
+            self.told.append(Done(sentence, here.names, here.causes, written))
 
 
 def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:
