@@ -1,6 +1,7 @@
 """Games in plain English, from their rules alone: rule sheets, and what differs between two games."""
 
+from sjdsl.doc.differences import differences
 from sjdsl.doc.sheet import rule_sheet
 from sjdsl.doc.written import Written, WrittenNumber, read_written
 
-__all__ = ["Written", "WrittenNumber", "read_written", "rule_sheet"]
+__all__ = ["Written", "WrittenNumber", "differences", "read_written", "rule_sheet"]

@@ -26,7 +26,7 @@ def entities(v: Vocabulary) -> list[str]:
     """Returns the section on entities, state and scales."""
     found = ["### Agents", "", *agents(v), "### Kinds of cell", "", *kinds(v), "### Map", "", *world_map(v.game)]
     if v.game.fields:
-        found += ["### State of the world", "", *bullets(map(_field, v.game.fields)), ""]
+        found += ["### State of the world", "", *bullets(map(field_line, v.game.fields)), ""]
     return [*found, "### Shapes", "", *shapes(v)] if v.game.shapes else found
 
 
@@ -37,7 +37,7 @@ def agents(v: Vocabulary) -> list[str]:
     place = "Each has a number (its `index`, from 0), a cell of its own (its `row` and `col`) and a `heading`: north, east, south or west."
     found = [f"{counted(who.number, 'agent')}. {place}", "", *table(("number", "action", "what it does"), rows), ""]
     if who.fields:
-        found += ["Each agent has:", "", *bullets(map(_field, who.fields)), ""]
+        found += ["Each agent has:", "", *bullets(map(field_line, who.fields)), ""]
     if who.forbids:
         found += ["When a step begins, some actions may be forbidden; an agent that chooses one stays:", "", *bullets(forbidden(v)), ""]
     return found
@@ -72,21 +72,23 @@ def kinds(v: Vocabulary) -> list[str]:
     """Returns what cells can be: their glyphs with the state that each stands for, what they stop, their fields."""
     game = v.game
     text = "".join(game.rows)
-    rows = [(code(g.glyph), g.kind, str(text.count(g.glyph)), _starts(g, game)) for g in game.glyphs]
+    rows = [(code(g.glyph), g.kind, str(text.count(g.glyph)), starts(g, game)) for g in game.glyphs]
     found = [*table(("glyph", "kind", "cells on the map", "their state at the start"), rows), ""]
     lines = [Line(f"{code(name)} means {joined(members, 'or')} cells") for name, members in game.groups]
-    lines += [line for kind in game.kinds for line in _blocks(kind, v)]
-    lines += [Line(f"each {kind.name} cell has", tuple(map(_field, kind.fields))) for kind in game.kinds if kind.fields]
+    lines += [line for kind in game.kinds for line in blocking(kind, v)]
+    lines += [Line(f"each {kind.name} cell has", tuple(map(field_line, kind.fields))) for kind in game.kinds if kind.fields]
     return [*found, *bullets(lines), *([""] if lines else [])]
 
 
-def _starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
+def starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
+    """Returns the fields that a glyph of the map stands for, each with its value at the start."""
     fields = next(k.fields for k in game.kinds if k.name == glyph.kind)
     own = dict(glyph.starts)
     return ", ".join(f"{code(f.name)} {start_text(own.get(f.name, f.start), f)}" for f in fields)
 
 
-def _blocks(kind: ir.Kind, v: Vocabulary) -> list[Line]:
+def blocking(kind: ir.Kind, v: Vocabulary) -> list[Line]:
+    """Returns what the cells of a kind stop."""
     found = []
     for block in kind.blocks:
         what = (
@@ -112,7 +114,8 @@ def world_map(game: ir.Game) -> list[str]:
     return [size, "", "```text", *game.rows, "```", ""]
 
 
-def _field(field: ir.VarField) -> Line:
+def field_line(field: ir.VarField) -> Line:
+    """Returns a field with its values and its start."""
     if field.timer:
         return Line(
             f"a timer {code(field.name)}: a number of steps, at first {start_text(field.start, field)}, which falls by 1 at every `tick`"

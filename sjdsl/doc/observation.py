@@ -11,16 +11,20 @@ from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
 
 def observation(v: Vocabulary) -> list[str]:
     """Returns the section on observation."""
-    seen = [
+    unseen = unseen_fields(v.game)
+    hidden = f"Not seen: {joined(unseen)}." if unseen else "Nothing of the state is hidden but what lies outside the window."
+    return [window(v), "", "It sees, for every cell of the window:", "", *bullets(seen(v)), "", hidden, ""]
+
+
+def seen(v: Vocabulary) -> list[Line]:
+    """Returns what is seen in each cell of the window."""
+    return [
         Line("the kind of every cell, or that it is outside the map"),
         *(_sight(s, v) for s in v.game.sights if s.what == "cell"),
         _agents(v),
         *_marks(v.game),
         *(_sight(s, v) for s in v.game.sights if s.what not in ("cell", "heading")),
     ]
-    unseen = _unseen(v.game)
-    hidden = f"Not seen: {joined(unseen)}." if unseen else "Nothing of the state is hidden but what lies outside the window."
-    return [window(v), "", "It sees, for every cell of the window:", "", *bullets(seen), "", hidden, ""]
 
 
 def window(v: Vocabulary) -> str:
@@ -70,7 +74,7 @@ def _labels(labels: tuple[ir.Label, ...], v: Vocabulary) -> str:
     return "; ".join(code(x.name) + (f" if {condition(x.condition, v)}" if x.condition is not None else " otherwise") for x in labels)
 
 
-def _unseen(game: ir.Game) -> list[str]:
+def unseen_fields(game: ir.Game) -> list[str]:
     """Returns the fields that no sight shows."""
     shown = {(s.what, s.kind, s.field) for s in game.sights}
     return [text for key, text in _fields(game) if key not in shown]

@@ -132,7 +132,11 @@ def _add(s: ir.Add, v: Vocabulary) -> str:
     if s.target.type.kind == "agents":
         return f"{value(s.value, v)} joins {target}"
     field = v.field(_read(s.target))
-    limits = f" (which stays within {number(field.type.low)} to {number(field.type.high)})" if field.capped else ""
+    limits = ""
+    if field.capped:
+        limits = (
+            f" (which stays within {number(field.type.low)} to {number(field.type.high)})" if v.values else " (which stays in its range)"
+        )
     if s.value.type.by:
         return f"each entry of {operand(s.value, v)} is added to the same entry of {target}{limits}"
     if isinstance(s.value, ir.Number) and s.value.value < 0:

@@ -19,11 +19,20 @@ def shapes(v: Vocabulary) -> list[str]:
 
 
 def _shape(shape: ir.Shape, v: Vocabulary) -> list[str]:
-    cells = [cell for lane in shape.lanes for cell in lane]
-    parts = [f"**{code(shape.name)}**, {counted(len(set(cells)), 'cell')}. {_direction(shape)} {_blocking(shape, v)}".rstrip(), ""]
-    if _columns(shape) and max(a for a, _ in cells) - min(a for a, _ in cells) < TALLEST:
-        return [*parts, "```text", *picture(shape), "```", ""]
-    return [*parts, *(f"- {lane}" for lane in lanes(shape)), ""]
+    size, direction, *rows = shape_lines(shape)
+    drawn = ["```text", *rows, "```"] if _is_drawn(shape) else [f"- {row}" for row in rows]
+    return [f"**{code(shape.name)}**, {size} {direction} {_blocking(shape, v)}".rstrip(), "", *drawn, ""]
+
+
+def shape_lines(shape: ir.Shape) -> list[str]:
+    """Returns the size of a shape, its direction, and the rows of its picture or its lanes."""
+    cells = {cell for lane in shape.lanes for cell in lane}
+    return [f"{counted(len(cells), 'cell')}.", _direction(shape), *(picture(shape) if _is_drawn(shape) else lanes(shape))]
+
+
+def _is_drawn(shape: ir.Shape) -> bool:
+    steps = [a for lane in shape.lanes for a, _ in lane]
+    return _columns(shape) and max(steps) - min(steps) < TALLEST
 
 
 def _direction(shape: ir.Shape) -> str:

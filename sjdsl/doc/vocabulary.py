@@ -9,10 +9,15 @@ from sjdsl.doc.wording import article, code, joined, variable
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """A game with its names; `defined`: the defines that are explained in one place, so that their name is enough elsewhere."""
+    """A game with its names.
+
+    defined: the defines that are explained in one place, so that their name is enough elsewhere; values: whether sentences
+    repeat the defaults of parameters and the ranges of fields.
+    """
 
     game: ir.Game
     defined: frozenset[str] = field(default=frozenset())
+    values: bool = True
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:
@@ -47,11 +52,12 @@ class Vocabulary:
 
     @cached_property
     def numbers(self) -> dict[str, ir.Param]:
-        return {param.name: param for param in self.game.params}
+        """The parameters whose default a sentence may show."""
+        return {param.name: param for param in self.game.params} if self.values else {}
 
     def kinds(self, kinds: tuple[str, ...]) -> str:
         """Returns `soil`; `river` for the kinds of a group; `soil or sand`."""
-        return self.groups.get(kinds) or joined(kinds, "or")
+        return kinds[0] if len(kinds) == 1 else self.groups.get(kinds) or joined(kinds, "or")
 
     def noun(self, member: ir.Member) -> str:
         """Returns `agent` or `soil cell`."""

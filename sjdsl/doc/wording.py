@@ -4,10 +4,12 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 from sjdsl.compiler.print_ir import number_text
 
+SMALLEST = 1e-9  # what is smaller is written with an exponent
 WIDEST = 220  # characters of a sentence that still takes the sentence inside it onto its own line
 
 
@@ -48,7 +50,9 @@ def codes(names: Iterable[str], word: str = "and") -> str:
 
 def number(value: float) -> str:
     """Returns a number as short as it can be read back; endless ones in words."""
-    return "any number" if math.isinf(value) else number_text(value)
+    if math.isinf(value):
+        return "any number"
+    return format(Decimal(number_text(value)), "f") if abs(value) >= SMALLEST else number_text(value)
 
 
 def counted(value: float, noun: str) -> str:

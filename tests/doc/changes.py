@@ -1,5 +1,6 @@
 """Small changes of a game's rules, one node and one field at a time: what a sheet must show."""
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any, Literal, get_args, get_origin
 
@@ -15,10 +16,13 @@ SILENT = {
     "VarField": {"place", "kind"},  # where it stands
     "Game": {"variants"},  # their titles are not in the rules
     "Narrowed": {"value"},
+    "Shape": {"see_through"},  # a shape without a direction is
 }
 
 # Tuples whose order numbers things for observations and draws, and means nothing else.
-ORDERLESS = {("Game", "kinds"), ("Game", "sights"), ("Shape", "lanes")}
+ORDERLESS = {("Game", "kinds"), ("Game", "glyphs"), ("Game", "about"), ("Game", "sights"), ("Shape", "lanes")}
+
+EACH = 2  # changed nodes tried for a field of a class
 
 Path = tuple[tuple[str, int], ...]  # (field, place in its tuple or -1), outermost first
 
@@ -142,3 +146,16 @@ def _other_tuples(value: tuple) -> Iterator[tuple]:
     yield value[:-1]
     if len(value) > 1 and value[0] != value[-1]:
         yield (value[-1], *value[1:-1], value[0])
+
+
+def small_changes(game: ir.Game, tried: Counter[tuple[str, str]]) -> Iterator[tuple[str, str, ir.Game]]:
+    """Yields the game with one small change of its rules: (class, field, game); a few for each field of each class."""
+    for path, node in places(game):
+        sort = type(node).__name__
+        for field in fields_of(path, node, game):
+            for new in changed_nodes(node, field, game) if tried[sort, field] < EACH else ():
+                tried[sort, field] += 1
+                yield sort, field, replaced(game, path, new)
+        for new in swapped_nodes(node) if tried[sort, "two nodes"] < EACH else ():
+            tried[sort, "two nodes"] += 1
+            yield sort, "two nodes", replaced(game, path, new)

@@ -10,12 +10,11 @@ from sjdsl.compiler import ir
 from sjdsl.doc import Written, rule_sheet
 from sjdsl.doc.sentences import lines
 
-from .changes import SILENT, changed_nodes, fields_of, places, replaced, swapped_nodes, without_origins
+from .changes import SILENT, small_changes, without_origins
 from .corpus import games, manual, small
 
 SECTIONS_THAT_REPEAT = ("Process overview: one step", "Random draws")  # what they say stands in the phases already
 LEFT_OVER = re.compile(r"\bTrue\b|\bFalse\b|\binf\b|\(\)|[a-z]  [a-z]|\w+\(.*?=|object at|\* \*|[.,:;][.,:;]|\b(?:of|the|a) *[.,:)]")
-EACH = 2  # changed nodes tried for a field of a class
 ABSTRACT = {ir.Node, ir.Expression, ir.Sentence, ir.PlaceNode, ir.TurnNode}
 
 
@@ -59,26 +58,13 @@ def said(written: Written, game: ir.Game) -> str:
     return "\n## ".join(s for s in sections if not s.startswith(SECTIONS_THAT_REPEAT))
 
 
-def changes(game: ir.Game, tried: Counter[tuple[str, str]]) -> Iterator[tuple[str, str, ir.Game]]:
-    """Yields the game with one small change of its rules: (class, field, game); a few for each field of each class."""
-    for path, node in places(game):
-        sort = type(node).__name__
-        for field in fields_of(path, node, game):
-            for new in changed_nodes(node, field, game) if tried[sort, field] < EACH else ():
-                tried[sort, field] += 1
-                yield sort, field, replaced(game, path, new)
-        for new in swapped_nodes(node) if tried[sort, "two nodes"] < EACH else ():
-            tried[sort, "two nodes"] += 1
-            yield sort, "two nodes", replaced(game, path, new)
-
-
 def test_no_part_of_the_rules_changes_without_the_sheet() -> None:
     tried: Counter[tuple[str, str]] = Counter()
     unnoticed = []
     for name, written in (small() | manual()).items():
         game = without_origins(written.game)
         before = said(written, game)
-        unnoticed += [(name, sort, field) for sort, field, changed in changes(game, tried) if said(written, changed) == before]
+        unnoticed += [(name, sort, field) for sort, field, changed in small_changes(game, tried) if said(written, changed) == before]
     assert unnoticed == []
     fields = {(c.__name__, f) for c in set(node_classes()) - ABSTRACT for f, info in c.model_fields.items() if not is_part(info.annotation)}
     assert fields - set(tried) - {(c, f) for c, f in fields if f in SILENT["*"] | SILENT.get(c, set())} == set()

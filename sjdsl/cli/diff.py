@@ -1,0 +1,45 @@
+"""`sjdsl diff`: what differs between two variants of a game, or between two games."""
+
+import json
+
+import click
+
+from sjdsl.cli.game_file import open_game, split_variants
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.source import Source
+from sjdsl.doc import Written, differences, read_written
+from sjdsl.doc.report import as_json, report
+
+DEFAULT = "default"
+
+
+@click.command("diff")
+@click.argument("games", nargs=-1, required=True, metavar="GAME [OTHER]")
+@click.option("--variants", nargs=2, metavar="A B", help="The variants to compare; `default` is the game without one.")
+@click.option("--json", "in_json", is_flag=True, help="Print the differences as JSON.")
+def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: bool) -> int:
+    """Says in words and numbers what differs between two variants of GAME, or between GAME and OTHER.
+
+    A game is a `.sj` file or the name of a bundled one. What is said in other words, or stands elsewhere in the file, is no
+    difference.
+    """
+    if len(games) > 2 or (len(games) == 1 and variants is None):
+        raise click.UsageError("name two games, or one game and two variants (--variants A B)", click.get_current_context())
+    sources = [open_game(name) for name in (games[0], games[-1])]
+    old, new = (read_variant(source, name) for source, name in zip(sources, variants or (DEFAULT, DEFAULT), strict=True))
+    found = differences(old, new)
+    click.echo(json.dumps(as_json(old, new, found), indent=2, ensure_ascii=False) if in_json else report(old, new, found), nl=in_json)
+    return 0
+
+
+def read_variant(source: Source, name: str) -> Written:
+    """Returns a game in a variant (`a+b`: in both). Raises ClickException for one it does not have, CompileError for mistakes."""
+    chosen = () if name == DEFAULT else split_variants(name)
+    plain = read_written(source)
+    known = [variant for variant, _ in plain.variants]
+    for part in chosen:
+        if part not in known:
+            near = nearest(part, [*known, DEFAULT])
+            meant = f"; did you mean `{near}`?" if near else ""
+            raise click.ClickException(f"`{plain.file}` has no variant `{part}`{meant} (it has {', '.join([DEFAULT, *known])})")
+    return read_written(source, chosen) if chosen else plain

@@ -1,0 +1,83 @@
+"""One change between two games, and how lists of lines and tables by name are compared."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from typing import Any
+
+from sjdsl.doc.wording import Line, bullets
+
+Marked = tuple[str, str]  # `-`, `+` or a blank, and a line
+
+
+@dataclass(frozen=True)
+class Change:
+    """One thing that differs.
+
+    old, new: its values, None where there is none; shown: how they read, without it as they are; lines: for texts the lines
+    that are gone and those that are new, with the lines they stand under.
+    """
+
+    what: str
+    old: Any = None
+    new: Any = None
+    shown: tuple[str, str] = ("", "")
+    unit: str = ""
+    lines: tuple[Marked, ...] = ()
+
+
+@dataclass(frozen=True)
+class Section:
+    """The changes in one part of the rules."""
+
+    title: str
+    changes: tuple[Change, ...]
+
+
+def by_name(old: Mapping[str, Any], new: Mapping[str, Any], unit: str = "") -> list[Change]:
+    """Returns what is added, removed and different, in the order of the old names, then the new ones."""
+    names = [*old, *(name for name in new if name not in old)]
+    return [Change(name, old.get(name), new.get(name), unit=unit) for name in names if old.get(name) != new.get(name)]
+
+
+def texts(what: str, old: Sequence[Line] | Sequence[str], new: Sequence[Line] | Sequence[str]) -> list[Change]:
+    """Returns at most one change: the lines that differ between two texts."""
+    before, after = (_written(lines) for lines in (old, new))
+    if before == after:
+        return []
+    return [Change(what, list(before), list(after), lines=tuple(_with_parents(_merged(before, after))))]
+
+
+def _written(lines: Sequence[Line] | Sequence[str]) -> list[str]:
+    """Returns texts as they are, and sentences as the lines of a list without its signs."""
+    return [text for line in lines for text in ([line] if isinstance(line, str) else (b.replace("- ", "", 1) for b in bullets([line])))]
+
+
+def _merged(old: Sequence[str], new: Sequence[str]) -> list[Marked]:
+    """Returns both texts as one, lines of the old marked `-`, of the new `+`, of both with a blank."""
+    found: list[Marked] = []
+    for sort, i, j, k, m in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        if sort == "equal":
+            found += [(" ", line) for line in old[i:j]]
+        else:
+            found += [("-", line) for line in old[i:j]] + [("+", line) for line in new[k:m]]
+    return found
+
+
+def _with_parents(merged: Sequence[Marked]) -> list[Marked]:
+    """Returns the marked lines and, of the others, those that a marked line stands under."""
+    kept: set[int] = set()
+    for place, (sign, line) in enumerate(merged):
+        if sign == " ":
+            continue
+        kept.add(place)
+        depth = _depth(line)
+        for above in range(place - 1, -1, -1):
+            if merged[above][0] == " " and _depth(merged[above][1]) < depth:
+                kept.add(above)
+                depth = _depth(merged[above][1])
+    return [merged[place] for place in sorted(kept)]
+
+
+def _depth(line: str) -> int:
+    return len(line) - len(line.lstrip(" "))

@@ -1,0 +1,156 @@
+"""What differs between two games, or two variants of one: in numbers where there are numbers, else in sentences."""
+
+from collections import Counter
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.doc.changes import Change, Section, by_name, texts
+from sjdsl.doc.defines import explained, vocabulary
+from sjdsl.doc.entities import blocking, field_line, forbidden, starts
+from sjdsl.doc.numbers import limits_of, unit_of
+from sjdsl.doc.observation import seen, unseen_fields
+from sjdsl.doc.order import schedule_changes
+from sjdsl.doc.promises import episode, event_line, measure_line, promise_line
+from sjdsl.doc.sentences import block, tick_lines
+from sjdsl.doc.shapes import shape_lines
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import Line, table_value
+from sjdsl.doc.written import Written
+
+FRAMES = {True: "relative to the heading", False: "by the compass"}
+
+
+def differences(old: Written, new: Written) -> tuple[Section, ...]:
+    """Returns the parts of the rules in which two games differ; nothing if they are the same game in other words or places."""
+    a, b = (vocabulary(w.game, values=False) for w in (old, new))
+    sections = (
+        ("Description", _description(old.game, new.game)),
+        ("Numbers", _numbers(old, new)),
+        ("Map", _map(old.game, new.game)),
+        ("Agents", _agents(a, b)),
+        ("Kinds of cell", _kinds(a, b)),
+        ("Shapes", _shapes(a, b)),
+        ("State of the world", _lines("fields", a.game.fields, b.game.fields)),
+        ("Names", texts("names", explained(a), explained(b))),
+        ("Initialisation", texts("start", block(a.game.start.body, a), block(b.game.start.body, b))),
+        ("Schedule", schedule_changes(a.game, b.game)),
+        ("Phases", _phases(a, b)),
+        ("Observation", _observation(a, b)),
+        ("Episode", texts("episode", episode(a), episode(b))),
+        ("Metrics", texts("metrics", _metrics(a), _metrics(b))),
+        ("Promises", texts("promises", [promise_line(c, a) for c in a.game.checks], [promise_line(c, b) for c in b.game.checks])),
+    )
+    return tuple(Section(title, tuple(changes)) for title, changes in sections if changes)
+
+
+def _description(old: ir.Game, new: ir.Game) -> list[Change]:
+    about = [{"name": g.name, "title": g.title, **dict(g.about)} for g in (old, new)]
+    cites = [{f"source {i}": text for i, text in enumerate(g.cites, 1)} for g in (old, new)]
+    return [*by_name(*about), *by_name(*cites)]
+
+
+def _numbers(old: Written, new: Written) -> list[Change]:
+    """Returns numbers with another default, entry by entry; other units, limits, and whether they are fixed when compiled."""
+    mine, theirs = ({n.name: n for n in (*w.game.sizes, *w.game.params)} for w in (old, new))
+    found: list[Change] = []
+    for name in [*mine, *(n for n in theirs if n not in mine)]:
+        a, b = mine.get(name), theirs.get(name)
+        if a is None or b is None:
+            (one, w) = (a, old) if b is None else (b, new)
+            shown = f"{table_value(one.value, one.type.by)} (may be {limits_of(one, w)})"
+            found.append(_only(name, one.value, shown, unit_of(one), gone=b is None))
+            continue
+        found += by_name(_entries(name, a), _entries(name, b), unit_of(b))
+        facts = [{f"{name}, {key}": text for key, text in _facts(n, w).items()} for n, w in ((a, old), (b, new))]
+        found += by_name(*facts)
+    return found
+
+
+def _only(what: str, value: Any, shown: str, unit: str, gone: bool) -> Change:
+    return Change(what, old=value, shown=(shown, ""), unit=unit) if gone else Change(what, new=value, shown=("", shown), unit=unit)
+
+
+def _facts(declared: ir.Size | ir.Param, w: Written) -> dict[str, str]:
+    when = "before compiling" if isinstance(declared, ir.Size) else "at any time"
+    return {"unit": unit_of(declared), "may be": limits_of(declared, w), "can be changed": when}
+
+
+def _entries(name: str, declared: ir.Size | ir.Param) -> dict[str, Any]:
+    """Returns a number by its name, the entries of a table each by its own: `spores[red][green]`."""
+    return dict(_flat(name, declared.value, declared.type.by))
+
+
+def _flat(name: str, value: Any, by: tuple[tuple[str, ...], ...]) -> list[tuple[str, Any]]:
+    if not by:
+        return [(name, value)]
+    return [pair for word, v in zip(by[0], value, strict=True) for pair in _flat(f"{name}[{word}]", v, by[1:])]
+
+
+def _map(old: ir.Game, new: ir.Game) -> list[Change]:
+    sizes = [f"{len(g.rows)} rows of {len(g.rows[0])} cells" for g in (old, new)]
+    cells = [_cells(g) for g in (old, new)]
+    found = by_name(*({"size": size} for size in sizes))
+    found += by_name(*({f"{what} cells": count for what, count in Counter(kind for row in rows for kind in row).items()} for rows in cells))
+    if sizes[0] == sizes[1]:
+        same = sum(a == b for rows in zip(*cells, strict=True) for a, b in zip(*rows, strict=True))
+        found += by_name(*({"cells of the same kind and state": n} for n in (sum(map(len, cells[0])), same)))
+    return found
+
+
+def _cells(game: ir.Game) -> list[list[str]]:
+    """Returns what stands in each cell of the map: its kind with the state at the start."""
+    meaning = {g.glyph: " ".join([g.kind, *([f"({starts(g, game)})"] if starts(g, game) else [])]) for g in game.glyphs}
+    return [[meaning[glyph] for glyph in row] for row in game.rows]
+
+
+def _agents(a: Vocabulary, b: Vocabulary) -> list[Change]:
+    old, new = a.game.agents, b.game.agents
+    found = by_name({"number of agents": old.number}, {"number of agents": new.number})
+    numbers = [{f"action {name}": i for i, name in enumerate(g.actions)} for g in (old, new)]
+    found += by_name(*numbers)
+    if any(v.has(ir.Move) for v in (a, b)):
+        found += by_name({"moves": FRAMES[old.relative]}, {"moves": FRAMES[new.relative]})
+    found += _lines("fields", old.fields, new.fields)
+    return found + texts("forbidden actions", forbidden(a), forbidden(b))
+
+
+def _lines(what: str, old: tuple[ir.VarField, ...], new: tuple[ir.VarField, ...]) -> list[Change]:
+    return texts(what, list(map(field_line, old)), list(map(field_line, new)))
+
+
+def _kinds(a: Vocabulary, b: Vocabulary) -> list[Change]:
+    old, new = ({k.name: k for k in v.game.kinds} for v in (a, b))
+    found: list[Change] = by_name(*({f"kind {name}": f"glyph {k.glyph}" for name, k in kinds.items()} for kinds in (old, new)))
+    for name in [*old, *(n for n in new if n not in old)]:
+        lines = [[*blocking(k[name], v), *map(field_line, k[name].fields)] if name in k else [] for k, v in ((old, a), (new, b))]
+        found += texts(name, *lines)
+    glyphs = [{f"glyph {g.glyph}": f"{g.kind} {starts(g, v.game)}".strip() for g in v.game.glyphs} for v in (a, b)]
+    groups = [{f"group {name}": ", ".join(kinds) for name, kinds in v.game.groups} for v in (a, b)]
+    return [*found, *by_name(*glyphs), *by_name(*groups)]
+
+
+def _shapes(a: Vocabulary, b: Vocabulary) -> list[Change]:
+    old, new = ({s.name: shape_lines(s) for s in v.game.shapes} for v in (a, b))
+    names = [*old, *(n for n in new if n not in old)]
+    return [change for name in names for change in texts(name, old.get(name, []), new.get(name, []))]
+
+
+def _phases(a: Vocabulary, b: Vocabulary) -> list[Change]:
+    """Returns the phases whose sentences differ; one that only one of the games has differs in all of them."""
+    old, new = ({t.label if isinstance(t, ir.Phase) else "tick": _turn(t, v) for t in v.game.schedule} for v in (a, b))
+    names = [*old, *(n for n in new if n not in old)]
+    return [change for name in names for change in texts(name, old.get(name, ()), new.get(name, ()))]
+
+
+def _turn(turn: ir.Turn, v: Vocabulary) -> tuple[Line, ...]:
+    return block(turn.body, v) if isinstance(turn, ir.Phase) else tuple(tick_lines(v))
+
+
+def _observation(a: Vocabulary, b: Vocabulary) -> list[Change]:
+    sides = [{f"window {side}": getattr(v.game.window, side) for side in ("ahead", "behind", "left", "right")} for v in (a, b)]
+    unseen = [[Line(text) for text in unseen_fields(v.game)] for v in (a, b)]
+    return [*by_name(*sides, unit="cells"), *texts("seen", seen(a), seen(b)), *texts("not seen", *unseen)]
+
+
+def _metrics(v: Vocabulary) -> list[Line]:
+    return [*map(event_line, v.game.events), *(measure_line(m, v) for m in v.game.measures)]
