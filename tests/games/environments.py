@@ -16,9 +16,13 @@ NINE = (*FIVE, "coop_mining", "gift_refinement", "mushrooms", "pd_arena")
 Cell = tuple[int, int]
 
 
-@cache
 def environment(game: str, variant: str | None = None, agents: int | None = None) -> Environment:
     """Returns a bundled game, as it is unless a variant or a number of agents is named."""
+    return _environment(game, variant, agents)
+
+
+@cache
+def _environment(game: str, variant: str | None, agents: int | None) -> Environment:
     return make(game, variant=variant, num_agents=agents)
 
 

@@ -1,5 +1,6 @@
 """The chances of Clean Up, counted: growth at each measure of dirt, new dirt and where, homes, contested cells."""
 
+from functools import cache
 from typing import Any
 
 import jax
@@ -15,9 +16,9 @@ STAYS = [6] * 7
 SAND = [(9, c) for c in range(4, 8)] + [(8, c) for c in range(4, 7)]  # where nothing happens
 
 
-def state_with(dirty: int | np.ndarray, places: Any = SAND, headings: Any = (0,) * 7, step: int = 0) -> Any:
+def state_with(dirty: int | np.ndarray, places: Any = SAND, headings: Any = (0,) * 7, step: int = 0, variant: str | None = None) -> Any:
     """Returns a state with the first so many cells of water dirty, or those of a mask."""
-    env = environment("clean_up")
+    env = environment("clean_up", variant)
     _, state = env.reset(jax.random.key(0))
     mask = np.arange(WATER) < dirty if isinstance(dirty, int) else dirty
     return state.replace(
@@ -28,10 +29,10 @@ def state_with(dirty: int | np.ndarray, places: Any = SAND, headings: Any = (0,)
     )
 
 
-@pytest.fixture(scope="module")
-def counted() -> Any:
+@cache
+def counter(variant: str | None) -> Any:
     """Counts, over many steps from one state: cells grown, cells newly dirty, both at once, and where agents 0 to 2 are and look."""
-    env = environment("clean_up")
+    env = environment("clean_up", variant)
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
     def look(before: Any, after: Any, _: Any) -> Any:
@@ -52,15 +53,25 @@ def counted() -> Any:
     return many(env, look)
 
 
+@pytest.fixture(scope="module")
+def counted() -> Any:
+    return counter(None)
+
+
 # dirty cells -> growth of each orchard cell in a step, rounds. 0.05 (1 - f / 0.4), f of 167. Source: the released code's figures
 GROWTH = [(0, 0.05, 1), (33, 0.0253, 2), (66, 5.988e-4, 12), (67, 0, 12), (79, 0, 2), (100, 0, 2), (147, 0, 2)]
+# f of 147. Source: Melting Pot's figures
+WITHOUT_CHANNEL = [(0, 0.05, 1), (29, 0.02534, 2), (58, 6.803e-4, 12), (59, 0, 12), (79, 0, 2)]
 
 
-@pytest.mark.parametrize(("dirty", "chance", "rounds"), GROWTH)
-def test_growth_falls_with_dirt(counted: Any, dirty: int, chance: float, rounds: int) -> None:
-    env = environment("clean_up")
-    grown = counted(dirty, state_with(dirty), STAYS, env.params, rounds)["grown"]
-    exact = 0.05 * max(0.0, 1 - dirty / RIVER / 0.4)
+@pytest.mark.parametrize(
+    ("variant", "dirty", "chance", "rounds"), [(None, *row) for row in GROWTH] + [("meltingpot", *row) for row in WITHOUT_CHANNEL]
+)
+def test_growth_falls_with_dirt(variant: str | None, dirty: int, chance: float, rounds: int) -> None:
+    """In Melting Pot the cells of the channel do not count."""
+    env = environment("clean_up", variant)
+    grown = counter(variant)(dirty, state_with(dirty, variant=variant), STAYS, env.params, rounds)["grown"]
+    exact = 0.05 * max(0.0, 1 - dirty / (WATER if variant else RIVER) / 0.4)
     assert chance == pytest.approx(exact, rel=2e-3)
     if chance == 0:
         assert grown.sum() == 0
@@ -121,6 +132,22 @@ def test_home_is_every_free_gate_alike(counted: Any) -> None:
     assert (len(homes), homes.sum()) == (17, 16 * BATCH)
     assert_uniform(homes, 0.1)
     assert_uniform(seen["heading"][1], 0.04)
+
+
+def test_who_was_away_comes_to_every_free_gate_alike() -> None:
+    """As in Melting Pot, some time after the hit: on two of the 19 gates stand others."""
+    env = environment("clean_up", "meltingpot")
+    gates = cells_of(env, "gate")
+    places = [(11, 17), (11, 16), (6, 3), (12, 1), (12, 2), (12, 3), (12, 4)]
+    state = state_with(0, places, [3, 0, 0, 0, 0, 0, 0], variant="meltingpot")
+    _, state, *_ = env.step_env(jax.random.key(0), state, jnp.array([7, *STAYS[1:]]))
+    assert state.away.tolist() == [0, 50, 0, 0, 0, 0, 0]
+    state = state.replace(away=jnp.minimum(state.away, 1))
+    seen = counter("meltingpot")(6, state, STAYS, env.params, 12)
+    homes = seen["place"][1, frame_cells(env, [gate for gate in gates if gate not in places])]
+    assert (len(homes), homes.sum()) == (17, 12 * BATCH)
+    assert_uniform(homes, 0.12)
+    assert_uniform(seen["heading"][1], 0.05)
 
 
 def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:

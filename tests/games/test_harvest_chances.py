@@ -1,5 +1,6 @@
 """The chances of Harvest, counted: growth for each number of apples near, homes, headings, contested cells."""
 
+from functools import cache
 from typing import Any
 
 import jax
@@ -14,19 +15,20 @@ GAME = "harvest_open"
 SOUTH = [(15, c) for c in range(7)]  # where nothing happens
 # chance of growth with so many apples near. Source: the paper's and the released code's figures
 GROWTH = {0: 0, 1: 0.001, 2: 0.005, **dict.fromkeys(range(3, 13), 0.025)}
+BESIDE_ONE = {None: GROWTH[1], "meltingpot": 0.0025}  # Source of the second: Melting Pot, the open field
 
 
-def state_with(places: list[tuple[int, int]], headings: list[int] | None = None, fruit: Any = None) -> Any:
-    env = environment(GAME)
+def state_with(places: list[tuple[int, int]], headings: list[int] | None = None, fruit: Any = None, variant: str | None = None) -> Any:
+    env = environment(GAME, variant)
     _, state = env.reset(jax.random.key(0))
     changed = {} if fruit is None else {"soil_fruit": jnp.asarray(fruit, jnp.uint8)}
     return state.replace(position=jnp.asarray(frame_cells(env, places)), heading=jnp.array(headings or [0] * 7, jnp.int32), **changed)
 
 
-@pytest.fixture(scope="module")
-def counted() -> Any:
+@cache
+def counter(variant: str | None) -> Any:
     """Counts, over many steps from one state: cells grown, pairs of cells grown together, and where agents 0 and 1 are and look."""
-    env = environment(GAME)
+    env = environment(GAME, variant)
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
     def look(before: Any, after: Any, _: Any) -> Any:
@@ -41,27 +43,33 @@ def counted() -> Any:
     return many(env, look)
 
 
+@pytest.fixture(scope="module")
+def counted() -> Any:
+    return counter(None)
+
+
 def near(cells: list[tuple[int, int]], fruit: np.ndarray) -> np.ndarray:
     """Returns for each cell how many of those within a distance of 2 bear an apple, by looking at all of them."""
     return np.array([sum(int(f) for (r, c), f in zip(cells, fruit, strict=True) if 0 < (r - a) ** 2 + (c - b) ** 2 <= 4) for a, b in cells])
 
 
-def test_growth_for_each_number_of_apples_near(counted: Any) -> None:
+@pytest.mark.parametrize("variant", [None, "meltingpot"])
+def test_growth_for_each_number_of_apples_near(variant: str | None) -> None:
     """Random patches, most of them bare so that one apple near is the common case; told to 6, 6 and 2 parts in a hundred."""
-    env = environment(GAME)
+    env = environment(GAME, variant)
     cells = cells_of(env, "soil")
     random = np.random.default_rng(1)
     trials, hits = np.zeros(13), np.zeros(13)
     for seed in range(10):
         fruit = random.random(64) < (0.15 if seed < 8 else 0.5)
         number = near(cells, fruit)
-        grown = counted(seed, state_with(SOUTH, fruit=fruit), [6] * 7, env.params, 15)["grown"]
+        grown = counter(variant)(seed, state_with(SOUTH, fruit=fruit, variant=variant), [6] * 7, env.params, 15)["grown"]
         assert not grown[fruit].any()
         np.add.at(trials, number[~fruit], 15 * BATCH)
         np.add.at(hits, number[~fruit], grown[~fruit])
     assert hits[0] == 0
     assert trials[0] > 1e6
-    assert_share(hits[1], trials[1], GROWTH[1], 0.06)
+    assert_share(hits[1], trials[1], BESIDE_ONE[variant], 0.06)
     assert_share(hits[2], trials[2], GROWTH[2], 0.06)
     assert_share(hits[3:].sum(), trials[3:].sum(), GROWTH[3], 0.03)
     for n in range(3, 7):
@@ -111,6 +119,26 @@ def test_home_is_every_free_gate_alike(counted: Any) -> None:
     assert_uniform(homes, 0.15)
     assert_uniform(seen["heading"][1], 0.03)
     assert seen["heading"][0].tolist() == [0, 30 * BATCH, 0, 0]
+
+
+def test_who_was_away_comes_to_every_free_gate_alike() -> None:
+    """As in Melting Pot, two who were hit come back in one step: each to any gate without an agent, no two to one, looking any way."""
+    env = environment(GAME, "meltingpot")
+    places = [(10, 5), (9, 5), (10, 6), (13, 5), (15, 10), (0, 10), (0, 11)]
+    state = state_with(places, [0, 0, 0, 0, 0, 0, 0], variant="meltingpot")
+    _, state, *_ = env.step_env(jax.random.key(0), state, jnp.array([7, 6, 6, 6, 6, 6, 6]))
+    state = state.replace(heading=state.heading.at[0].set(1), agent_cooling=jnp.zeros_like(state.agent_cooling))
+    _, state, *_ = env.step_env(jax.random.key(1), state, jnp.array([7, 6, 6, 6, 6, 6, 6]))
+    assert (state.away > 0).tolist() == [False, True, True, False, False, False, False]
+    state = state.replace(away=jnp.minimum(state.away, 1))
+    seen = counter("meltingpot")(9, state, [6] * 7, env.params, 30)
+    free = [gate for gate in cells_of(env, "gate") if gate not in places]
+    assert len(free) == 58
+    for agent in (1, 2):
+        homes = seen["place"][agent, frame_cells(env, free)]
+        assert homes.sum() == 30 * BATCH
+        assert_uniform(homes, 0.15)
+    assert_uniform(seen["heading"][1], 0.03)
 
 
 def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:

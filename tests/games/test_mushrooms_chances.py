@@ -28,7 +28,7 @@ TRIALS_OF_THREE = {RED: (3, 0, 0, 0), GREEN: (3, 3, 0, 0), BLUE: (3, 3, 3, 0), O
 
 
 @cache
-def counter(variant: str | None = None) -> Any:
+def counter(variant: str | None) -> Any:
     """Counts, over many steps from one state: how many of each kind came, all at once and by cell, and how agents 0 to 2 stand."""
     env = environment(GAME, variant)
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
@@ -90,7 +90,7 @@ def test_meals_of_one_step_add_up() -> None:
     env = environment(GAME)
     for kinds in ([RED, BLUE], [GREEN, ORANGE]):
         state, actions = before_meals(kinds)
-        seen = counter()(sum(kinds), state, actions, env.params, 4)
+        seen = counter(None)(sum(kinds), state, actions, env.params, 4)
         assert_grown(seen, np.sum([TRIALS[kind] for kind in kinds], axis=0).tolist(), 0.03)
 
 
@@ -119,11 +119,11 @@ def test_none_grows_while_more_than_five_exist() -> None:
     for kind in (RED, GREEN, BLUE):
         fewer = full.copy()
         fewer[np.flatnonzero(full == kind)[-1]] = 0
-        seen = counter()(kind, state.replace(ground_grows=jnp.asarray(fewer)), actions, env.params, 4)
+        seen = counter(None)(kind, state.replace(ground_grows=jnp.asarray(fewer)), actions, env.params, 4)
         assert_grown(seen, [2 * (kind == grown) for grown in KINDS[:3]] + [0], 0.03)
     state, actions = before_meals([ORANGE])
     oranges = np.where(np.isin(np.arange(FLOOR), plain[20:60]), ORANGE, np.array(state.ground_grows))
-    seen = counter()(9, state.replace(ground_grows=jnp.asarray(oranges)), actions, env.params, 1)
+    seen = counter(None)(9, state.replace(ground_grows=jnp.asarray(oranges)), actions, env.params, 1)
     assert seen["orange"].tolist() == [0, BATCH, 0, 0, 0, 0, 0, 0]
 
 
@@ -137,7 +137,7 @@ def test_every_floor_cell_is_a_site() -> None:
     grows = np.array(state.ground_grows)
     grows[bare] = 0
     sure = env.params.replace(regrow=jnp.ones(4))
-    seen = counter()(4, state.replace(ground_grows=jnp.asarray(grows)), actions, sure, 12)
+    seen = counter(None)(4, state.replace(ground_grows=jnp.asarray(grows)), actions, sure, 12)
     under = [cells.index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
     free = [i for i in range(FLOOR) if grows[i] == 0 and i not in under]
     assert bare in free
@@ -154,7 +154,7 @@ def test_where_tells_nothing_of_whether() -> None:
     """With trials that may fail: the first half of the sites gets its part of what grows."""
     env = environment(GAME)
     state, actions = before_meals([BLUE])
-    seen = counter()(5, state, actions, env.params, 6)
+    seen = counter(None)(5, state, actions, env.params, 6)
     under = [cells_of(env, "ground").index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
     free = [i for i in range(FLOOR) if state.ground_grows[i] == 0 and i not in under]
     for kind in range(3):
@@ -166,7 +166,7 @@ def test_home_is_every_free_bare_cell_alike() -> None:
     env = environment(GAME)
     places = [(6, 1), (6, 2), (6, 3), (11, 21), (11, 22)]
     state = placed(env, places, [1, 0, 2, 0, 0])
-    seen = counter()(6, state, [ZAP, STAY, STAY, STAY, STAY], env.params, 16)
+    seen = counter(None)(6, state, [ZAP, STAY, STAY, STAY, STAY], env.params, 16)
     bare = [c for c, grows in zip(cells_of(env, "ground"), state.ground_grows, strict=True) if grows == 0 and c not in places]
     assert len(bare) == 261
     assert not seen["new"].any()
@@ -183,6 +183,6 @@ def test_a_contested_cell_goes_to_each_alike() -> None:
     env = environment(GAME)
     state = placed(env, [(6, 1), (7, 2), (6, 3), (11, 21), (11, 22)], [1, 0, 3, 0, 0])
     for number in (3, 2):
-        won = counter()(7, state, [FORWARD] * number + [STAY] * (5 - number), env.params, 6)["place"][:, frame_cells(env, (6, 2))]
+        won = counter(None)(7, state, [FORWARD] * number + [STAY] * (5 - number), env.params, 6)["place"][:, frame_cells(env, (6, 2))]
         assert won.sum() == 6 * BATCH
         assert_uniform(won[:number], 0.06)

@@ -19,7 +19,7 @@ COOP, DEFECT, EMPTY = (1, 0), (0, 1), (0, 0)
 
 
 @cache
-def counter(variant: str | None = None) -> Any:
+def counter(variant: str | None) -> Any:
     """Counts, over many steps from one state: patches grown, and how long agents rest, where they stand and look, what they earn.
 
     `halves`: are the rests of agents 0 and 1 among the longer ones, are they in the southern half, as four bits.
@@ -68,7 +68,7 @@ def meeting(*places: tuple[int, int], headings: tuple[int, ...], bags: Any = COO
 def test_growth() -> None:
     """A tenth of the bare patches in a step: each alike, neighbours in the numbering independent. Source: the released code."""
     env = environment(GAME)
-    seen = counter()(0, placed(env, gates()[:16:5], patch_stock=np.zeros(12)), [STAY] * 4, env.params, 8)
+    seen = counter(None)(0, placed(env, gates()[:16:5], patch_stock=np.zeros(12)), [STAY] * 4, env.params, 8)
     assert seen["grown"].shape == (12,)
     for site in range(12):
         assert_share(seen["grown"][site], 8 * BATCH, 0.1, 0.12)
@@ -81,7 +81,7 @@ def test_patches_in_stock_or_under_agents_have_no_chance() -> None:
     env = environment(GAME)
     patches, under = cells_of(env, "patch"), [0, 3, 7, 11]
     state = placed(env, [patches[i] for i in under], patch_stock=np.isin(np.arange(12), [1, 8]))
-    seen = counter()(1, state, [STAY] * 4, env.params.replace(regrow=jnp.float32(1)), 1)
+    seen = counter(None)(1, state, [STAY] * 4, env.params.replace(regrow=jnp.float32(1)), 1)
     assert seen["grown"].tolist() == [0 if i in (*under, 1, 8) else BATCH for i in range(12)]
 
 
@@ -89,7 +89,7 @@ def test_both_rest_each_for_its_own_time() -> None:
     """10 to 100 steps, each as often, and the one's time tells nothing of the other's; others do not rest."""
     env = environment(GAME)
     state = meeting(MIDDLE, EAST, headings=(1, 0))
-    seen = counter()(2, state, [INTERACT, STAY, STAY, STAY], env.params, 16)
+    seen = counter(None)(2, state, [INTERACT, STAY, STAY, STAY], env.params, 16)
     steps = 16 * BATCH
     assert seen["resting"][0b0011] == steps
     for agent in (0, 1):
@@ -107,7 +107,7 @@ def test_both_come_to_free_gates() -> None:
     """Each of the 62, each way; where tells nothing of the way, of where the other goes, or of how long it rests."""
     env = environment(GAME)
     state = meeting(MIDDLE, EAST, headings=(1, 0))
-    seen = counter()(3, state, [INTERACT, STAY, STAY, STAY], env.params, 16)
+    seen = counter(None)(3, state, [INTERACT, STAY, STAY, STAY], env.params, 16)
     free = [gate for gate in gates() if gate not in gates()[:16:5][2:]]
     assert len(free) == 62
     for agent in (0, 1):
@@ -126,7 +126,7 @@ def test_a_contested_partner_meets_each_alike() -> None:
     """Agents 0 and 2 turn to agent 1: it meets one of them, and nothing happens to the other."""
     env = environment(GAME)
     state = meeting(WEST, MIDDLE, EAST, headings=(1, 0, 3))
-    seen = counter()(4, state, [INTERACT, STAY, INTERACT, STAY], env.params, 6)
+    seen = counter(None)(4, state, [INTERACT, STAY, INTERACT, STAY], env.params, 6)
     pairs = seen["resting"][[0b0011, 0b0110]]
     assert pairs.sum() == 6 * BATCH
     assert_uniform(pairs, 0.05)
@@ -138,7 +138,7 @@ def test_of_a_chain_of_four_the_middle_pair_meets_in_a_third() -> None:
     """Three pairs in random order, each taken if both are still free: the middle one only if it comes first."""
     env = environment(GAME)
     state = meeting(WEST, MIDDLE, EAST, (6, 12), headings=(1, 1, 1, 1))
-    seen = counter()(5, state, [INTERACT, INTERACT, INTERACT, STAY], env.params, 6)
+    seen = counter(None)(5, state, [INTERACT, INTERACT, INTERACT, STAY], env.params, 6)
     assert seen["resting"][[0b0110, 0b1111]].sum() == 6 * BATCH
     assert_share(seen["resting"][0b0110], 6 * BATCH, 1 / 3, 0.06)
 
@@ -147,7 +147,7 @@ def test_of_a_round_of_four_either_two_pairs_meet() -> None:
     """0 turns to 1, 1 to 2, 2 to 3, 3 to 0, and 1 alone defects: it meets 0 or 2, each in half of the steps."""
     env = environment(GAME)
     state = meeting(MIDDLE, EAST, (7, 11), SOUTH, headings=(1, 2, 3, 0), bags=[COOP, DEFECT, COOP, COOP])
-    seen = counter()(6, state, [INTERACT] * 4, env.params, 6)
+    seen = counter(None)(6, state, [INTERACT] * 4, env.params, 6)
     assert seen["resting"][0b1111] == 6 * BATCH
     assert seen["suckers"].sum() == 6 * BATCH
     assert_uniform(seen["suckers"][[0, 2]], 0.05)
@@ -158,7 +158,7 @@ def test_a_contested_cell_goes_to_each_alike() -> None:
     env = environment(GAME)
     state = meeting(WEST, SOUTH, EAST, headings=(1, 0, 3))
     for number in (3, 2):
-        seen = counter()(7, state, [FORWARD] * number + [STAY] * (4 - number), env.params, 6)
+        seen = counter(None)(7, state, [FORWARD] * number + [STAY] * (4 - number), env.params, 6)
         won = seen["place"][:, frame_cells(env, MIDDLE)]
         assert won.sum() == 6 * BATCH
         assert_uniform(won[:number], 0.06)
