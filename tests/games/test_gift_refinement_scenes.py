@@ -1,0 +1,303 @@
+"""Gift Refinement, scene by scene: tokens found, given, refined and consumed."""
+
+import itertools
+from typing import Any
+
+import pytest
+
+from sjdsl.testing import Scene, Stage
+
+from .frames import check_moves
+
+ROWS = ("TTTTTTTT", "TTTTTTTT", "TT#TTTTT", "TTTTTTTT", "PPPPPPPP")
+EMPTY = "TTTTTTTT"
+LOOKS = {"r": "ground token=raw"}
+DEFAULT = Stage("gift_refinement", ROWS, 5, looks=LOOKS)
+RELEASED = Stage("gift_refinement", ROWS, 5, variant="socialjax", looks=LOOKS)
+BOTH = pytest.mark.parametrize("stage", [DEFAULT, RELEASED], ids=["default", "socialjax"])
+FAR = Stage("gift_refinement", ROWS, 5, variant="meltingpot", looks=LOOKS)
+LEVELS = ("raw", "cut", "fine")
+Bag = tuple[int, int, int]
+
+
+def put(
+    stage: Stage, *picture: str, bags: dict[int, Bag] | None = None, seed: int = 0, step: int = 0, spawn: float = 0, **facts: Any
+) -> Scene:
+    """Returns a scene in which no token comes by itself; `bags`: raw, cut and fine tokens by agent."""
+    fields = {"agent.bag": {agent: dict(zip(LEVELS, bag, strict=True)) for agent, bag in (bags or {}).items()}}
+    return stage.put(*picture, seed=seed, step=step, params={"spawn": spawn}, fields=fields, **facts)
+
+
+def in_line(stage: Stage, line: str, **facts: Any) -> Scene:
+    """Returns a scene with agents in row 1, numbered from the left; the others are out of the way."""
+    others = 5 - sum(sign in "^>v<" for sign in line)
+    told = "".join(map(str, range(5 - others)))
+    return put(stage, EMPTY, f"{line}  {told}", *ROWS[2:-1], "v" * others + ROWS[-1][others:], **facts)
+
+
+def bags(scene: Scene, *agents: int) -> list[Bag]:
+    """Returns what agents hold: raw, cut, fine."""
+    return [tuple(scene.value("agent.bag")[agent].values()) for agent in agents]
+
+
+# Giving
+
+# what the giver holds -> what it holds after one gift, what the receiver has of it
+GIFTS = [
+    ((2, 0, 0), (1, 0, 0), (0, 3, 0)),
+    ((1, 0, 0), (0, 0, 0), (0, 3, 0)),
+    ((1, 2, 3), (0, 2, 3), (0, 3, 0)),
+    ((0, 2, 3), (0, 1, 3), (0, 0, 3)),
+    ((0, 0, 3), (0, 0, 2), (0, 0, 1)),
+    ((15, 15, 15), (14, 15, 15), (0, 3, 0)),
+    ((0, 0, 0), (0, 0, 0), (0, 0, 0)),
+]
+
+
+@BOTH
+@pytest.mark.parametrize(("before", "after", "arrives"), GIFTS)
+def test_the_lowest_level_is_given_and_refined(stage: Stage, before: Bag, after: Bag, arrives: Bag) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: before}).step("gift")
+    assert bags(scene, 0, 1) == [after, arrives]
+    scene.has({"reward": 0, "event given": [int(before != after), 0, 0, 0, 0]})
+    for level, number in zip(LEVELS, arrives, strict=True):
+        scene.has({f"event received[{level}]": [0, number, 0, 0, 0]})
+    scene.has({"metric refined_held": sum(after[1:]) + sum(arrives[1:]), "agent.post": {n: dict.fromkeys(LEVELS, 0) for n in range(5)}})
+
+
+@BOTH
+@pytest.mark.parametrize(("giver", "receiver"), list(itertools.product("^>v<", repeat=2)))
+def test_the_receiver_may_face_anywhere(stage: Stage, giver: str, receiver: str) -> None:
+    row, column = {"^": (0, 4), ">": (1, 5), "v": (2, 4), "<": (1, 3)}[giver]
+    rows = [list(line) for line in ROWS]
+    rows[1][4], rows[row][column] = giver, receiver
+    told = {1: "0", row: "1"} if row != 1 else {1: "01" if column > 4 else "10"}
+    picture = [f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows)]
+    scene = put(stage, *picture[:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
+
+
+@BOTH
+@pytest.mark.parametrize("action", ["turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "consume"])
+def test_no_other_action_gives(stage: Stage, action: str) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (2, 0, 0)}).step(action)
+    assert bags(scene, 0, 1) == [(0 if action == "consume" else 2, 0, 0), (0, 0, 0)]
+    scene.has({"event given": 0, "event received[cut]": 0})
+
+
+@BOTH
+@pytest.mark.parametrize("line", ["TT>T>TTT", ">TTTTTT>", "T<>TTTTT", "TT<TTTTT"])
+def test_without_a_neighbour_ahead_nothing_is_given(stage: Stage, line: str) -> None:
+    giver = 1 if line == "T<>TTTTT" else 0
+    scene = in_line(stage, line, bags={giver: (2, 1, 1)}).step("stay, gift" if giver else "gift")
+    assert bags(scene, giver) == [(2, 1, 1)]
+    scene.has({"event given": 0})
+    assert put(stage, "TTT^TTTT  0", *ROWS[1:-1], "vvvvPPPP", bags={0: (2, 1, 1)}).step("gift").value("event given") == [0] * 5
+
+
+@BOTH
+def test_the_neighbour_diagonally_ahead_gets_nothing(stage: Stage) -> None:
+    scene = put(stage, "TTTT>TTT  1", "TTT>TTTT  0", *ROWS[2:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    assert bags(scene, 0, 1) == [(2, 0, 0), (0, 0, 0)]
+
+
+# what the receiver holds of level cut -> what it holds after a gift of one raw token, what is counted as received
+ROOM = [(11, 14, 3), (12, 15, 3), (13, 15, 2), (14, 15, 1), (15, 15, 0)]
+
+
+@BOTH
+@pytest.mark.parametrize(("before", "after", "received"), ROOM)
+def test_what_does_not_fit_is_lost_and_nothing_is_given_to_a_full_bag(stage: Stage, before: int, after: int, received: int) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (15, before, 15)}).step("gift")
+    assert bags(scene, 0, 1) == [(int(received == 0), 0, 0), (15, after, 15)]
+    scene.has({"event received[cut]": [0, received, 0, 0, 0], "event given": [int(received > 0), 0, 0, 0, 0]})
+
+
+@BOTH
+def test_only_the_level_that_would_arrive_needs_room(stage: Stage) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (0, 1, 0), 1: (15, 15, 14)}).step("gift")
+    assert bags(scene, 0, 1) == [(0, 0, 0), (15, 15, 15)]
+    scene = in_line(stage, "TT>>TTTT", bags={0: (0, 0, 1), 1: (15, 14, 15)}).step("gift")
+    assert bags(scene, 0, 1) == [(0, 0, 1), (15, 14, 15)]
+
+
+@BOTH
+@pytest.mark.parametrize("givers", [2, 3, 4])
+def test_several_givers_add_up(stage: Stage, givers: int) -> None:
+    """Around agent 4: each pays one token."""
+    picture = ("TTTTTvTT  0", "TTTT>^<T  142", "TT#TT^TT  3", *ROWS[3:])
+    actions = ", ".join(["gift"] * givers)
+    scene = put(stage, *picture, bags=dict.fromkeys(range(4), (2, 0, 0))).step(actions)
+    assert bags(scene, *range(5)) == [(1, 0, 0)] * givers + [(2, 0, 0)] * (4 - givers) + [(0, 3 * givers, 0)]
+    scene.has({"event given": [int(agent < givers) for agent in range(5)], "event received[cut]": {4: 3 * givers}})
+    mixed = put(stage, *picture, bags={0: (1, 0, 0), 1: (0, 1, 0), 2: (0, 0, 1)}).step("gift, gift, gift")
+    assert bags(mixed, *range(5)) == [(0, 0, 0)] * 4 + [(0, 3, 4)]
+
+
+@BOTH
+def test_room_is_judged_before_all_gifts(stage: Stage) -> None:
+    """There is room for one token, so both givers pay; what is too much is lost."""
+    picture = ("TTTTTvTT  0", "TTTT>^<T  142", "TT#TT^TT  3", *ROWS[3:])
+    scene = put(stage, *picture, bags={0: (1, 0, 0), 1: (1, 0, 0), 4: (0, 14, 0)}).step("gift, gift")
+    assert bags(scene, 0, 1, 4) == [(0, 0, 0), (0, 0, 0), (0, 15, 0)]
+    scene.has({"event given": [1, 1, 0, 0, 0], "event received[cut]": {4: 1}})
+    # agent 1 is full when gifts are judged, though it gives one away in this step
+    scene = in_line(stage, "TT>>>TTT", bags={0: (0, 1, 0), 1: (0, 0, 15)}).step("gift, gift")
+    assert bags(scene, 0, 1, 2) == [(0, 1, 0), (0, 0, 14), (0, 0, 1)]
+
+
+@BOTH
+def test_gifts_of_a_step_do_not_see_each_other(stage: Stage) -> None:
+    """In a chain each gives what it had; two who face each other exchange; a ring works too."""
+    scene = in_line(stage, "TT>>>TTT", bags={0: (1, 0, 0), 1: (1, 0, 0)}).step("gift, gift")
+    assert bags(scene, 0, 1, 2) == [(0, 0, 0), (0, 3, 0), (0, 3, 0)]
+    scene = in_line(stage, "TT>>>TTT", bags={0: (1, 0, 0)}).step("gift, gift")
+    assert bags(scene, 0, 1, 2) == [(0, 0, 0), (0, 3, 0), (0, 0, 0)]
+    scene.step("stay, gift")
+    assert bags(scene, 0, 1, 2) == [(0, 0, 0), (0, 2, 0), (0, 0, 3)]
+    scene = in_line(stage, "TT><TTTT", bags={0: (1, 0, 0), 1: (0, 1, 0)}).step("gift, gift")
+    assert bags(scene, 0, 1) == [(0, 0, 3), (0, 3, 0)]
+    ring = put(stage, "TTT>vTTT  01", "TTT^<TTT  32", *ROWS[2:-1], "vPPPPPPP", bags=dict.fromkeys(range(4), (1, 0, 0)))
+    assert bags(ring.step("gift, gift, gift, gift"), *range(4)) == [(0, 3, 0)] * 4
+
+
+@BOTH
+def test_gifts_come_after_moves(stage: Stage) -> None:
+    """Agent 1 walks in front of the giver, or away from it; all face north, so that both frames agree."""
+    scene = put(stage, "TTTTTTTT", "TTT^TTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift, forward")
+    assert bags(scene, 0, 1) == [(2, 0, 0), (0, 0, 0)]
+    scene = put(stage, "TTTTTTTT", "TT^TTTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift, step_right")
+    assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
+
+
+# Melting Pot's reach of five cells
+
+
+@pytest.mark.parametrize(("line", "received"), [(">TTTT>TT", 5), (">TTTTT>T", 0), ("><TTTTTT", 5)])
+def test_with_more_reach_gifts_go_further(line: str, received: int) -> None:
+    scene = in_line(FAR, line, bags={0: (2, 0, 0)}).step("gift").has({"event received[cut]": {1: received}})
+    assert bags(scene, 0) == [(2 - received // 5, 0, 0)]
+
+
+def test_the_first_agent_on_the_ray_receives() -> None:
+    scene = in_line(FAR, ">TT<T<TT", bags={0: (2, 0, 0)}).step("gift")
+    assert bags(scene, 0, 1, 2) == [(1, 0, 0), (0, 5, 0), (0, 0, 0)]
+    scene = in_line(FAR, ">TT<T<TT", bags={0: (2, 0, 0), 1: (0, 15, 0)}).step("gift")
+    assert bags(scene, 0, 1, 2) == [(2, 0, 0), (0, 15, 0), (0, 0, 0)]
+
+
+def test_walls_stop_the_ray() -> None:
+    scene = put(FAR, "TTTTTTTT", "TTTTTTTT", "T>#<TTTT  01", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    scene.has({"event given": 0, "event received[cut]": 0})
+    assert scene.value("marks offer") == {(2, 2)}
+
+
+# Consuming
+
+
+@BOTH
+@pytest.mark.parametrize(("bag", "reward"), [((3, 4, 5), 12), ((1, 0, 0), 1), ((0, 0, 15), 15), ((0, 0, 0), 0)])
+def test_consuming_pays_one_for_each_token(stage: Stage, bag: Bag, reward: float) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: bag, 1: (1, 1, 1)}).step("consume")
+    scene.has({"reward": [reward, 0, 0, 0, 0], "event consumed": [reward, 0, 0, 0, 0]})
+    assert bags(scene, 0, 1) == [(0, 0, 0), (1, 1, 1)]
+    scene.step("consume").has({"reward": 0})
+
+
+@pytest.mark.parametrize(("stage", "reward", "left"), [(DEFAULT, 2, (0, 3, 0)), (RELEASED, 5, (0, 0, 0))], ids=["default", "socialjax"])
+def test_a_gift_that_meets_consumption(stage: Stage, reward: float, left: Bag) -> None:
+    """Consumption first: what arrives stays. Gifts first: it is consumed, too."""
+    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (1, 1, 0)}).step("gift, consume")
+    scene.has({"reward": [0, reward, 0, 0, 0], "event received[cut]": {1: 3}})
+    assert bags(scene, 0, 1) == [(0, 0, 0), left]
+
+
+@pytest.mark.parametrize(("stage", "giver", "left"), [(DEFAULT, 0, (0, 3, 0)), (RELEASED, 1, (0, 0, 0))], ids=["default", "socialjax"])
+def test_consumption_makes_room_only_if_it_comes_first(stage: Stage, giver: int, left: Bag) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("gift, consume").has({"reward": [0, 15, 0, 0, 0]})
+    assert bags(scene, 0, 1) == [(giver, 0, 0), left]
+
+
+@BOTH
+def test_the_last_step_pays(stage: Stage) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (3, 0, 0), 1: (0, 2, 0)}, step=998).step("consume").has({"truncated": False})
+    scene.step("stay, consume").has({"reward": [0, 2, 0, 0, 0], "steps": 1000, "truncated": True, "terminated": False})
+
+
+# Tokens on the ground
+
+
+@BOTH
+def test_a_token_is_picked_up_by_walking_onto_it(stage: Stage) -> None:
+    scene = put(stage, "TTTTrTTT", "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP").step("forward")
+    scene.shows("TTTT^TTT  0", *ROWS[1:-1], "vvvvPPPP", under={0: "T"}).has({"reward": 0})
+    assert bags(scene, 0) == [(1, 0, 0)]
+
+
+@BOTH
+@pytest.mark.parametrize(("before", "after"), [(13, 14), (14, 15), (15, 15)])
+def test_with_a_full_bag_the_token_is_lost(stage: Stage, before: int, after: int) -> None:
+    scene = put(stage, "TTTTrTTT", "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP", bags={0: (before, 15, 15)}).step("forward")
+    scene.shows("TTTT^TTT  0", *ROWS[1:-1], "vvvvPPPP", under={0: "T"})
+    assert bags(scene, 0) == [(after, 15, 15)]
+
+
+@BOTH
+def test_a_token_that_two_want_goes_to_one(stage: Stage) -> None:
+    scene = put(stage, "TTT^rTTT  0", "TTTT^TTT  1", *ROWS[2:-1], "vvvPPPPP").step("step_right, forward")
+    assert sorted(bags(scene, 0, 1)) == [(0, 0, 0), (1, 0, 0)]
+    assert bags(scene, 0) == [(int(scene.places()[0] == (0, 4)), 0, 0)]
+
+
+@BOTH
+def test_tokens_come_on_bare_ground_where_nobody_stands(stage: Stage) -> None:
+    """With certainty: not in camps, not in walls, not under agents; and what comes can be picked up in the same step."""
+    scene = put(stage, *ROWS[:1], "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP", spawn=1).step()
+    scene.shows("rrrrrrrr", "rrrr^rrr", "rr#rrrrr", "rrrrrrrr", "vvvvPPPP", under={0: "T"})
+    scene = put(stage, *ROWS[:1], "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP", spawn=1).step("forward")
+    scene.shows("rrrr^rrr", "rrrrTrrr", "rr#rrrrr", "rrrrrrrr", "vvvvPPPP", under={0: "T"})
+    assert bags(scene, 0) == [(1, 0, 0)]
+
+
+# Moves, starts, numbers, what is seen
+
+
+@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+def test_moves(stage: Stage, compass: bool) -> None:
+    check_moves(stage, ("TTTTTTTT", "TTTT^TTT", *ROWS[2:-1], "vvvvPPPP"), compass)
+
+
+def test_numbers() -> None:
+    """Source: SocialJax, appendix B of the paper; the reach of the released code."""
+    for stage in (DEFAULT, RELEASED):
+        params = stage.env.params
+        assert (float(params.spawn), float(params.worth), int(params.length)) == pytest.approx((0.0002, 1, 1000))
+        assert params.yields.tolist() == [3, 3, 1]
+        assert {size.name: size.value for size in stage.env.game.sizes} == {"players": 5, "reach": 1, "cap": 15}
+    assert Stage("gift_refinement").env.num_agents == 5
+
+
+def test_an_episode_starts_in_the_camps_with_empty_bags() -> None:
+    for seed in range(5):
+        scene = DEFAULT.start(seed).has({"agent.row": 4, "ground.token": "none", "steps": 0})
+        assert len(set(scene.places())) == 5
+        assert bags(scene, *range(5)) == [(0, 0, 0)] * 5
+
+
+def test_what_is_seen() -> None:
+    """Tokens on the ground and one's own bag, not that of others; in the released rules no bag at all."""
+    scene = put(DEFAULT, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={0: (1, 2, 3), 1: (4, 5, 6)})
+    assert [scene.seen(0, "content", ahead=n) for n in (2, 1, 0)] == ["outside", "ground token=raw", "ground token=none"]
+    assert [scene.seen(0, f"agent.bag[{level}]") for level in LEVELS] == [1, 2, 3]
+    assert [scene.seen(1, f"agent.bag[{level}]") for level in LEVELS] == [4, 5, 6]
+    assert scene.seen(1, "agent", ahead=1) == "other same heading"
+    assert {plane.name for plane in RELEASED.env.token_planes} == {"content", "agent", "marks"}
+
+
+@BOTH
+def test_the_ray_is_seen_in_one_observation(stage: Stage) -> None:
+    """Also of one who has nothing to give."""
+    scene = put(stage, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={1: (1, 0, 0)}).step("gift, gift")
+    assert scene.value("marks offer") == {(0, 4), (1, 4)}
+    assert [scene.seen(1, "marks", ahead=n) for n in (0, 1, 2, 3)] == ["", "offer", "offer", ""]
+    assert scene.step().value("marks offer") == set()

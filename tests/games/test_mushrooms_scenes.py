@@ -1,0 +1,336 @@
+"""Mushrooms, scene by scene: who is paid for a meal, how long one digests, what grows after it, whom a beam sends off."""
+
+import itertools
+from typing import Any
+
+import pytest
+
+from sjdsl.testing import Scene, Stage
+
+from .frames import check_moves
+
+ROWS = ("R.......", "........", "........", "........", "........", "........")
+EMPTY = "........"
+DEFAULT = Stage("mushrooms", ROWS, 5)
+RELEASED = Stage("mushrooms", ROWS, 5, variant="socialjax")
+STAGES = [DEFAULT, RELEASED]
+BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
+KINDS = ("red", "green", "blue", "orange")
+SIGNS = dict(zip(KINDS, "RGBO", strict=True))
+CERTAIN, NEVER = dict.fromkeys(KINDS, 1), dict.fromkeys(KINDS, 0)
+BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}  # (ahead, right)
+AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
+
+
+def put(stage: Stage, *picture: str, regrow: dict[str, float] = NEVER, seed: int = 0, step: int = 0, **facts: Any) -> Scene:
+    """Returns a scene in which nothing grows unless `regrow` says so; facts: `fields` and numbers of the game."""
+    fields = facts.pop("fields", {})
+    return stage.put(*picture, seed=seed, step=step, fields=fields, params={"regrow": regrow, **facts})
+
+
+def meal(stage: Stage, *signs: str, **facts: Any) -> Scene:
+    """Returns a scene in which agents 0, 1, … have a mushroom each before them, to the north."""
+    above, below = "".join(signs).ljust(8, "."), ("^" * len(signs)).ljust(8, ".")
+    others = ("v" * (5 - len(signs))).rjust(8, ".")
+    return put(stage, EMPTY, EMPTY, above, below + "  " + "01234"[: len(signs)], EMPTY, others, **facts)
+
+
+def eat(number: int = 1) -> str:
+    return ", ".join(["forward"] * number)
+
+
+def grown(scene: Scene) -> dict[str, int]:
+    """Returns how many mushrooms there are, kind by kind."""
+    return {kind: scene.value("ground.grows").count(kind) for kind in KINDS}
+
+
+def counts(red: int = 0, green: int = 0, blue: int = 0, orange: int = 0) -> dict[str, int]:
+    return {"red": red, "green": green, "blue": blue, "orange": orange}
+
+
+# What a meal pays. Five agents: green 2 / 5 for each, blue 3 / 4 for each other, orange -0.2 for each
+PAYMENTS = [
+    ("R", [1, 0, 0, 0, 0]),
+    ("G", [0.4, 0.4, 0.4, 0.4, 0.4]),
+    ("B", [0, 0.75, 0.75, 0.75, 0.75]),
+    ("O", [-0.2, -0.2, -0.2, -0.2, -0.2]),
+    ("GBOR", [0.95, 0.2, 0.95, 1.95, 0.95]),
+    ("BBR", [0.75, 0.75, 2.5, 1.5, 1.5]),
+]
+
+
+@BOTH
+@pytest.mark.parametrize(("eaten", "reward"), PAYMENTS)
+def test_payments(stage: Stage, eaten: str, reward: list[float]) -> None:
+    scene = meal(stage, *eaten).step(eat(len(eaten))).has({"reward": reward, "ground.grows": "none", "event hits": 0})
+    for kind, sign in SIGNS.items():
+        scene.has({f"event eaten[{kind}]": [int(agent < len(eaten) and eaten[agent] == sign) for agent in range(5)]})
+    scene.step().has({"reward": 0})
+
+
+@pytest.mark.parametrize(("agents", "green", "blue"), [(2, 1, 3), (3, 2 / 3, 1.5), (5, 0.4, 0.75), (20, 0.1, 3 / 19)])
+def test_what_is_shared_is_split(agents: int, green: float, blue: float) -> None:
+    """The prices themselves, by the number of agents: red 1, green 2 and blue 3 in all, orange -0.2 for each."""
+    for stage in (Stage("mushrooms", agents=agents), Stage("mushrooms", agents=agents, variant="socialjax")):
+        params = stage.env.params
+        assert params.eater.tolist() == [1, 0, 0, 0]
+        assert params.everyone.tolist() == pytest.approx([0, green, 0, -0.2])
+        assert params.others.tolist() == pytest.approx([0, 0, blue, 0])
+
+
+@BOTH
+def test_a_mushroom_that_two_want_goes_to_one(stage: Stage) -> None:
+    for seed in range(4):
+        scene = put(stage, EMPTY, EMPTY, "..^R....  0", "...^....  1", EMPTY, ".....vvv", seed=seed).step("step_right, forward")
+        winner = int(scene.places()[1] == (2, 3))
+        assert scene.reward == [float(agent == winner) for agent in range(5)]
+
+
+# Digestion
+
+# kind -> steps whose actions are void: as the paper says, and one less in the released code
+DIGESTION = {"red": (10, 9), "green": (15, 14), "blue": (20, 19), "orange": (0, 0)}
+
+
+@BOTH
+@pytest.mark.parametrize("kind", KINDS)
+def test_digestion(stage: Stage, kind: str) -> None:
+    """Nothing one does has an effect for so many steps: one neither moves nor turns nor zaps. Then one acts."""
+    steps = DIGESTION[kind][STAGES.index(stage)]
+    scene = meal(stage, SIGNS[kind]).step("forward")
+    scene.has({"allowed forward": {0: steps == 0}, "allowed stay": True})
+    if steps:
+        scene.step("turn_left", times=steps - 2).step("forward").has({"allowed zap": {0: False}})
+        scene.step("forward").has({"agent.row": {0: 2}, "agent.heading": {0: "north"}})
+    scene.step("forward").has({"agent.row": {0: 1}})
+
+
+@BOTH
+def test_who_digests_does_not_zap(stage: Stage) -> None:
+    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv", fields={"agent.digesting": {0: 1}})
+    scene.step("zap").has({"event hits": 0, "agent.row": {1: 2}})
+    assert scene.value("marks fire") == set()
+    scene.step("zap").has({"event hits": [1, 0, 0, 0, 0]})
+
+
+@BOTH
+def test_who_is_zapped_goes_on_digesting(stage: Stage) -> None:
+    """Agent 1 walks into the beam and onto a red mushroom: it has its reward, is sent off, and waits as long as ever."""
+    steps = DIGESTION["red"][STAGES.index(stage)]
+    scene = put(stage, EMPTY, EMPTY, "..R.....", "..^.....  1", "..^.....  0", ".....vvv")
+    scene.step("zap, forward").has({"reward": [0, 1, 0, 0, 0], "event hits": [1, 0, 0, 0, 0]})
+    assert scene.places()[1] != (2, 2)
+    for _ in range(steps):
+        scene.has({"allowed forward": {1: False}}).step()
+    scene.has({"allowed forward": True})
+
+
+# Growth
+
+# what is eaten -> what two certain trials (orange: one) make of it
+SPORES = [
+    ("R", counts(red=2)),
+    ("G", counts(red=2, green=2)),
+    ("B", counts(red=2, green=2, blue=2)),
+    ("O", counts(red=2, orange=1)),
+    ("RR", counts(red=4)),
+    ("GB", counts(red=4, green=4, blue=2)),
+    ("OO", counts(red=4, orange=2)),
+]
+
+
+@BOTH
+@pytest.mark.parametrize(("eaten", "after"), SPORES)
+def test_what_grows_after_a_meal(stage: Stage, eaten: str, after: dict[str, int]) -> None:
+    """In its step; in the released rules a step later; then no more."""
+    scene = meal(stage, *eaten, regrow=CERTAIN).step(eat(len(eaten)))
+    if stage is RELEASED:
+        assert grown(scene) == counts()
+        scene.step()
+    assert grown(scene) == after
+    assert grown(scene.step()) == after
+
+
+@BOTH
+@pytest.mark.parametrize(("kind", "eaten"), [("red", "R"), ("green", "G"), ("blue", "B"), ("red", "B"), ("green", "B")])
+@pytest.mark.parametrize("left", [5, 6])
+def test_no_kind_grows_while_more_than_five_are_left(stage: Stage, kind: str, eaten: str, left: int) -> None:
+    """Five left after the meal grow to seven, six stay six; the other kinds grow as ever."""
+    others = "vvvv".rjust(8, ".")
+    row = (SIGNS[kind] * left).rjust(8, ".")
+    scene = put(stage, EMPTY, row, f"{eaten}.......", "^.......  0", EMPTY, others, regrow=CERTAIN).step("forward")
+    if stage is RELEASED:
+        scene.step()
+    expected = dict(next(after for sign, after in SPORES if sign == eaten))
+    expected[kind] = 7 if left == 5 else 6
+    assert grown(scene) == expected
+
+
+def full(*bare: tuple[int, int], eaten: str) -> list[str]:
+    """Returns a map full of orange but for some cells and what is eaten, at (2, 0), by agent 0 from the south."""
+    rows = [["O"] * 8 for _ in range(6)]
+    for row, column in bare:
+        rows[row][column] = "."
+    rows[2][0], rows[3][0], rows[5][4:] = eaten, "^", "vvvv"
+    return ["".join(row) for row in rows]
+
+
+@BOTH
+@pytest.mark.parametrize("start", [(0, 0), (1, 5)])
+def test_every_floor_cell_is_a_site(stage: Stage, start: tuple[int, int]) -> None:
+    """Also that of a mushroom of the map, (0, 0). Not one with a mushroom, nor one with an agent: two cells are left, and both grow."""
+    scene = put(stage, *full(start, eaten="R"), regrow=CERTAIN).step("forward")
+    if stage is RELEASED:
+        scene.step()
+    scene.has({"ground.grows": {start: "red", (3, 0): "red", (2, 0): "none"}})
+    assert grown(scene) == counts(red=2, orange=48 - 5 - 2)
+
+
+@BOTH
+def test_kinds_grow_in_turn_while_there_is_room(stage: Stage) -> None:
+    """After a blue meal there are three bare cells: red has two, green one, blue none."""
+    scene = put(stage, *full((0, 0), (1, 5), eaten="B"), regrow=CERTAIN).step("forward")
+    if stage is RELEASED:
+        scene.step()
+    assert grown(scene) == counts(red=2, green=1, orange=48 - 5 - 3)
+
+
+@BOTH
+def test_a_chance_of_nought_lets_nothing_grow(stage: Stage) -> None:
+    for kind in KINDS:
+        scene = meal(stage, "B", "O", regrow={**CERTAIN, kind: 0}).step(eat(2)).step()
+        assert grown(scene) == counts(red=4, green=2, blue=2, orange=1) | {kind: 0}
+
+
+# Zapping
+
+
+@pytest.mark.parametrize(("stage", "arrow"), [(DEFAULT, "^"), (DEFAULT, ">"), (DEFAULT, "v"), (DEFAULT, "<"), (RELEASED, ">")])
+def test_the_four_cells_of_the_beam(stage: Stage, arrow: str) -> None:
+    """The zapper in the middle, another on each cell around it in turn: who is hit is somewhere else, on bare floor."""
+    ahead_row, ahead_col = AROUND["^>v<".index(arrow)]
+    for ahead, right in set(itertools.product(range(-1, 3), range(-2, 3))) - {(0, 0)}:
+        row, column = 2 + ahead * ahead_row + right * ahead_col, 3 + ahead * ahead_col - right * ahead_row
+        rows = [list(line) for line in ROWS]
+        rows[2][3], rows[row][column], rows[5][5:] = arrow, "^", "vvv"
+        first = "0" if row != 2 else "01" if column > 3 else "10"
+        told = {2: first, **({row: "1"} if row != 2 else {}), 5: "234"}
+        scene = put(stage, *(f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows))).step("zap")
+        hit = (ahead, right) in BEAM
+        scene.has({"event hits": [int(hit), 0, 0, 0, 0], "reward": 0})
+        assert (scene.places()[1] == (row, column)) != hit
+        assert scene.places()[0] == (2, 3)
+        assert scene.under(1) == "." or not hit
+
+
+@BOTH
+def test_the_beam_passes_agents_and_spares_mushrooms(stage: Stage) -> None:
+    """Two in line and two beside are hit; each is sent to a place of its own, and eats nothing there."""
+    scene = put(stage, f"R{EMPTY[1:]}", "..v.....  1", ".BvG....  2", "..^.....  0", "RGBORGBO", "....vv..  34")
+    scene.step("zap").has({"event hits": [2, 0, 0, 0, 0], "reward": 0, "event eaten[red]": 0})
+    assert len(set(scene.places())) == 5
+    assert grown(scene) == counts(red=3, green=3, blue=3, orange=2)
+    scene = put(stage, EMPTY, EMPTY, ".vvv....  123", "..^.....  0", EMPTY, "......v.  4").step("zap")
+    scene.has({"event hits": [3, 0, 0, 0, 0]})
+    assert len(set(scene.places())) == 5
+
+
+@BOTH
+def test_who_is_hit_goes_to_bare_floor_where_nobody_stands(stage: Stage) -> None:
+    """The one cell that is left; without one it stays."""
+    rows = ["O" * 8, "O" * 8, "OOvOOOOO  1", "OO^OOOOO  0", "O" * 8, "OOOOOvvv  234"]
+    put(stage, *rows).step("zap").has({"event hits": {0: 1}, "agent.row": {1: 2}, "agent.col": {1: 2}, "agent.heading": {1: "south"}})
+    rows[4] = "OOOOOO.O"
+    assert put(stage, *rows).step("zap").places()[1] == (4, 6)
+    rows[0] = ".OOOOOOO"
+    assert {put(stage, *rows, seed=seed).step("zap").places()[1] for seed in range(12)} == {(4, 6), (0, 0)}
+
+
+@BOTH
+@pytest.mark.parametrize(
+    "picture",
+    [
+        ("..^.....  0", EMPTY, EMPTY, EMPTY, "..v.....  1", ".vvv....  234"),
+        (".^^^....  123", "..^.....  4", EMPTY, EMPTY, EMPTY, "..v.....  0"),
+        (EMPTY, ".......^  1", "<.....<^  042", ".......^  3", EMPTY, EMPTY),
+        (EMPTY, "^.......  1", "^>.....>  240", "^.......  3", EMPTY, EMPTY),
+    ],
+)
+def test_beams_do_not_leave_the_map(stage: Stage, picture: tuple[str, ...]) -> None:
+    """Agent 0 at an edge, facing out: nobody is hit on the other side, nor itself."""
+    scene = put(stage, *picture)
+    before = scene.places()
+    scene.step("zap").has({"event hits": 0})
+    assert scene.places() == before
+
+
+@BOTH
+def test_beams_come_after_moves(stage: Stage) -> None:
+    """Agent 1 walks out of the beam, agent 2 walks into it; all face north."""
+    scene = put(stage, EMPTY, "..^.....  1", "........", "..^^....  02", EMPTY, "......vv  34").step("zap, forward, stay")
+    scene.has({"event hits": 0})
+    scene = put(stage, EMPTY, EMPTY, "..^.....  1", "..^^....  02", EMPTY, "......vv  34").step("zap, forward, forward")
+    scene.has({"event hits": [2, 0, 0, 0, 0]})
+    assert scene.places()[0] == (3, 2)
+
+
+@BOTH
+def test_two_hit_each_other(stage: Stage) -> None:
+    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv").step("zap, zap")
+    scene.has({"event hits": [1, 1, 0, 0, 0], "reward": 0})
+    assert scene.places()[0] != (3, 2) and scene.places()[1] != (2, 2)
+
+
+def test_with_a_delay_who_is_hit_is_away_and_digests() -> None:
+    stage = Stage("mushrooms", ROWS, 5, params={"respawn_delay": 3})
+    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv", fields={"agent.digesting": {1: 9}})
+    scene.step("zap").has({"agent.away": {1: True}, "agent.ticks": {1: 3}, "agent.digesting": {1: 8}})
+    scene.step(times=2).has({"agent.away": {1: True}, "agent.digesting": {1: 6}})
+    scene.step().has({"agent.away": False, "agent.digesting": {1: 5}})
+
+
+# Episodes, moves, numbers, what is seen
+
+
+@BOTH
+def test_the_last_step_pays(stage: Stage) -> None:
+    scene = meal(stage, "R", "G", step=998).step("forward").has({"truncated": False})
+    scene.step("stay, forward").has({"reward": 0.4, "steps": 1000, "truncated": True, "terminated": False})
+
+
+@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+def test_moves(stage: Stage, compass: bool) -> None:
+    check_moves(stage, (EMPTY, EMPTY, "...^....", EMPTY, EMPTY, "....vvvv"), compass)
+
+
+def test_numbers() -> None:
+    """Source: SocialJax, appendix B of the paper; trials and bounds of the released code."""
+    for stage in STAGES:
+        params = stage.env.params
+        assert params.digestion.tolist() == [10, 15, 20, 0]
+        assert params.regrow.tolist() == pytest.approx([0.25, 0.4, 0.6, 1])
+        assert params.crowd.tolist()[:3] == [5, 5, 5]
+        assert params.spores.tolist() == [[2, 0, 0, 0], [2, 2, 0, 0], [2, 2, 2, 0], [2, 0, 0, 1]]
+        assert int(params.length) == 1000
+    assert Stage("mushrooms").env.num_agents == 5
+
+
+def test_an_episode_starts_on_bare_floor() -> None:
+    for seed in range(5):
+        scene = DEFAULT.start(seed).has({"agent.digesting": 0, "steps": 0})
+        assert len(set(scene.places())) == 5
+        assert [scene.under(agent) for agent in range(5)] == ["."] * 5
+        assert grown(scene) == counts(red=1)
+
+
+def test_what_is_seen() -> None:
+    """Each kind of mushroom, one's own digestion, the beam in one observation."""
+    scene = put(DEFAULT, EMPTY, "..RGBO..", "..vR....  1", "..^.....  0", EMPTY, "....v^>.  342", fields={"agent.digesting": {1: 7}})
+    seen = [scene.seen(0, "content", ahead=2, right=right) for right in range(5)]
+    assert seen == [f"ground grows={kind}" for kind in (*KINDS, "none")]
+    assert scene.seen(0, "content", ahead=-3 + 2, right=-3) == "outside"
+    assert [scene.seen(agent, "agent.digesting") for agent in (0, 1)] == [0, 7]
+    scene.step("zap, zap").has({"event hits": [1, 0, 0, 0, 0]})
+    assert scene.value("marks fire") == {(2, 2), (1, 2), (2, 1), (2, 3)}
+    assert scene.seen(0, "marks", ahead=2) == "fire"
+    assert scene.step().value("marks fire") == set()
