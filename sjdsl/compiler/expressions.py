@@ -17,6 +17,7 @@ from sjdsl.compiler.types import describe, hull, integer, is_number, real
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
+BETWEEN_STEPS = ("`observe`", "`metrics`", "`checks`")  # places that speak of a state, not of a step
 
 
 def build(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -176,6 +177,9 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     bound = scope.variables.get(name)
     if isinstance(bound, str):
         name = bound
+    if scope.place in BETWEEN_STEPS:
+        said, what = f"{agent.name} chose {name}", "about what is done in a step"
+        raise scope.problems.fail(errors.NOT_A, e.span, name=said, what=what, wanted="something about a state", nearest="")
     return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
 
 
