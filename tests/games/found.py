@@ -1,0 +1,65 @@
+"""Every bundled game in every variant, as found in the folder of games: what is added there is tested without being listed."""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
+
+from sjdsl.compiler import build, ir, load_base
+from sjdsl.compiler.compose import compose
+from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.parse import parse
+from sjdsl.compiler.read import read_source
+from sjdsl.compiler.render import game_hash
+from sjdsl.games_folder import bundled, find_game
+
+MANY = 20  # agents. Source: the larger number in the paper's table of speeds
+
+
+class Form(NamedTuple):
+    """A game in a variant (None: as it is) with so many agents (None: as many as its file says)."""
+
+    game: str
+    variant: str | None = None
+    agents: int | None = None
+
+    def __str__(self) -> str:
+        named = self.game if self.variant is None else f"{self.game}+{self.variant}"
+        return named if self.agents is None else f"{named}, {self.agents} agents"
+
+
+def variants_of(game: str) -> tuple[str, ...]:
+    """Returns the names of the variants of a bundled game, those of the games it extends among them."""
+    source = read_source(find_game(game))
+    return tuple(compose(source, parse(source), (), load_base).variants)
+
+
+@cache
+def rules_of(form: Form) -> ir.Game:
+    """Returns the typed rules. Raises CompileError where the game does not admit so many agents."""
+    variants = (form.variant,) if form.variant else ()
+    return build(read_source(find_game(form.game)), variants, Overrides(num_agents=form.agents)).game
+
+
+def all_forms() -> Iterator[Form]:
+    """Yields every game, then every variant, then all of these with `MANY` agents that have room for them."""
+    games = bundled()
+    named = [*(Form(game) for game in games), *(Form(game, variant) for game in games for variant in variants_of(game))]
+    yield from named
+    for form in named:
+        crowded = form._replace(agents=MANY)
+        try:
+            rules_of(crowded)
+        except CompileError:
+            continue
+        yield crowded
+
+
+@cache
+def forms() -> tuple[Form, ...]:
+    """Returns the forms with different rules: of several that have the same (a name and a title aside) the first."""
+    found: dict[str, Form] = {}
+    for form in all_forms():
+        nameless = rules_of(form).model_copy(update={"name": "", "title": "", "variants": ()})
+        found.setdefault(game_hash(nameless), form)
+    return tuple(found.values())
