@@ -1,0 +1,94 @@
+"""Every rule of the nine games that draws, in every variant that changes it, has a test that counts what it draws."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+from sjdsl.compiler import ir
+
+from .environments import HARVESTS, NINE
+from .found import forms, rules_of
+
+DRAWING = (ir.Chance, ir.Draw, ir.Pick, ir.Match, ir.Send, ir.Move)
+STARTS = "test_starts.py test_starts"
+CONTESTED = "test_a_contested_cell_goes_to_each_alike"
+# game or variant, phase -> the test of its draws; the three rooms of Harvest are one game
+TESTS = {
+    "clean_up start": STARTS,
+    "clean_up grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
+    "clean_up pollute": "test_clean_up_chances.py test_dirt_comes_to_every_clean_cell_alike",
+    "clean_up walk": f"test_clean_up_chances.py {CONTESTED}",
+    "clean_up fire": "test_clean_up_chances.py test_home_is_every_free_gate_alike",
+    "clean_up+meltingpot grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
+    "clean_up+meltingpot fire": "test_clean_up_chances.py test_who_was_away_comes_to_every_free_gate_alike",
+    "coins start": STARTS,
+    "coins grow": "test_coins_chances.py test_coins_come_so_often",
+    "coins walk": f"test_coins_chances.py {CONTESTED}",
+    "coins+meltingpot grow": "test_coins_chances.py test_coins_come_so_often",
+    "coop_mining start": STARTS,
+    "coop_mining walk": f"test_coop_mining_chances.py {CONTESTED}",
+    "coop_mining settle": "test_coop_mining_chances.py test_contested_iron_goes_to_each_miner_alike",
+    "coop_mining grow": "test_coop_mining_chances.py test_iron_and_gold_come_so_often",
+    "coop_mining+socialjax grow": "test_coop_mining_chances.py test_iron_and_gold_come_so_often",
+    "gift_refinement start": STARTS,
+    "gift_refinement grow": "test_gift_refinement_chances.py test_a_token_in_five_thousand_cells_and_steps",
+    "gift_refinement walk": f"test_gift_refinement_chances.py {CONTESTED}",
+    "harvest_closed start": STARTS,
+    "harvest_closed regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
+    "harvest_closed walk": f"test_harvest_chances.py {CONTESTED}",
+    "harvest_closed fire": "test_harvest_chances.py test_home_is_every_free_gate_alike",
+    "harvest_closed+meltingpot fire": "test_harvest_chances.py test_who_was_away_comes_to_every_free_gate_alike",
+    "harvest_open+meltingpot regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
+    "harvest_open+meltingpot fire": "test_harvest_chances.py test_who_was_away_comes_to_every_free_gate_alike",
+    "mushrooms start": STARTS,
+    "mushrooms walk": f"test_mushrooms_chances.py {CONTESTED}",
+    **{
+        f"mushrooms sprout({kind})": "test_mushrooms_chances.py test_what_grows_after_a_meal" for kind in ("red", "green", "blue", "orange")
+    },
+    "mushrooms fire": "test_mushrooms_chances.py test_home_is_every_free_bare_cell_alike",
+    **{
+        f"mushrooms+meltingpot sprout({kind})": "test_mushrooms_chances.py test_what_grows_after_a_meal"
+        for kind in ("red", "green", "blue", "orange")
+    },
+    "pd_arena start": STARTS,
+    "pd_arena grow": "test_pd_arena_chances.py test_growth",
+    "pd_arena walk": f"test_pd_arena_chances.py {CONTESTED}",
+    "pd_arena meet": "test_pd_arena_chances.py test_both_rest_each_for_its_own_time",
+    "pd_arena+socialjax rest": "test_pd_arena_chances.py test_as_released_only_targets_rest",
+}
+
+
+def drawing_phases() -> Iterator[str]:
+    """Yields each phase that draws, under the first form that has it so: the same sentences reading the same numbers."""
+    seen = set()
+    for form in (form for form in forms() if form.game in NINE and form.agents is None):
+        rules = rules_of(form)
+        values = {p.name: p.value for p in rules.params}
+        for phase in (rules.start, *rules.schedule):
+            if isinstance(phase, ir.Phase) and any(isinstance(node, DRAWING) for node in ir.walk(phase)):
+                read = {(node.name, values[node.name]) for node in ir.walk(phase) if isinstance(node, ir.ParamRef)}
+                key = ("harvest" if form.game in HARVESTS else form.game, content(phase), frozenset(read))
+                if key not in seen:
+                    seen.add(key)
+                    yield f"{form} {phase.label}"
+
+
+def content(value: object) -> object:
+    """Returns what a node says, without places in the text and intervals."""
+    if isinstance(value, ir.Node):
+        names = [name for name in type(value).model_fields if name not in ("origin", "type")]
+        return type(value).__name__, *(content(getattr(value, name)) for name in names)
+    return tuple(content(item) for item in value) if isinstance(value, tuple) else value
+
+
+def test_every_drawing_phase_has_a_test() -> None:
+    """A new rule that draws, or a variant that changes one: count what it draws, and name the test above."""
+    assert sorted(drawing_phases()) == sorted(TESTS)
+
+
+def test_the_tests_are_there() -> None:
+    folder = Path(__file__).parent
+    for name in set(TESTS.values()):
+        file, function = name.split()
+        module = ast.parse((folder / file).read_text(encoding="utf-8"))
+        assert function in {node.name for node in module.body if isinstance(node, ast.FunctionDef)}, name
