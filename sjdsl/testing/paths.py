@@ -1,6 +1,7 @@
 """What can be read of a scene by name: `agent.bag[raw]`, `rock.ore`, `reward`, `event eaten`, …, as the manual writes results."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -124,11 +125,11 @@ def by_owner(name: str, given: Any, owners: list[Any]) -> dict[Any, Any]:
         if len(given) != len(owners):
             raise ValueError(f"`{name}`: {len(given)} values are given, there are {len(owners)}; give some as a mapping")
         return dict(zip(owners, given, strict=True))
-    if isinstance(given, dict) and not all(isinstance(key, str) for key in given):
+    if isinstance(given, Mapping) and not (given and all(isinstance(key, str) for key in given)):
         for owner in given:
             if owner not in owners:
                 raise ValueError(f"`{name}`: {owner} is none of {_some(owners)}")
-        return given
+        return dict(given)
     return dict.fromkeys(owners, given)
 
 

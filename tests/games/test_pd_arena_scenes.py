@@ -1,0 +1,351 @@
+"""PD Arena, scene by scene: what is collected, who meets whom, what a meeting pays, who is sent off and held."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sjdsl.testing import Scene, Stage
+
+from .frames import check_moves
+
+ROWS = ("........", "..CD....", "........", "......#.", "........", "PPPPPPPP")
+EMPTY = "........"
+GATES = ROWS[-1]
+LOOKS = {"c": "patch class=coop stock=none", "d": "patch class=defect stock=none"}
+DEFAULT = Stage("pd_arena", ROWS, 4, looks=LOOKS)
+RELEASED = Stage("pd_arena", ROWS, 4, variant="socialjax", looks=LOOKS)
+STAGES = [DEFAULT, RELEASED]
+BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
+AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
+Bag = tuple[int, int]
+
+
+def put(
+    stage: Stage, *picture: str, bags: dict[int, Bag] | None = None, held: dict[int, int] | None = None, rest: int = 20, **facts: Any
+) -> Scene:
+    """Returns a scene in which nothing grows and who meets is held so many steps; `bags`: coop and defect resources by agent."""
+    fields = {"agent.bag": {agent: {"coop": coop, "defect": defect} for agent, (coop, defect) in (bags or {}).items()}}
+    params = {"regrow": 0, "rest_lo": rest, "rest_hi": rest, **facts.pop("params", {})}
+    return stage.put(*picture, fields=fields | {"agent.resting": held or {}}, params=params, **facts)
+
+
+def in_line(stage: Stage, line: str, **facts: Any) -> Scene:
+    """Returns a scene with agents in row 2, numbered from the left; the others look out of the map at the bottom."""
+    here = sum(sign in "^>v<" for sign in line)
+    told = "".join(map(str, range(here)))
+    return put(stage, *ROWS[:2], f"{line}  {told}", *ROWS[3:5], "v" * (4 - here) + GATES[4 - here :], **facts)
+
+
+def bags(scene: Scene, *agents: int) -> list[Bag]:
+    """Returns the coop and defect resources of agents."""
+    return [tuple(scene.value("agent.bag")[agent].values()) for agent in agents]
+
+
+def sent(scene: Scene, *agents: int) -> bool:
+    """Returns whether these agents stand on gates and are held."""
+    return all(scene.value("agent.row")[agent] == 5 and scene.value("agent.resting")[agent] > 0 for agent in agents)
+
+
+# Meetings
+
+# what the two hold -> what the one who fires and the other are paid
+PAYOFFS = [
+    ((1, 0), (1, 0), (3, 3)),
+    ((1, 0), (0, 1), (-1, 5)),
+    ((0, 1), (1, 0), (5, -1)),
+    ((0, 1), (0, 1), (1, 1)),
+    ((3, 1), (1, 1), (1.5, 3)),
+    ((7, 0), (0, 100), (-1, 5)),
+    ((50, 50), (2, 2), (2, 2)),
+]
+
+
+@BOTH
+@pytest.mark.parametrize(("mine", "theirs", "payoff"), PAYOFFS)
+def test_payoffs(stage: Stage, mine: Bag, theirs: Bag, payoff: tuple[float, float]) -> None:
+    scene = in_line(stage, "..><....", bags={0: mine, 1: theirs}).step("interact")
+    scene.has({"reward": [*payoff, 0, 0], "event met": [1, 1, 0, 0]})
+    assert bags(scene, 0, 1) == [(0, 0), (0, 0)]
+
+
+@BOTH
+def test_payoffs_of_mixtures(stage: Stage) -> None:
+    """Source: the paper's formula, v_row A v_col and v_row A' v_col for the shares v of what the two hold."""
+    matrix, random = np.array([[3, -1], [5, 1]]), np.random.default_rng(0)
+    for _ in range(8):
+        mine, theirs = (random.integers(0, 101, 2) + random.permutation([0, 1]) for _ in range(2))
+        mine, theirs = np.minimum(mine, 100), np.minimum(theirs, 100)
+        row, column = mine / mine.sum(), theirs / theirs.sum()
+        scene = in_line(stage, "..><....", bags={0: tuple(mine.tolist()), 1: tuple(theirs.tolist())}).step("interact")
+        assert scene.reward == pytest.approx([row @ matrix @ column, row @ matrix.T @ column, 0, 0], abs=1e-5)
+
+
+@BOTH
+@pytest.mark.parametrize("arrow", "^>v<")
+def test_the_target_may_face_anywhere(stage: Stage, arrow: str) -> None:
+    in_line(stage, f"..>{arrow}....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"reward": [-1, 5, 0, 0]})
+
+
+@BOTH
+@pytest.mark.parametrize("line", ["..>.<...", "..<>....", "..^<....", ">......<"])
+def test_only_the_next_cell_ahead_is_reached(stage: Stage, line: str) -> None:
+    scene = in_line(stage, line, bags={0: (1, 0), 1: (0, 1)})
+    places = scene.places()
+    scene.step("interact").has({"reward": 0, "event met": 0, "agent.resting": 0})
+    assert (scene.places(), bags(scene, 0, 1)) == (places, [(1, 0), (0, 1)])
+
+
+@BOTH
+def test_no_one_is_reached_diagonally(stage: Stage) -> None:
+    scene = put(stage, *ROWS[:2], "....^...  0", "...^.^#.  12", ROWS[4], "vPPPPPPP  3", bags=dict.fromkeys(range(3), (1, 0)))
+    scene.step("interact, interact, interact").has({"reward": 0, "event met": 0})
+
+
+def test_both_are_sent_off_and_held() -> None:
+    scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"agent.resting": [20, 20, 0, 0]})
+    assert sent(scene, 0, 1)
+    assert len(set(scene.places())) == 4
+
+
+def test_in_the_released_rules_only_the_target_is() -> None:
+    scene = in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"agent.resting": {0: 0}})
+    assert scene.places()[0] == (2, 2)
+    assert sent(scene, 1)
+    scene.step("forward").has({"agent.row": {0: 1}})
+
+
+@BOTH
+@pytest.mark.parametrize("rest", [1, 2, 10])
+def test_who_is_held_may_not_act_for_so_many_steps(stage: Stage, rest: int) -> None:
+    """Exactly as many as drawn; in the released code one less."""
+    scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, rest=rest).step("interact")
+    place, heading = scene.places()[1], scene.headings()[1]
+    for _ in range(rest if stage is DEFAULT else rest - 1):
+        scene.has({"allowed interact": {1: False}, "allowed turn_left": {1: False}}).step("stay, turn_left")
+        assert (scene.places()[1], scene.headings()[1]) == (place, heading)
+    scene.has({"allowed interact": {1: True}}).step("stay, turn_left")
+    assert scene.headings()[1] != heading
+
+
+@BOTH
+def test_each_has_a_draw_of_its_own(stage: Stage) -> None:
+    """From 10 to 100 steps, both ends included in what is possible."""
+    rests = []
+    for seed in range(12):
+        scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"rest_lo": 10, "rest_hi": 100}, seed=seed)
+        rests.append(scene.step("interact").value("agent.resting")[:2])
+    assert all(10 - (stage is RELEASED) <= rest <= 100 for _, rest in rests)
+    assert len({rest for _, rest in rests}) > 6
+    assert stage is RELEASED or (all(10 <= rest <= 100 for rest, _ in rests) and any(a != b for a, b in rests))
+
+
+def test_only_the_ready_meet() -> None:
+    """Both must hold something: else nothing happens to either."""
+    for mine, theirs in (((0, 0), (0, 1)), ((1, 0), (0, 0)), ((0, 0), (0, 0))):
+        scene = in_line(DEFAULT, "..><....", bags={0: mine, 1: theirs}).step("interact")
+        scene.has({"reward": 0, "event met": 0, "agent.resting": 0})
+        assert (scene.places()[:2], bags(scene, 0, 1)) == ([(2, 2), (2, 3)], [mine, theirs])
+
+
+def test_in_the_released_rules_empty_bags_meet_for_nothing() -> None:
+    for mine, theirs in (((0, 0), (0, 1)), ((1, 0), (0, 0)), ((0, 0), (0, 0))):
+        scene = in_line(RELEASED, "..><....", bags={0: mine, 1: theirs}).step("interact").has({"reward": 0, "event met": [1, 1, 0, 0]})
+        assert (scene.places()[0], bags(scene, 0, 1)) == ((2, 2), [(0, 0), (0, 0)])
+        assert sent(scene, 1)
+
+
+def test_who_is_held_is_not_met() -> None:
+    """Neither by one who is free, nor does it fire itself."""
+    for actions in ("interact, stay", "stay, interact"):
+        scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 9}).step(actions).has({"reward": 0, "event met": 0})
+        assert (scene.places()[:2], bags(scene, 0, 1)) == ([(2, 2), (2, 3)], [(1, 0), (0, 1)])
+        scene.has({"agent.resting": [0, 8, 0, 0]})
+
+
+def test_in_the_released_rules_who_is_held_is_sent_off_anew() -> None:
+    scene = in_line(RELEASED, "..><....", bags={0: (1, 0)}, held={1: 5}).step("interact").has({"reward": 0, "agent.resting": {1: 19}})
+    assert (bags(scene, 0, 1), scene.places()[0]) == ([(0, 0), (0, 0)], (2, 2))
+    assert sent(scene, 1)
+    in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 5}).step("stay, interact").has({"reward": 0, "event met": 0})
+
+
+# Several at once
+
+
+def test_two_who_fire_at_each_other_meet_once() -> None:
+    scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact, interact")
+    scene.has({"reward": [-1, 5, 0, 0], "event met": [1, 1, 0, 0]})
+    assert sent(scene, 0, 1)
+
+
+def test_in_the_released_rules_they_meet_twice() -> None:
+    scene = in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact, interact")
+    scene.has({"reward": [-2, 10, 0, 0], "event met": [2, 2, 0, 0]})
+    assert sent(scene, 0, 1)
+
+
+def test_of_two_who_fire_at_one_one_meets_it() -> None:
+    """By chance; the other keeps its place, its bag and its freedom."""
+    winners = set()
+    for seed in range(10):
+        scene = in_line(DEFAULT, "..>v<...", bags={0: (1, 0), 1: (0, 1), 2: (2, 0)}, seed=seed).step("interact, stay, interact")
+        winner = 0 if scene.reward[0] else 2
+        other = 2 - winner
+        scene.has({"reward": {winner: -1, 1: 5, other: 0}, "event met": {winner: 1, 1: 1, other: 0}})
+        assert (bags(scene, other), scene.places()[other]) == ([(2, 0) if other else (1, 0)], (2, 2 + other))
+        assert sent(scene, winner, 1)
+        winners.add(winner)
+    assert winners == {0, 2}
+
+
+def test_in_the_released_rules_both_meet_it() -> None:
+    scene = in_line(RELEASED, "..>v<...", bags={0: (1, 0), 1: (0, 1), 2: (2, 0)}).step("interact, stay, interact")
+    scene.has({"reward": [-1, 10, -1, 0], "event met": [1, 2, 1, 0], "agent.resting": [0, 19, 0, 0]})
+    assert (bags(scene, 0, 1, 2), scene.places()[0], scene.places()[2]) == ([(0, 0)] * 3, (2, 2), (2, 4))
+
+
+def test_in_a_chain_one_pair_meets() -> None:
+    """0 fires at 1, and 1 at 2: the two pairs are never both taken."""
+    met = set()
+    for seed in range(10):
+        scene = in_line(DEFAULT, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}, seed=seed).step("interact, interact")
+        met.add(tuple(scene.events["met"]))
+    assert met == {(1, 1, 0, 0), (0, 1, 1, 0)}
+
+
+def test_in_the_released_rules_both_pairs_meet() -> None:
+    scene = in_line(RELEASED, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}).step("interact, interact")
+    scene.has({"reward": [-1, 5 + 5, -1, 0], "event met": [1, 2, 1, 0]})
+    assert scene.places()[0] == (2, 2) and sent(scene, 1, 2)
+
+
+@BOTH
+def test_two_pairs_meet_in_one_step(stage: Stage) -> None:
+    scene = in_line(stage, "><...><.", bags={0: (1, 0), 1: (0, 1), 2: (0, 1), 3: (0, 1)}).step("interact, stay, interact")
+    scene.has({"reward": [-1, 5, 1, 1], "event met": 1})
+    assert len(set(scene.places())) == 4
+
+
+@BOTH
+def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
+    """Agent 1 walks in front of agent 0, out of its reach, or onto a resource there; it faces north, so that both frames agree."""
+    scene = put(stage, *ROWS[:2], "...^....  1", "....^.#.  0", ROWS[4], "vvPPPPPP", bags={0: (1, 0), 1: (0, 1)})
+    scene.step("interact, step_right").has({"reward": [-1, 5, 0, 0]})
+    scene = put(stage, *ROWS[:2], "....^...  1", "....^.#.  0", ROWS[4], "vvPPPPPP", bags={0: (1, 0), 1: (0, 1)})
+    scene.step("interact, forward").has({"reward": 0, "event met": 0})
+    scene = put(stage, "..v.....  0", ROWS[1], "..^.....  1", *ROWS[3:5], "vvPPPPPP", bags={0: (0, 1)})
+    scene.step("interact, forward").has({"reward": [5, -1, 0, 0], "event collected[coop]": [0, 1, 0, 0]})
+
+
+@BOTH
+def test_who_is_sent_off_goes_to_a_free_gate(stage: Stage) -> None:
+    """Each of those that are free, in some run."""
+    places = set()
+    for seed in range(25):
+        scene = put(stage, *ROWS[:2], "..><....  01", *ROWS[3:5], "vvPPPPPP  23", bags={0: (1, 0), 1: (0, 1)}, seed=seed).step("interact")
+        assert len(set(scene.places())) == 4
+        places.add(scene.places()[1])
+    assert places == {(5, column) for column in range(2, 8)}
+
+
+def test_payoffs_are_parameters() -> None:
+    payoff = {"coop": {"defect": 0}, "defect": {"coop": 4}}
+    in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"payoff": payoff}).step("interact").has({"reward": [0, 4, 0, 0]})
+
+
+@BOTH
+def test_the_last_step_pays(stage: Stage) -> None:
+    scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, step=998).step().has({"truncated": False})
+    scene.step("interact").has({"reward": [-1, 5, 0, 0], "steps": 1000, "truncated": True, "terminated": False})
+
+
+# Resources
+
+
+@BOTH
+def test_resources_are_collected_by_walking_onto_them(stage: Stage) -> None:
+    scene = put(stage, EMPTY, ROWS[1], "..^^....", *ROWS[3:5], "vvPPPPPP").step("forward, forward").has({"reward": 0})
+    scene.shows(EMPTY, "..^^....", EMPTY, *ROWS[3:5], "vvPPPPPP", under={0: "c", 1: "d"})
+    scene.has({"event collected[coop]": [1, 0, 0, 0], "event collected[defect]": [0, 1, 0, 0]})
+    assert bags(scene, 0, 1) == [(1, 0), (0, 1)]
+    scene.step().has({"event collected[coop]": 0}).step("forward, forward")
+    scene.shows("..^^....", "..cd....", EMPTY, *ROWS[3:5], "vvPPPPPP")
+
+
+@BOTH
+@pytest.mark.parametrize(("before", "after"), [((99, 100), (100, 100)), ((100, 7), (100, 7))])
+def test_a_bag_holds_a_hundred_of_each(stage: Stage, before: Bag, after: Bag) -> None:
+    scene = put(stage, EMPTY, ROWS[1], "..^.....", *ROWS[3:5], "vvvPPPPP", bags={0: before}).step("forward")
+    scene.shows(EMPTY, "..^D....", EMPTY, *ROWS[3:5], "vvvPPPPP", under={0: "c"})
+    assert bags(scene, 0) == [after]
+
+
+@BOTH
+def test_a_resource_that_two_want_goes_to_one(stage: Stage) -> None:
+    scene = put(stage, EMPTY, ".^CD....  0", "..^.....  1", *ROWS[3:5], "vvPPPPPP").step("step_right, forward")
+    assert sorted(bags(scene, 0, 1)) == [(0, 0), (1, 0)]
+
+
+@BOTH
+def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
+    """With certainty, each as what it was; and what comes can be collected in the same step."""
+    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP", params={"regrow": 1}).step().shows(*ROWS[:5], "vvvvPPPP")
+    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP").step().shows(EMPTY, "..cd....", *ROWS[2:5], "vvvvPPPP")
+    scene = put(stage, EMPTY, "..^d....  0", "...^....  1", *ROWS[3:5], "vvPPPPPP", under={0: "c"}, params={"regrow": 1}).step(
+        "stay, forward"
+    )
+    scene.shows(EMPTY, "..^^....", EMPTY, *ROWS[3:5], "vvPPPPPP", under={0: "c", 1: "d"})
+    assert bags(scene, 0, 1) == [(0, 0), (0, 1)]
+
+
+# Moves, starts, numbers, what is seen
+
+
+@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+def test_moves(stage: Stage, compass: bool) -> None:
+    check_moves(stage, (*ROWS[:2], "....^...", *ROWS[3:5], "vvvPPPPP"), compass)
+
+
+@BOTH
+def test_walls_stop(stage: Stage) -> None:
+    put(stage, *ROWS[:3], ROWS[3], "......^.  0", "vvvPPPPP").step("forward").shows(*ROWS[:4], "......^.", "vvvPPPPP")
+
+
+def test_numbers() -> None:
+    """Source: SocialJax, appendix B of the paper; the resources of the released code; a bag's size is ours."""
+    for stage in STAGES:
+        params = stage.env.params
+        assert params.payoff.tolist() == [[3, -1], [5, 1]]
+        assert (int(params.rest_lo), int(params.rest_hi), int(params.length)) == (10, 100, 1000)
+        assert float(params.regrow) == pytest.approx(0.1)
+    assert Stage("pd_arena").env.num_agents == 4
+
+
+def test_an_episode_starts_on_gates_with_empty_bags_and_all_resources() -> None:
+    for seed in range(5):
+        scene = DEFAULT.start(seed).has({"agent.row": 5, "agent.resting": 0, "patch.stock": "ripe", "steps": 0})
+        assert len(set(scene.places())) == 4
+        assert bags(scene, *range(4)) == [(0, 0)] * 4
+
+
+def test_what_is_seen() -> None:
+    """Resources, one's own bag and whether one is held; in the released rules the bags of the others, too."""
+    picture = (EMPTY, "..Cd....", "..^^....  01", *ROWS[3:5], "vvPPPPPP  23")
+    for stage in STAGES:
+        scene = put(stage, *picture, bags={0: (2, 3), 1: (4, 100)}, held={1: 50})
+        assert scene.seen(0, "content", ahead=1) == "patch class=coop stock=ripe"
+        assert scene.seen(1, "content", ahead=1) == "patch class=defect stock=none"
+        assert [scene.seen(agent, f"agent.bag[{word}]") for agent in (0, 1) for word in ("coop", "defect")] == [2, 3, 4, 100]
+        assert [scene.seen(agent, "agent.resting") for agent in (0, 1)] == ["free", "held"]
+    assert [scene.seen(0, f"other.bag[{word}]", right=1) for word in ("coop", "defect")] == [4, 100]
+    assert not any(plane.name.startswith("other") for plane in DEFAULT.env.token_planes)
+
+
+@BOTH
+def test_what_is_reached_is_seen_in_one_observation(stage: Stage) -> None:
+    """Also if nobody is met; not of one who is held."""
+    scene = in_line(stage, "..>.>...", bags={0: (1, 0)}, held={1: 9}).step("interact, interact")
+    assert scene.value("marks meet") == {(2, 3)}
+    assert [scene.seen(0, "marks", ahead=n) for n in (0, 1, 2)] == ["", "meet", ""]
+    assert scene.step().value("marks meet") == set()
