@@ -25,6 +25,7 @@ test: .venv/ready
 check: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+	$(BIN)/sjdsl fmt --check games tests/cases tests/differential tests/runtime
 	$(BIN)/sjdsl compile --all --check
 	$(PYTEST)
 

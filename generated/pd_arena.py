@@ -260,9 +260,9 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = plane_0.at[CELLS_PATCH].set(((state.patch_class) * 2 + state.patch_stock + 3), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # pd_arena.sj:24
     plane_0 = paint(plane_0, state.mark_meet, 64)  # pd_arena.sj:53
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # pd_arena.sj:31
-    seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:65
-    agent = (seen_0 >> 3) & 7  # pd_arena.sj:65
-    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:65
-    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:65
-    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, 0, 1)).astype(jnp.uint8)  # pd_arena.sj:66
+    seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:66
+    agent = (seen_0 >> 3) & 7  # pd_arena.sj:66
+    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:67
+    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:67
+    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, 0, 1)).astype(jnp.uint8)  # pd_arena.sj:67
     return planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None, None], (4, 11, 11)), jnp.broadcast_to(shown_bag_2[:, None, None], (4, 11, 11)), jnp.broadcast_to(shown_resting[:, None, None], (4, 11, 11)))

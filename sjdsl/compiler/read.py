@@ -26,12 +26,20 @@ def read_source(path: Path | str) -> Source:
     except (OSError, ValueError) as error:
         problem = (getattr(error, "strerror", None) or "the name is not one of a file").lower()
         raise _failure(errors.UNREADABLE, name, name=name, problem=problem, nearest="") from None
+    return decode(data, name, path.parent, max(size, len(data)))
+
+
+def decode(data: bytes, name: str, folder: Path | None = None, size: int | None = None) -> Source:
+    """Returns the text that the bytes of a file are. `size`: of the whole file, where `data` is only its beginning.
+
+    Raises CompileError: too large, not UTF-8.
+    """
     if len(data) > MAX_BYTES:
-        raise _failure(errors.FILE_TOO_LARGE, name, given=max(size, len(data)), limit=MAX_BYTES)
+        raise _failure(errors.FILE_TOO_LARGE, name, given=size or len(data), limit=MAX_BYTES)
     if b"\0" in data:
         raise _failure(errors.NOT_TEXT, name, problem=f"byte {data.index(0)} is NUL")
     try:
-        return Source(name, data.decode("utf-8-sig"), path.parent)
+        return Source(name, data.decode("utf-8-sig"), folder)
     except UnicodeDecodeError as error:
         raise _failure(errors.NOT_TEXT, name, problem=f"byte {error.start} is not UTF-8") from None
 

@@ -5,7 +5,6 @@ from itertools import pairwise
 
 from sjdsl.format.flat import Flat
 from sjdsl.format.gaps import Gap
-from sjdsl.format.lines import WIDTH
 from sjdsl.format.structure import Structure
 
 Range = tuple[int, int]
@@ -48,9 +47,7 @@ def _more_spaces(cells: Sequence[Sequence[int]], flat: Flat) -> dict[int, int]:
     widths = [[flat.width(a, b - 1) for a, b in pairwise(row)] for row in cells]
     widest = [max(column) for column in zip(*widths, strict=True)]
     return {
-        token: wide - width
-        for row, own in zip(cells, widths, strict=True)
-        for token, width, wide in zip(row[1:], own, widest, strict=True)
+        token: wide - width for row, own in zip(cells, widths, strict=True) for token, width, wide in zip(row[1:], own, widest, strict=True)
     }
 
 

@@ -69,4 +69,3 @@ def make_flat(tokens: Sequence[Token], structure: Structure, gaps: Sequence[Gap]
         commented=commented,
         breaks_before=[0, *accumulate(broken)],
     )
-

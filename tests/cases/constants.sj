@@ -1,7 +1,7 @@
 sj 1
 game constants "What is known when compiled, and what nobody reads" {
-  size  full  : count       = 3
-  param luck  : probability = 0.5
+  size  full : count       = 3
+  param luck : probability = 0.5
   episode 10
   kind grass "."
   kind tree  "T" { field fruit : { none, ripe } = ripe }

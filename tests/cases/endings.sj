@@ -11,7 +11,7 @@ game endings "Branches, names for expressions, an end" {
     moves compass
     field steps_taken : 0 .. 9 capped = 0
   }
-  define left = count(tree where tree.fruit is ripe)
+  define left      = count(tree where tree.fruit is ripe)
   define rich(who) = who.steps_taken > 3 and left < 2
   phase start { each agent { send agent to path } }
   schedule walk -> eat -> close

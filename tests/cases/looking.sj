@@ -5,7 +5,7 @@ game looking "What is shown, renamed and hidden" {
   kind grass "."
   kind chest "c" {
     field state : { full, empty } = full
-    field owner : { red, blue } = red   glyph "C" with owner = blue
+    field owner : { red, blue } = red  glyph "C" with owner = blue
   }
   map { ".cC." }
   agents 2 {

@@ -1,8 +1,8 @@
 sj 1
 game away "Being sent, away, removed; choosing" {
-  size players : count = 4 in 2 .. 6
-  param delay  : steps = 2 in 0 .. 9
-  param keep   : probability = 0.7
+  size  players : count       = 4 in 2 .. 6
+  param delay   : steps       = 2 in 0 .. 9
+  param keep    : probability = 0.7
   episode 50
   kind floor "." { field heat : 0 .. 3 = 0 }
   kind den   "d" { field full : { no_one, some } = no_one }
@@ -23,11 +23,15 @@ game away "Being sent, away, removed; choosing" {
   phase fire {
     each agent as zapper where zapper chose zap {
       mark zapline of zapper
-      each agent as victim in zapline of zapper where victim.lives > 0 { send victim to den where den.full is no_one after delay facing north otherwise stay  tally zaps for zapper }
+      each agent as victim in zapline of zapper where victim.lives > 0 {
+        send victim to den where den.full is no_one after delay facing north otherwise stay  tally zaps for zapper
+      }
     }
   }
   phase go {
-    each agent where agent chose leave and agent.lives > 1 { set agent.lives = agent.lives - 1  send agent to floor where floor.heat < 2 facing same otherwise stay }
+    each agent where agent chose leave and agent.lives > 1 {
+      set agent.lives = agent.lives - 1  send agent to floor where floor.heat < 2 facing same otherwise stay
+    }
     each agent where agent chose leave and agent.lives <= 1 { remove agent  tally gone for agent }
   }
   phase heat {

@@ -18,7 +18,7 @@ game lanes "Lanes, groups and blocking" {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, look, cut
     moves relative
     field score : 0 .. 20 capped = 0
-    field team : { red, blue } = red
+    field team  : { red, blue } = red
   }
   shape fork { "x.x"
                "x.x"
@@ -32,7 +32,8 @@ game lanes "Lanes, groups and blocking" {
   phase see {
     each agent as looker where looker chose look {
       mark fork of looker
-      first agent as seen in fork of looker where seen.team is not looker.team { add 1 to looker.score  tally sights for looker } otherwise { tally blanks for looker }
+      first agent as seen in fork of looker where seen.team is not looker.team { add 1 to looker.score  tally sights for looker }
+      otherwise { tally blanks for looker }
       first plot in sweep of looker where plot.crop is ripe { set plot.crop = none  add 2 to looker.score  tally cuts for looker }
     }
   }
@@ -56,5 +57,12 @@ game lanes "Lanes, groups and blocking" {
   }
   phase rest { each agent on home where agent.score > 3 { set agent.score = 0  give 0.25 to all but agent } }
   observe { window ahead 4, behind 2, left 2, right 3  show agent.score  show other.team  hide other.heading when other.team is agent.team }
-  metrics { event sights  event blanks  event cuts  event reaped  mean ripe = count(field_of where field_of.crop is ripe)  final doors = count(door where door.state is open) }
+  metrics {
+    event sights
+    event blanks
+    event cuts
+    event reaped
+    mean ripe = count(field_of where field_of.crop is ripe)
+    final doors = count(door where door.state is open)
+  }
 }

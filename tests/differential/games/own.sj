@@ -1,17 +1,17 @@
 sj 1
-game own "Writes that are one instance's own"  {
+game own "Writes that are one instance's own" {
   episode 40
   kind grass "."
-  kind tree "T" { field fruit : { none, ripe } = ripe  field owner : agent = nobody  field age : 0 .. 9 = 0 }
-  kind pond "O" { field depth : { low, high } = low }
-  map { "..T..O.." ".T..T..." "O...O..T" "..TT...." }
+  kind tree  "T" { field fruit : { none, ripe } = ripe  field owner : agent = nobody  field age : 0 .. 9 = 0 }
+  kind pond  "O" { field depth : { low, high } = low }
+  map { "..T..O.."  ".T..T..."  "O...O..T"  "..TT...." }
   field chosen : agent = nobody
-  field luck : 0 .. 40 = 0
+  field luck   : 0 .. 40 = 0
   agents 5 {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, look
     moves relative
-    field mood : { plain, glad, sad } = plain
-    field last : agent = nobody
+    field mood  : { plain, glad, sad } = plain
+    field last  : agent = nobody
     field score : 0 .. 40 capped = 0
   }
   shape ray = line(4)
@@ -20,8 +20,8 @@ game own "Writes that are one instance's own"  {
   phase walk { move each agent }
   phase weather {
     chance 0.4 { each tree { set tree.fruit = ripe } }
-    otherwise chance 0.5 { each tree where tree.row > 1 { set tree.fruit = none } each agent { set agent.mood = plain } }
-    otherwise { each agent where agent.row > 0 { set agent.mood = glad } pick 2 tree { set tree.fruit = none } }
+    otherwise chance 0.5 { each tree where tree.row > 1 { set tree.fruit = none }  each agent { set agent.mood = plain } }
+    otherwise { each agent where agent.row > 0 { set agent.mood = glad }  pick 2 tree { set tree.fruit = none } }
     when step >= 20 { each agent { set agent.score = 0 } }
     otherwise when step == 4 or step == 9 { each agent as a { each agent as b in disc(1) of a { add 1 to b.score } } }
   }
@@ -49,7 +49,8 @@ game own "Writes that are one instance's own"  {
     } otherwise { set chosen = nobody  set luck = 0 }
   }
   phase share {
-    when luck > 10 { each agent { set agent.score = luck } } otherwise { match agent as a with agent as b in ray of a { set a.score = b.index  set b.score = a.index + 5 } }
+    when luck > 10 { each agent { set agent.score = luck } }
+    otherwise { match agent as a with agent as b in ray of a { set a.score = b.index  set b.score = a.index + 5 } }
   }
   observe { window ahead 3, behind 2, left 2, right 2  show agent.mood  show agent.score }
   metrics { mean glad = count(agent where agent.mood is glad)  final old = sum(tree.age over tree) }

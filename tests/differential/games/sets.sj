@@ -1,12 +1,13 @@
 sj 1
 game sets "Sets, rows, owners, pairs" {
-  size players : count = 6 in 2 .. 12
-  size cap     : count = 4
-  param price  : reward = { wood: 1, stone: 2.5, gold: -1 }
-  param yields : count  = { wood: 2, stone: 1, gold: 0 } in 0 .. 3
-  param next   : word   = { wood: stone, stone: gold, gold: gold }
-  param payoff : reward = { wood: { wood: 1, stone: 0, gold: 2 }, stone: { wood: 3, stone: -1, gold: 0 }, gold: { wood: 0.5, stone: 0, gold: 4 } }
-  param rare   : probability = 0.2 in 0 .. 0.5
+  size  players : count       = 6 in 2 .. 12
+  size  cap     : count       = 4
+  param price   : reward      = { wood: 1, stone: 2.5, gold: -1 }
+  param yields  : count       = { wood: 2, stone: 1, gold: 0 } in 0 .. 3
+  param next    : word        = { wood: stone, stone: gold, gold: gold }
+  param payoff  : reward      = {
+    wood: { wood: 1, stone: 0, gold: 2 }, stone: { wood: 3, stone: -1, gold: 0 }, gold: { wood: 0.5, stone: 0, gold: 4 } }
+  param rare    : probability = 0.2 in 0 .. 0.5
   episode 60
   kind lawn "." { field owner : agent = nobody  field visitors : set of agent  field gift : reward = 0 }
   kind rock "R" { field kind_of : { wood, stone, gold } = wood  field hits : set of agent  timer closing }
@@ -16,12 +17,12 @@ game sets "Sets, rows, owners, pairs" {
         "...RR..."
         "B..R...B" }
   field stock by { wood, stone, gold } : 0 .. 12 capped = 0
-  field king : agent = nobody
+  field king  : agent = nobody
   field total : reward = 0
   agents players {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, hit, trade
     moves compass
-    field bag by { wood, stone, gold } : 0 .. cap capped = 0
+    field bag     by { wood, stone, gold } : 0 .. cap capped = 0
     field friends : set of agent
     field partner : agent = nobody
     timer tired
@@ -86,7 +87,9 @@ game sets "Sets, rows, owners, pairs" {
   }
   phase pay {
     when stock[gold] > 8 { set stock = 0  end }
-    each lawn where lawn.owner is not nobody and lawn.gift > 2 { give lawn.gift to lawn.owner  set lawn.gift = 0  set lawn.visitors = nobody }
+    each lawn where lawn.owner is not nobody and lawn.gift > 2 {
+      give lawn.gift to lawn.owner  set lawn.gift = 0  set lawn.visitors = nobody
+    }
     each agent where agent in agent.friends or agent.partner is king { tally odd for agent  set agent.friends = nobody }
     set total = sum(lawn.gift over lawn)
   }

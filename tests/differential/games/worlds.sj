@@ -1,22 +1,25 @@
 sj 1
 game worlds "World fields, world draws, nesting" {
-  size players : count = 3 in 1 .. 5
-  param grow   : probability = 0.4
-  param split  : probability = 0.5
+  size  players : count       = 3 in 1 .. 5
+  param grow    : probability = 0.4
+  param split   : probability = 0.5
   episode 30
   field season : { wet, dry } = wet
-  field left : 0 .. 100 = 10
+  field left   : 0 .. 100 = 10
   timer storm
   kind land "." { field life : { bare, grass, tree } = bare  field age : 0 .. 3 = 0  timer burn }
   kind spot "S"
   map { "S...S"
         "....."
         "S...." }
-  agents players { acts turn_left, turn_right, step_left, step_right, forward, backward, stay, burn, plant  moves relative  field seeds : 0 .. 9 capped = 3 }
-  phase start { each agent { send agent to spot } each land { chance split { set land.life = grass } } }
+  agents players {
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, burn, plant  moves relative  field seeds : 0 .. 9 capped = 3
+  }
+  phase start { each agent { send agent to spot }  each land { chance split { set land.life = grass } } }
   schedule weather -> walk -> tick -> act -> grow -> spread -> reward(wet) -> reward(dry)
   phase weather {
-    chance 0.25 { set season = case season { wet: dry, dry: wet }  set storm = 2 } otherwise { when storm == 0 { set left = max(0, left - 1) } }
+    chance 0.25 { set season = case season { wet: dry, dry: wet }  set storm = 2 }
+    otherwise { when storm == 0 { set left = max(0, left - 1) } }
   }
   phase walk { move each agent }
   phase act {
@@ -43,9 +46,18 @@ game worlds "World fields, world draws, nesting" {
       draw how from 0 .. 2
       when how == 1 { give 0.25 to all }
     }
-    each agent { each agent as other where other.index > agent.index and other.seeds == agent.seeds { give 0.1 to agent  tally same by 2 for other } }
+    each agent {
+      each agent as other where other.index > agent.index and other.seeds == agent.seeds { give 0.1 to agent  tally same by 2 for other }
+    }
   }
   phase reward(when_is) { when season is when_is { give case when_is { wet: 1, dry: -1 } to all  tally season[when_is] } }
-  observe { window ahead 2, behind 2, left 2, right 2  show season  show left  show storm  show agent.seeds  hide land.life when land.age > 2 and agent.seeds == 0 }
+  observe {
+    window ahead 2, behind 2, left 2, right 2
+    show season
+    show left
+    show storm
+    show agent.seeds
+    hide land.life when land.age > 2 and agent.seeds == 0
+  }
   metrics { event hero  event same  event season by { wet, dry }  mean bare = count(land where land.life is bare) }
 }

@@ -1,0 +1,112 @@
+"""`sjdsl fmt`: `.sj` files in the one layout; what a file means, its words and its comments stay."""
+
+import os
+import shutil
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+import click
+
+from sjdsl.cli.diagnostics import print_diagnostics
+from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.read import decode, read_source
+from sjdsl.compiler.source import Source
+from sjdsl.format import format_source
+
+STDIN = "-"
+STDIN_NAME = "standard input"
+
+
+@click.command("fmt")
+@click.argument("paths", nargs=-1, required=True, metavar="FILE|FOLDER|-...")
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that are laid out otherwise.")
+def command(paths: tuple[str, ...], only_check: bool) -> int:
+    """Lays out `.sj` files: spaces, line ends and columns; comments stay, and so do line ends between sentences.
+
+    A FOLDER stands for all `.sj` files in it and below, hidden folders left out. `-` reads a game from standard input and writes it
+    to standard output. A file with syntax errors is left as it is, and they are shown; the exit status is then 1.
+    """
+    if STDIN in paths:
+        if len(paths) > 1:
+            raise click.UsageError("`-` stands alone", click.get_current_context())
+        return _format_stdin(only_check)
+    changed, unchanged, problems = 0, 0, 0
+    for path in files_of(paths):
+        try:
+            source = read_source(path)
+            text = format_source(source)
+        except CompileError as error:
+            print_diagnostics(error.diagnostics, err=True)
+            problems += 1
+            continue
+        if path.read_bytes() == text.encode():
+            unchanged += 1
+            continue
+        changed += 1
+        if only_check:
+            click.echo(f"{path} is not formatted")
+        else:
+            write_whole(path, text)
+            click.echo(f"formatted {path}")
+    click.echo(_summary(changed, unchanged, problems, only_check))
+    return int(problems > 0 or (only_check and changed > 0))
+
+
+def files_of(paths: Iterable[str]) -> list[Path]:
+    """Returns the files that are named or lie in named folders, each once. Raises ClickException for what is neither."""
+    found: list[Path] = []
+    for name in paths:
+        path = Path(name)
+        if path.is_dir():
+            inside = sorted(p for p in path.rglob("*.sj") if p.is_file() and not _is_hidden(p.relative_to(path)))
+            if not inside:
+                raise click.ClickException(f"there are no `.sj` files in the folder {name}")
+            found += inside
+        elif path.suffix == ".sj" or path.is_file():
+            found.append(path)
+        else:
+            raise click.ClickException(f"there is no file or folder `{name}`")
+    return list(dict.fromkeys(found))
+
+
+def _is_hidden(path: Path) -> bool:
+    return any(part.startswith(".") for part in path.parts)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Writes a file whole or not at all; its permissions stay, and so does a link to it."""
+    target = path.resolve()
+    unfinished = target.with_name(f"{target.name}.{os.getpid()}")
+    try:
+        unfinished.write_text(text, encoding="utf-8", newline="\n")
+        shutil.copymode(target, unfinished)
+        os.replace(unfinished, target)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _format_stdin(only_check: bool) -> int:
+    data = sys.stdin.buffer.read()
+    source = Source(STDIN_NAME, "")
+    try:
+        source = decode(data, STDIN_NAME)
+        text = format_source(source)
+    except CompileError as error:
+        print_diagnostics(error.diagnostics, {STDIN_NAME: source}, err=True)
+        return 1
+    if not only_check:
+        click.echo(text, nl=False)
+        return 0
+    is_same = data == text.encode()
+    click.echo(f"{STDIN_NAME} is{'' if is_same else ' not'} formatted")
+    return int(not is_same)
+
+
+def _summary(changed: int, unchanged: int, problems: int, only_check: bool) -> str:
+    parts = [(changed, "not formatted" if only_check else "formatted"), (unchanged, "left as they were"), (problems, "with errors")]
+    if only_check:
+        parts[1] = (unchanged, "formatted")
+    said = [f"{number} {what}" for number, what in parts if number]
+    total = changed + unchanged + problems
+    return f"{total} file{'' if total == 1 else 's'}: {', '.join(said)}"

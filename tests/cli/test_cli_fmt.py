@@ -1,0 +1,122 @@
+"""`sjdsl fmt`: files laid out in place, or only looked at; what cannot be read stays as it is."""
+
+import io
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from command_line import GAME, Sjdsl
+
+UGLY = GAME.replace("  agents players {", "agents   players{").replace("episode length", "episode length # steps")
+WRONG = UGLY.replace("schedule", "shedule")
+
+
+@pytest.fixture(autouse=True)
+def formatted_orchard(folder: Path, sjdsl: Sjdsl) -> None:
+    """The game of the other tests is not laid out in columns everywhere."""
+    sjdsl("fmt", "orchard.sj")
+    assert (folder / "orchard.sj").is_file()
+
+
+def test_a_file_is_laid_out_in_place(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "ugly.sj").write_text(UGLY)
+    shown = sjdsl("fmt", "ugly.sj", "orchard.sj")
+    assert shown.status == 0
+    assert shown.out == "formatted ugly.sj\n2 files: 1 formatted, 1 left as they were\n"
+    assert (folder / "ugly.sj").read_text() == (folder / "orchard.sj").read_text().replace("episode length", "episode length  # steps")
+
+
+def test_a_formatted_file_is_not_touched(sjdsl: Sjdsl, folder: Path) -> None:
+    before = (folder / "orchard.sj").stat()
+    assert sjdsl("fmt", "orchard.sj").out == "1 file: 1 left as they were\n"
+    after = (folder / "orchard.sj").stat()
+    assert (before.st_mtime_ns, before.st_ino) == (after.st_mtime_ns, after.st_ino)
+
+
+def test_check_writes_nothing_and_names_the_files(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "ugly.sj").write_text(UGLY)
+    shown = sjdsl("fmt", "--check", ".")
+    assert shown.status == 1
+    assert shown.out == "ugly.sj is not formatted\n2 files: 1 not formatted, 1 formatted\n"
+    assert (folder / "ugly.sj").read_text() == UGLY
+    assert sjdsl("fmt", "--check", "orchard.sj").status == 0
+
+
+def test_a_file_with_mistakes_is_left_alone_and_the_others_are_done(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "a_wrong.sj").write_text(WRONG)
+    (folder / "ugly.sj").write_text(UGLY)
+    shown = sjdsl("fmt", ".")
+    assert shown.status == 1
+    assert "did you mean `schedule`?" in shown.err
+    assert (folder / "a_wrong.sj").read_text() == WRONG
+    assert "formatted ugly.sj" in shown.out
+    assert "3 files: 1 formatted, 1 left as they were, 1 with errors" in shown.out
+
+
+def test_a_game_that_is_wrong_but_can_be_read_is_laid_out(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "wrong.sj").write_text(UGLY.replace("to floor", "to flor"))
+    assert sjdsl("fmt", "wrong.sj").status == 0
+
+
+def test_folders_are_searched_but_not_hidden_ones(sjdsl: Sjdsl, folder: Path) -> None:
+    for name in ("inner", ".hidden", "empty"):
+        (folder / name).mkdir()
+    (folder / "inner/one.sj").write_text(UGLY)
+    (folder / ".hidden/two.sj").write_text(UGLY)
+    assert "formatted inner/one.sj" in sjdsl("fmt", ".", "inner").out
+    assert (folder / ".hidden/two.sj").read_text() == UGLY
+    assert "no `.sj` files in the folder empty" in sjdsl("fmt", "empty").err
+
+
+def test_line_ends_and_byte_order_marks_become_plain(sjdsl: Sjdsl, folder: Path) -> None:
+    plain = (folder / "orchard.sj").read_bytes()
+    (folder / "other.sj").write_bytes(b"\xef\xbb\xbf" + plain.replace(b"\n", b"\r\n"))
+    sjdsl("fmt", "other.sj")
+    assert (folder / "other.sj").read_bytes() == plain
+
+
+def test_links_and_permissions_stay(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "ugly.sj").write_text(UGLY)
+    (folder / "ugly.sj").chmod(0o640)
+    (folder / "link.sj").symlink_to("ugly.sj")
+    sjdsl("fmt", "link.sj")
+    assert (folder / "link.sj").is_symlink()
+    assert (folder / "ugly.sj").stat().st_mode & 0o777 == 0o640
+    assert (folder / "ugly.sj").read_text() != UGLY
+
+
+def test_a_file_is_written_whole_or_not_at_all(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device", "ugly.sj")
+
+    (folder / "ugly.sj").write_text(UGLY)
+    monkeypatch.setattr(os, "replace", full)
+    assert "no space left" in sjdsl("fmt", "ugly.sj").err
+    assert (folder / "ugly.sj").read_text() == UGLY
+    assert sorted(path.name for path in folder.iterdir()) == ["orchard.sj", "ugly.sj"]
+
+
+@pytest.mark.parametrize(("text", "option", "status"), [(UGLY, None, 0), (UGLY, "--check", 1), (WRONG, None, 1)])
+def test_standard_input(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch, text: str, option: str | None, status: int) -> None:
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(text.encode())))
+    shown = sjdsl("fmt", "-", *([option] if option else []))
+    assert shown.status == status
+    match text, option:
+        case _, "--check":
+            assert shown.out == "standard input is not formatted\n"
+        case str(), None if text == WRONG:
+            assert "standard input" in shown.err
+            assert "did you mean `schedule`?" in shown.err
+            assert "shedule walk" in shown.err, "the line itself"
+            assert shown.out == ""
+        case _:
+            assert shown.out.startswith('sj 1\ngame orchard "A Small Orchard" {\n')
+            assert "  episode length  # steps\n" in shown.out
+
+
+def test_formatting_needs_no_jax(folder: Path) -> None:
+    program = "import sys; from sjdsl.cli import run; run(['fmt', 'orchard.sj']); sys.exit(int('jax' in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", program], cwd=folder, check=False).returncode == 0
