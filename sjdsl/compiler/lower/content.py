@@ -139,13 +139,15 @@ def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
         words = ("none", *words) if sight.what == "other" else words
         return TokenPlane(name, "word", words, len(words) - 1)
     high = number_bound(sight, game)
+    if high == float("inf"):
+        raise NotSupported(f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255", sight.origin)
     if high > 255:
         raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", sight.origin)
     return TokenPlane(name, "number", (), int(high))
 
 
 def number_bound(sight: ir.Sight, game: ir.Game) -> float:
-    """Returns the largest value of a shown number; for a timer what its setters allow, by the defaults of their parameters."""
+    """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
     fields = game.agents.fields if sight.what in ("own", "other") else game.fields
     field = next(f for f in fields if f.name == sight.field)
     if not field.timer:
@@ -159,22 +161,8 @@ def number_bound(sight: ir.Sight, game: ir.Game) -> float:
 
 
 def largest(e: ir.Expr, game: ir.Game) -> float:
-    """Returns an upper bound of a number for the parameters' declared limits, or their defaults where they have none."""
-    if e.type.high != float("inf"):
-        return e.type.high
-    match e:
-        case ir.ParamRef():
-            return max(_flat(next(p for p in game.params if p.name == e.name).value))
-        case ir.At():
-            return largest(e.row, game)
-        case ir.Local():
-            return max(
-                (largest(d.high, game) for d in ir.walk(game) if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None),
-                default=e.type.high,
-            )
-        case _:
-            return e.type.high
-
-
-def _flat(value: object) -> list[float]:
-    return [x for v in value for x in _flat(v)] if isinstance(value, tuple) else [float(value)]  # type: ignore[arg-type]
+    """Returns an upper bound of a number, whatever the parameters are set to."""
+    if isinstance(e, ir.Local) and e.type.high == float("inf"):
+        drawn = [d for d in ir.walk(game) if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None]
+        return max((largest(d.high, game) for d in drawn), default=e.type.high)  # type: ignore[arg-type]
+    return e.type.high
