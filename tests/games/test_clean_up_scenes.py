@@ -4,6 +4,8 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .frames import check_moves
+
 LOOKS = {"b": "orchard fruit=ripe"}
 # 18 cells of water and 2 of channel: 8 dirty cells are a fraction of 0.4
 STAGE = Stage("clean_up", ("HHHHHHS", "HHHHHHS", "HHHH#HH", ".......", "PPP.#..", "BBBBBBB", "BBBBBBB"), 3, looks=LOOKS)
@@ -111,6 +113,31 @@ def test_a_cleaner_who_is_zapped_has_cleaned() -> None:
 def test_zapping_does_not_clean() -> None:
     scene = put(*DIRTY, "..^....", "PPP^#..", "BB>BBBB", BARE[1]).step("zap")
     assert count(scene, "water", "state", "dirty") == 18
+
+
+# Zapping
+
+
+def test_a_zap_sends_home_who_stands_in_its_four_cells() -> None:
+    """At once, to a gate of the other two; nobody pays, and it acts from there in the next step."""
+    for row, col in ((2, 2), (1, 2), (2, 1), (2, 3), (2, 0), (0, 2), (1, 1), (3, 3)):
+        rows = [list(line) for line in (*CLEAN, ".......")]
+        rows[row][col], rows[3][2] = "v", "^"
+        told = {row: "1", 3: "0"} if row != 3 else {3: "01"}
+        picture = [f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows)]
+        scene = put(*picture, "P^P.#..  2", *BARE).step("zap").has({"reward": 0})
+        hit = (row, col) in {(2, 2), (1, 2), (2, 1), (2, 3)}
+        scene.has({"event hits": [int(hit), 0, 0], "event cleaned": 0})
+        assert (scene.places()[1] in {(4, 0), (4, 2)}) is hit
+    heading = scene.headings()[1]
+    assert scene.step("stay, turn_left").headings()[1] != heading
+
+
+def test_a_zap_passes_agents_and_ends_at_a_wall() -> None:
+    scene = put("HHHHHHS", "HHvHHHS  1", "HHvH#HH  2", "..^....  0", "PPP.#..", *BARE).step("zap").has({"event hits": [2, 0, 0]})
+    assert {*scene.places()[1:]} <= {(4, 0), (4, 1), (4, 2)}
+    scene = put("HHHHHHS", "HHHHvHS  1", "HHHv#HH  2", "....^..  0", "PPP.#..", *BARE).step("zap").has({"event hits": [1, 0, 0]})
+    assert scene.places()[1] == (1, 4)
 
 
 # Growth
@@ -278,6 +305,15 @@ def test_marks_are_seen_in_one_observation() -> None:
     assert scene.seen(2, "marks", ahead=2) == "scrub+fire"
     scene.step("stay, stay")
     assert not scene.observation[..., [p.name for p in STAGE.env.token_planes].index("marks")].any()
+
+
+def test_the_last_step_pays() -> None:
+    scene = put(*CLEAN, ".......", "PPP^#..", ">bBBBBB  2", "^BBBBBB", step=999).step("stay, stay, forward")
+    scene.has({"reward": [0, 0, 1], "steps": 1000, "truncated": True, "terminated": False})
+
+
+def test_moves() -> None:
+    check_moves(STAGE, (*CLEAN, "..^....  0", "PPP.#..", "BB<<BBB", BARE[1]), compass=False)
 
 
 def test_marks_block_nobody() -> None:

@@ -4,14 +4,16 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .frames import check_moves
+
 LOOKS = {"r": "tile coin=red", "g": "tile coin=green"}
 STAGE = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, looks=LOOKS)
 RED, GREEN = 0, 1  # agent 0 is red, agent 1 green
 
 
-def put(*picture: str, seed: int = 0, **params: float) -> Scene:
+def put(*picture: str, seed: int = 0, step: int = 0, **params: float) -> Scene:
     """Returns a scene in which no coin comes by itself."""
-    return STAGE.put(*picture, seed=seed, params={"spawn": 0} | params)
+    return STAGE.put(*picture, seed=seed, step=step, params={"spawn": 0} | params)
 
 
 # what agents 0 and 1 step on -> their rewards. Source: SocialJax, coin_game: payoff_matrix [[1, 1, -2], [1, 1, -2]]
@@ -69,6 +71,15 @@ def test_a_colour_is_its_agents() -> None:
     assert scene.step("step_right, step_right").reward == [-1, 1]
     scene = put("CCCrv  1", "CCCCC", "CCCCC", "^rCCC  0")
     assert scene.step("step_right, step_right").reward == [-1, 1]
+
+
+def test_the_last_step_pays() -> None:
+    scene = put("CCCCP", ">rCCC", "CCCC<", "PCCCC", step=999).step("forward, stay")
+    scene.has({"reward": [1, 0], "steps": 1000, "truncated": True, "terminated": False})
+
+
+def test_moves() -> None:
+    check_moves(STAGE, ("CCCCP", "CC^CC", "CCCCC", "PCCC<"), compass=False)
 
 
 # Where coins come

@@ -280,22 +280,12 @@ def test_a_partial_ore_stays_a_partial_ore(stage: Stage) -> None:
     scene.step().has({"rock.ore": {(3, 3): "partial"}}).step().has({"rock.ore": {(3, 3): "gold"}})
 
 
-# Moves, starts, numbers, what is seen
+# Moves, starts, what is seen
 
 
 @pytest.mark.parametrize(("variant", "compass"), [(None, False), ("socialjax", True)])
 def test_moves(variant: str | None, compass: bool) -> None:
     check_moves(STAGES[variant], (*ROWS[:3], "OOO^OOO", *ROWS[4:-1], "vvvvvPP"), compass)
-
-
-def test_numbers() -> None:
-    """Source: SocialJax, appendix B of the paper, for the first; the released code for the second."""
-    shared = {"iron_pays": 1, "gold_pays": 8, "fewest": 2, "most": 4, "patience": 3, "length": 1000}
-    for variant, rates in ((None, (0.0004, 0.00016)), ("socialjax", (0.0002, 0.00008))):
-        params = STAGES[variant].env.params
-        assert {name: float(getattr(params, name)) for name in shared} == shared
-        assert (float(params.spawn_iron), float(params.spawn_gold)) == pytest.approx(rates)
-    assert Stage("coop_mining").env.num_agents == 6
 
 
 def test_an_episode_starts_in_the_camps_without_ore() -> None:

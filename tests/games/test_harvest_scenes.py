@@ -139,6 +139,11 @@ def test_an_apple_is_worth_its_parameter() -> None:
     assert scene.step("forward").reward == [2.5, 0]
 
 
+def test_the_last_step_pays() -> None:
+    scene = GROVE.put("aaaaaa", "a>Aaaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}, step=999).step("forward")
+    scene.has({"reward": [1, 0], "steps": 1000, "truncated": True, "terminated": False})
+
+
 # Zapping
 
 

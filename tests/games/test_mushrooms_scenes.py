@@ -289,7 +289,7 @@ def test_with_a_delay_who_is_hit_is_away_and_digests() -> None:
     scene.step().has({"agent.away": False, "agent.digesting": {1: 5}})
 
 
-# Episodes, moves, numbers, what is seen
+# Episodes, moves, what is seen
 
 
 @BOTH
@@ -301,18 +301,6 @@ def test_the_last_step_pays(stage: Stage) -> None:
 @pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
 def test_moves(stage: Stage, compass: bool) -> None:
     check_moves(stage, (EMPTY, EMPTY, "...^....", EMPTY, EMPTY, "....vvvv"), compass)
-
-
-def test_numbers() -> None:
-    """Source: SocialJax, appendix B of the paper; trials and bounds of the released code."""
-    for stage in STAGES:
-        params = stage.env.params
-        assert params.digestion.tolist() == [10, 15, 20, 0]
-        assert params.regrow.tolist() == pytest.approx([0.25, 0.4, 0.6, 1])
-        assert params.crowd.tolist()[:3] == [5, 5, 5]
-        assert params.spores.tolist() == [[2, 0, 0, 0], [2, 2, 0, 0], [2, 2, 2, 0], [2, 0, 0, 1]]
-        assert int(params.length) == 1000
-    assert Stage("mushrooms").env.num_agents == 5
 
 
 def test_an_episode_starts_on_bare_floor() -> None:

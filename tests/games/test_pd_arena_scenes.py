@@ -299,7 +299,7 @@ def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
     assert bags(scene, 0, 1) == [(0, 0), (0, 1)]
 
 
-# Moves, starts, numbers, what is seen
+# Moves, starts, what is seen
 
 
 @pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
@@ -310,16 +310,6 @@ def test_moves(stage: Stage, compass: bool) -> None:
 @BOTH
 def test_walls_stop(stage: Stage) -> None:
     put(stage, *ROWS[:3], ROWS[3], "......^.  0", "vvvPPPPP").step("forward").shows(*ROWS[:4], "......^.", "vvvPPPPP")
-
-
-def test_numbers() -> None:
-    """Source: SocialJax, appendix B of the paper; the resources of the released code; a bag's size is ours."""
-    for stage in STAGES:
-        params = stage.env.params
-        assert params.payoff.tolist() == [[3, -1], [5, 1]]
-        assert (int(params.rest_lo), int(params.rest_hi), int(params.length)) == (10, 100, 1000)
-        assert float(params.regrow) == pytest.approx(0.1)
-    assert Stage("pd_arena").env.num_agents == 4
 
 
 def test_an_episode_starts_on_gates_with_empty_bags_and_all_resources() -> None:
