@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test check bench golden wheel-test clean
+.PHONY: run test check bench golden docs wheel-test clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -27,6 +27,7 @@ check: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/sjdsl fmt --check games tests/cases tests/differential tests/runtime
 	$(BIN)/sjdsl compile --all --check
+	$(BIN)/sjdsl doc --all --check
 	$(PYTEST)
 
 bench: .venv/ready
@@ -35,7 +36,12 @@ bench: .venv/ready
 # Writes again what tests compare to; read the difference before it is committed.
 golden: .venv/ready
 	$(BIN)/sjdsl compile --all
+	$(BIN)/sjdsl doc --all
 	$(PYTEST) --update-golden
+
+# Writes the page of the games again: their texts, and what a random policy comes to where the rules have changed.
+docs: .venv/ready
+	$(BIN)/sjdsl doc --all
 
 # Installs the wheel where nothing else is, and uses it far from this folder.
 wheel-test: .venv/ready

@@ -17,8 +17,7 @@ def parameters(w: Written) -> list[str]:
 def _row(declared: ir.Size | ir.Param, w: Written, when: str) -> tuple[str, ...]:
     written = w.numbers[declared.name]
     default = table_value(declared.value, declared.type.by)
-    if written.formula:
-        default += f", computed as {code(written.formula)}"
+    default += "".join(f"; {' '.join([*map(code, path), 'computed as'])} {code(text)}" for path, text in written.formulas)
     return code(declared.name), default, unit_of(declared), limits_of(declared, w), when, plain(written.source)
 
 

@@ -20,11 +20,11 @@ _COMMENT = re.compile(r'^(?:[^"#]|"[^"]*")*#\s*(.*?)\s*$')
 class WrittenNumber:
     """A size or parameter as its file has it.
 
-    formula: how the value is computed, empty if it is plainly written; low, high: limits as written, empty without; source:
-    the comments beside the value.
+    formulas: how values are computed that are not plainly written: (words of the entry, text); low, high: limits as written,
+    empty without; source: the comments beside the value.
     """
 
-    formula: str
+    formulas: tuple[tuple[tuple[str, ...], str], ...]
     low: str
     high: str
     source: str
@@ -58,38 +58,39 @@ def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
 
 def _number(constant: ast.Constant, game: Composition) -> WrittenNumber:
     leaves = list(_leaves(constant.value))
-    of_words = constant.unit.text == "word"
-    literal = all(isinstance(leaf, ast.Int | ast.Decimal) or (of_words and isinstance(leaf, ast.Path)) for leaf in map(_unsigned, leaves))
+    computed = [(path, leaf) for path, leaf in leaves if not _is_literal(leaf, constant)]
     low, high = ("" if bound is None else _text(bound, game) for bound in (constant.low, constant.high))
-    here = [leaf.span for leaf in leaves if _is_inside(leaf.span, constant.span)]
-    elsewhere = [leaf.span for leaf in leaves if not _is_inside(leaf.span, constant.span)]
+    here = [leaf.span for _, leaf in leaves if _is_inside(leaf.span, constant.span)]
+    elsewhere = [leaf.span for _, leaf in leaves if not _is_inside(leaf.span, constant.span)]
     found = [comments(span, game.sources) for span in ([constant.span] if here else []) + elsewhere]
     source = "; ".join(dict.fromkeys(text for text in found if text))
-    return WrittenNumber("" if literal else _text(constant.value, game), low, high, source)
+    return WrittenNumber(tuple((path, _text(leaf, game)) for path, leaf in computed), low, high, source)
 
 
-def _leaves(value: ast.Expr | ast.Table) -> Iterator[ast.Expr]:
-    """Yields the expressions of a number or table."""
+def _leaves(value: ast.Expr | ast.Table, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], ast.Expr]]:
+    """Yields the expressions of a number or table, each with its words."""
     if isinstance(value, ast.Table):
         for entry in value.entries:
-            yield from _leaves(entry.value)
+            yield from _leaves(entry.value, (*path, entry.key.text))
     else:
-        yield value
+        yield path, value
 
 
-def _unsigned(value: ast.Expr) -> ast.Expr:
-    return _unsigned(value.operand) if isinstance(value, ast.Unary) else value
+def _is_literal(value: ast.Expr, constant: ast.Constant) -> bool:
+    if isinstance(value, ast.Unary):
+        return _is_literal(value.operand, constant)
+    return isinstance(value, ast.Int | ast.Decimal) or (constant.unit.text == "word" and isinstance(value, ast.Path))
 
 
 def _is_inside(inner: Span, outer: Span) -> bool:
     return inner.file == outer.file and outer.start <= inner.start < outer.end
 
 
-def _text(value: ast.Expr | ast.Table, game: Composition) -> str:
-    """Returns a value as written; of a table each entry, for a variant may have changed some."""
-    if isinstance(value, ast.Table):
-        return "{ " + ", ".join(f"{e.key.text}: {_text(e.value, game)}" for e in value.entries) + " }"
-    return layout_free(game.sources[value.span.file], value.span.start, value.span.end)
+def _text(value: ast.Expr, game: Composition) -> str:
+    """Returns an expression as written; one of several lines without its layout."""
+    source = game.sources[value.span.file]
+    text = source.text[value.span.start : value.span.end]
+    return layout_free(source, value.span.start, value.span.end) if "\n" in text else text
 
 
 def comments(span: Span, sources: dict[str, Source]) -> str:

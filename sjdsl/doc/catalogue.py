@@ -1,0 +1,91 @@
+"""The page of the bundled games: for each a picture, what it is about, its numbers, and what a random policy comes to."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sjdsl.compiler import ir
+from sjdsl.doc.figures import Figure, Figures
+from sjdsl.doc.numbers import parameters
+from sjdsl.doc.wording import code, codes, number, plain, table
+from sjdsl.doc.written import Written
+
+PICTURES = "pictures"
+INTRODUCTION = """The games that come with sjdsl, each a text of some eighty lines in [games/](../games). This page is made from them:
+`make docs` (or `sjdsl doc --all`). `sjdsl doc GAME` prints all the rules of a game in plain English, `sjdsl diff GAME --variants A B`
+what a variant changes."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A bundled game with the figures of a random policy, if they have been measured."""
+
+    name: str
+    written: Written
+    figures: Figures | None
+
+
+def catalogue(entries: Sequence[Entry]) -> str:
+    """Returns the page as Markdown."""
+    keys = list(dict.fromkeys(key for e in entries for key, _ in e.written.game.about if key != "summary"))
+    head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in keys))
+    overview = table(head, [_row(e, keys) for e in entries])
+    lines = ["# The games", "", INTRODUCTION, "", *overview, ""]
+    for entry in entries:
+        lines += _game(entry)
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _row(e: Entry, keys: Sequence[str]) -> tuple[str, ...]:
+    game, about = e.written.game, dict(e.written.game.about)
+    return (
+        f"[{plain(game.title)}](#{e.name})",
+        str(game.agents.number),
+        _size(game),
+        str(len(game.agents.actions)),
+        *(plain(about.get(k, "")) for k in keys),
+    )
+
+
+def _size(game: ir.Game) -> str:
+    return f"{len(game.rows)} × {len(game.rows[0])}"
+
+
+def _game(e: Entry) -> list[str]:
+    game = e.written.game
+    summary = dict(game.about).get("summary", "")
+    lines = [f'<a id="{e.name}"></a>', "", f"## {plain(game.title)}", "", f"![{plain(game.title)}]({PICTURES}/{e.name}.png)", ""]
+    lines += [plain(summary), ""] if summary else []
+    lines += [*_facts(e), "", "Numbers:", "", *parameters(e.written)]
+    return [*lines, *(_figures(e.figures) if e.figures is not None else ["What a random policy comes to has not been measured.", ""])]
+
+
+def _facts(e: Entry) -> list[str]:
+    game = e.written.game
+    window = game.window
+    rows = [
+        ("agents", str(game.agents.number)),
+        ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells"),
+        ("actions", codes(game.agents.actions)),
+        ("window", f"{window.ahead} ahead, {window.behind} behind, {window.left} left, {window.right} right"),
+        *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),
+        ("sources", "; ".join(map(plain, game.cites))),
+        ("all the rules", code(f"sjdsl doc {e.name}")),
+    ]
+    rows += [(f"variant {code(name)}", plain(title)) for name, title in e.written.variants]
+    return table(("", ""), [row for row in rows if row[1]])
+
+
+def _figures(f: Figures) -> list[str]:
+    title = f"A random policy, {f.episodes} episodes from seed {f.seed}, means with their 95 % confidence intervals:"
+    return [title, "", *table(("", "mean", "interval"), [(name, *_figure(figure)) for name, figure in f.values.items()]), ""]
+
+
+def _figure(figure: Figure) -> tuple[str, str]:
+    if figure.mean is None or figure.low is None or figure.high is None:
+        return "not defined", "some returns are negative, or all are 0"
+    return _short(figure.mean), f"{_short(figure.low)} to {_short(figure.high)}"
+
+
+def _short(value: float) -> str:
+    """Returns four significant digits."""
+    return number(float(f"{value:.4g}"))

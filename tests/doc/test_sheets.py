@@ -1,0 +1,58 @@
+"""Rule sheets as stored texts, and the page of the games: current, its figures found again."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sjdsl.cli.games_page import page_problems
+from sjdsl.doc import rule_sheet
+from sjdsl.doc.figures import SEED, Figure, Figures, figures_text, measure, read_figures
+
+from .corpus import TESTS, small
+
+GOLDEN = TESTS / "golden" / "doc"
+SHEETS = ("beams", "chances", "looking", "matching", "rows", "sending", "timers")
+PAGE = TESTS.parent / "docs" / "games.md"
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_sheet(name: str, golden: Callable[[Path, str], None]) -> None:
+    golden(GOLDEN / f"{name}.md", rule_sheet(small()[name]))
+
+
+def test_no_golden_is_left_over() -> None:
+    assert {path.name for path in GOLDEN.iterdir()} == {f"{name}.md" for name in SHEETS}
+
+
+def test_the_page_of_the_games_is_current(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(TESTS.parent)
+    assert page_problems(Path("docs/games.md")) == []
+
+
+def test_a_page_that_is_not_current_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(TESTS.parent)
+    figures = read_figures(PAGE.with_suffix(".json"))
+    first = next(iter(figures))
+    old = Figures("0" * 16, figures[first].episodes, figures[first].seed, figures[first].values)
+    (tmp_path / "games.json").write_text(figures_text({**figures, first: old, "no_game": old}))
+    (tmp_path / "games.md").write_text(PAGE.read_text(encoding="utf-8"), encoding="utf-8")
+    told = page_problems(tmp_path / "games.md")
+    assert f"{first}: the figures are of other rules" in told
+    assert "no_game: figures of no game" in told
+    assert sum("missing" in line for line in told) == len(figures)
+    assert not any("not what the games say" in line for line in told)
+
+
+def test_figures_are_found_again() -> None:
+    stored = read_figures(PAGE.with_suffix(".json"))["coins"]
+    again = measure("coins", stored.episodes, stored.seed)
+    assert again.hash == stored.hash
+    assert again.values.keys() == stored.values.keys()
+    for name, figure in stored.values.items():
+        assert values(again.values[name]) == pytest.approx(values(figure), rel=1e-4)
+    assert stored.seed == SEED
+
+
+def values(figure: Figure) -> list[float]:
+    return [0.0 if x is None else x for x in (figure.mean, figure.low, figure.high)]
