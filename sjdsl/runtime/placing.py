@@ -89,3 +89,35 @@ def pair(ranks: Array, alike: bool) -> Array:
     most = left // 2 if alike else min(left, right)
     start = (ranks, jnp.full(left, right, jnp.int32))
     return lax.fori_loop(0, most, take, start)[1]
+
+
+def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
+    """Returns what `pair` returns, from the few right members that each left member reaches.
+
+    Args:
+      reached: `[L, K]` int32, numbers of right members, 0 .. right - 1 where the rank is not 0; one may stand there twice.
+      ranks: `[L, K]` uint32, 0 where there is no pair; equal ranks: the smaller left, then the smaller right number first.
+      right: number of right members.
+      alike: both sides are the agents, so a member taken on one side is not free on the other.
+    Returns:
+      `[L]` int32, `right` for those without a partner.
+    """
+    left = reached.shape[0]
+    if right == 0 or 0 in reached.shape:
+        return jnp.full(left, right, jnp.int32)
+    rows = jnp.arange(left, dtype=jnp.int32)
+    numbers = rows[:, None] * right + reached
+
+    def more(state: tuple[Array, Array]) -> Array:
+        return jnp.any(state[0] > 0)
+
+    def take(state: tuple[Array, Array]) -> tuple[Array, Array]:
+        live, partner = state
+        number = jnp.min(jnp.where(live == jnp.max(live), numbers, left * right))
+        a, b = number // right, number % right
+        gone = (rows == a)[:, None] | (reached == b)
+        if alike:
+            gone = gone | (rows == b)[:, None] | (reached == a)
+        return jnp.where(gone, jnp.uint32(0), live), jnp.where(rows == a, b, partner)
+
+    return lax.while_loop(more, take, (ranks, jnp.full(left, right, jnp.int32)))[1]

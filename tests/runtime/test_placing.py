@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sjdsl.runtime.draws import ranks
-from sjdsl.runtime.placing import choose, pair, place
+from sjdsl.runtime.placing import choose, pair, pair_reached, place
 
 from . import references
 
@@ -104,6 +104,25 @@ def test_pair(left: int, right: int, alike: bool) -> None:
             assert not lefts & set(rights)
         busy = (lefts | set(rights), lefts | set(rights)) if alike else (lefts, set(rights))
         assert not [(a, b) for a, b in np.argwhere(rank[case] > 0).tolist() if a not in busy[0] and b not in busy[1]]
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "alike"), [(1, 1, False), (3, 5, False), (6, 3, False), (2, 2, True), (5, 5, True), (7, 7, True)]
+)
+@pytest.mark.parametrize("few", [1, 3])
+def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> None:
+    """With the ranks of those who are reached: often the same, some reached twice, some places empty."""
+    random = np.random.default_rng(100 * left + 10 * right + few)
+    cases = 200
+    reached = random.integers(0, right + 1, (cases, left, few))  # `right` is nobody
+    table = np.concatenate([random_ranks(random, (cases, left, right)), np.zeros((cases, left, 1), np.int64)], axis=2)
+    if alike:
+        table[:, range(left), range(left)] = 0
+    rank = np.take_along_axis(table, reached, axis=2)
+    found = jax.jit(jax.vmap(lambda b, r: pair_reached(b, r, right, alike)))(jnp.asarray(reached, jnp.int32), jnp.asarray(rank, jnp.uint32))
+    for case in range(cases):
+        pairs = [[int(table[case, a, b]) if b in reached[case, a] else 0 for b in range(right)] for a in range(left)]
+        assert found[case].tolist() == references.pair(pairs, alike)
 
 
 def test_pair_by_hand() -> None:

@@ -199,12 +199,9 @@ def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
     left = enter(s.left, replace(frame, mask=None), w)
     if not left.axes:
         raise NotSupported("`match` of one determined agent", s.origin)
-    rows = left.axes[-1]
-    live, cols, total, alike = _pairs(s, left, w)
-    word = _pair_words(s, rows, cols, total)
-    ranks = w.keep("order", Value(f"ranks({word.text}, {live})", "u32", (rows, cols)))
-    partner = w.keep(s.right.var.name, Value(f"pair({ranks.text}, alike={alike})", "i32", (rows,)))
-    matched = binary("<", partner, literal(cols.size, "i32"), "bool")
+    partner, size = _partners(s, left, w)
+    partner = w.keep(s.right.var.name, partner)
+    matched = binary("<", partner, literal(size, "i32"), "bool")
     if s.right.var.who == "agent":
         right: AgentVar | CellVar = AgentVar(partner)
     else:
@@ -214,44 +211,39 @@ def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
     return inner.when(frame.mask).when(w.keep("matched", matched))
 
 
-def _pair_words(s: ir.Match, rows: Axis, cols: Axis, total: int) -> Value:
-    assert total == cols.size
-    return Value(f"words(key, 0x{s.stream:08x}, {rows.size}, {cols.size})", "u32", (rows, cols))
-
-
-def _pairs(s: ir.Match, left: Frame, w: Writer) -> tuple[str, Axis, int, bool]:
-    """Returns which pairs are pairs, `[left, right]` over all members of the right side."""
-    right = s.right
+def _partners(s: ir.Match, left: Frame, w: Writer) -> tuple[Value, int]:
+    """Returns the partner of each left member, and how many right members there are: the partner of those who have none."""
+    right, rows = s.right, left.axes[-1]
     alike = s.left.var.who == "agent" and right.var.who == "agent"
     size = w.module.num_agents if right.var.who == "agent" else w.module.layout.num_cells(right.var.kinds)
-    rows = left.axes[-1]
     if s.first:
         inner, lanes, found, _ = _nearest(right, left.always(), w)
-        cols = w.axis(right.var.name, size)
-        index = _index(inner.variables[right.var.name])
         mask = both(left.mask, found)
-        assert mask is not None
-        return _dense(index, mask, (rows, lanes), cols, alike), cols, size, alike
+        return _among_reached(s, _index(inner.variables[right.var.name]), mask, (rows, lanes), size, alike, w), size
     inner = enter(right, left, w)
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]
     if isinstance(variable, CellVar) and variable.axis is None:
-        dense = w.axis(right.var.name, size)
-        mask = inner.mask if inner.mask is not None else literal(True, "bool")
-        return _dense(variable.site, mask, (rows, cols), dense, alike), dense, size, alike
+        return _among_reached(s, variable.site, inner.mask, (rows, cols), size, alike, w), size
     if cols is rows or cols == rows:
         raise NotSupported("a `match` whose right side is determined by the left", s.origin)
+    assert size == cols.size
     mask = _mask_over(inner, (rows, cols)).text
     if alike:
         mask = f"({mask}) & ~jnp.eye({size}, dtype=bool)"
-    return mask, cols, size, alike
+    drawn = f"words(key, 0x{s.stream:08x}, {rows.size}, {cols.size})"
+    ranks = w.keep("order", Value(f"ranks({drawn}, {mask})", "u32", (rows, cols)))
+    return Value(f"pair({ranks.text}, alike={alike})", "i32", (rows,)), size
 
 
-def _dense(index: Value, mask: Value, axes: tuple[Axis, Axis], cols: Axis, alike: bool) -> str:
-    """Returns pairs given by computed numbers as a table over all members."""
-    places = _mask_like(index, axes)
-    happens = _mask_like(mask, axes)
-    text = (
-        f"jnp.any({wrapped(Value(happens, 'bool'))}[..., None] & ({places}[..., None] == jnp.arange({cols.size})[None, None, :]), axis=1)"
-    )
-    return f"{text} & ~jnp.eye({cols.size}, dtype=bool)" if alike else text
+def _among_reached(s: ir.Match, index: Value, mask: Value | None, axes: tuple[Axis, Axis], size: int, alike: bool, w: Writer) -> Value:
+    """Returns partners among the few members that each left one reaches: a word for each of them, not for all pairs there are."""
+    rows = axes[0]
+    reached = w.keep("reached", Value(_mask_like(index, axes), "i32", axes))
+    happens = wrapped(Value(_mask_like(literal(True, "bool") if mask is None else mask, axes), "bool"))
+    mine = f"jnp.arange({rows.size}, dtype=jnp.int32)[:, None]"
+    if alike:
+        happens = f"{happens} & ({reached.text} != {mine})"
+    drawn = f"words_at(key, 0x{s.stream:08x}, ({mine} * {size} + {reached.text}).astype(jnp.uint32))"
+    ranks = w.keep("order", Value(f"ranks({drawn}, {happens})", "u32", axes))
+    return Value(f"pair_reached({reached.text}, {ranks.text}, {size}, alike={alike})", "i32", (rows,))
