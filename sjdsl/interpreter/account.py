@@ -13,6 +13,7 @@ class Drawn(NamedTuple):
 
     number: of the word in the sentence's stream. bounds: the thresholds of a chance, of 2^31, one for each branch.
     result: the number of the branch of a chance, None for none; the value of a `draw`; whether a member was picked or a pair matched.
+    names: the variables around it, the member's or pair's own among them.
     """
 
     sentence: "ir.Chance | ir.Draw | ir.Pick | ir.Match"
@@ -20,6 +21,7 @@ class Drawn(NamedTuple):
     word: int
     result: Value
     bounds: tuple[int, ...] = ()
+    names: Mapping[str, Value] = {}
 
 
 @dataclass(frozen=True)

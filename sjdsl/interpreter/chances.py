@@ -27,14 +27,14 @@ def chance(sentence: ir.Chance, here: Instance) -> Drawn:
         if computed:
             note_if_near(here.draws, sentence.stream, here.number, word, threshold)
         if word >> 1 < threshold:
-            return Drawn(sentence, here.number, word, number, tuple(bounds))
-    return Drawn(sentence, here.number, word, None, tuple(bounds))
+            return Drawn(sentence, here.number, word, number, tuple(bounds), here.names)
+    return Drawn(sentence, here.number, word, None, tuple(bounds), here.names)
 
 
 def draw(sentence: ir.Draw, here: Instance) -> Drawn:
     """Returns the number or word drawn."""
     word = here.word(sentence.stream, here.number)
-    return Drawn(sentence, here.number, word, _drawn(sentence, word, here))
+    return Drawn(sentence, here.number, word, _drawn(sentence, word, here), names=here.names)
 
 
 def _drawn(sentence: ir.Draw, word: int, here: Instance) -> Value:
@@ -71,7 +71,10 @@ def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[
     words = {m.number: here.word(sentence.stream, here.number * radix + m.number) for m in all_members}
     order = sorted(all_members, key=lambda m: (-(words[m.number] >> 1), m.number))
     taken = max(0, evaluate(sentence.number, here))
-    return [(m, Drawn(sentence, here.number * radix + m.number, words[m.number], i < taken)) for i, m in enumerate(order)]
+    return [
+        (m, Drawn(sentence, here.number * radix + m.number, words[m.number], i < taken, names={**here.names, **m.names}))
+        for i, m in enumerate(order)
+    ]
 
 
 def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Drawn]]:
@@ -90,7 +93,8 @@ def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Draw
     for _, number, word, left, right in sorted(ranked, key=lambda pair: pair[:2]):
         free = not taken & {left.member, right.member}
         taken |= {left.member, right.member} if free else set()
-        pairs.append((left, right, Drawn(sentence, number, word, free)))
+        names = {**here.names, **left.names, **right.names}
+        pairs.append((left, right, Drawn(sentence, number, word, free, names=names)))
     return pairs
 
 
