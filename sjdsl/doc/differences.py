@@ -90,7 +90,9 @@ def _map(old: ir.Game, new: ir.Game) -> list[Change]:
     sizes = [f"{len(g.rows)} rows of {len(g.rows[0])} cells" for g in (old, new)]
     cells = [_cells(g) for g in (old, new)]
     found = by_name(*({"size": size} for size in sizes))
-    found += by_name(*({f"{what} cells": count for what, count in Counter(kind for row in rows for kind in row).items()} for rows in cells))
+    found += by_name(
+        *({f"cells of {what}": count for what, count in Counter(kind for row in rows for kind in row).items()} for rows in cells)
+    )
     if sizes[0] == sizes[1]:
         same = sum(a == b for rows in zip(*cells, strict=True) for a, b in zip(*rows, strict=True))
         found += by_name(*({"cells of the same kind and state": n} for n in (sum(map(len, cells[0])), same)))
@@ -98,8 +100,8 @@ def _map(old: ir.Game, new: ir.Game) -> list[Change]:
 
 
 def _cells(game: ir.Game) -> list[list[str]]:
-    """Returns what stands in each cell of the map: its kind with the state at the start."""
-    meaning = {g.glyph: " ".join([g.kind, *([f"({starts(g, game)})"] if starts(g, game) else [])]) for g in game.glyphs}
+    """Returns what stands in each cell of the map: its kind, with the state at the start."""
+    meaning = {g.glyph: f"{g.kind} ({starts(g, game)})" if starts(g, game) else g.kind for g in game.glyphs}
     return [[meaning[glyph] for glyph in row] for row in game.rows]
 
 

@@ -84,7 +84,7 @@ def starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
     """Returns the fields that a glyph of the map stands for, each with its value at the start."""
     fields = next(k.fields for k in game.kinds if k.name == glyph.kind)
     own = dict(glyph.starts)
-    return ", ".join(f"{code(f.name)} {start_text(own.get(f.name, f.start), f)}" for f in fields)
+    return ", ".join(f"{code(f.name)} = {start_text(own.get(f.name, f.start), f)}" for f in fields)
 
 
 def blocking(kind: ir.Kind, v: Vocabulary) -> list[Line]:

@@ -70,9 +70,9 @@ def promise_line(check: ir.Check, v: Vocabulary) -> Line:
         case "symmetric":
             (what,) = check.words
             return Line(
-                "other numbers for the agents change nothing but the numbers"
+                "numbering the agents in another order changes nothing but their numbers"
                 if what == "agents"
-                else "on the mirrored map all happens mirrored"
+                else "on the mirrored map everything happens mirrored"
             )
         case "expect":
             who = joined(policy(p, v) for p in check.policies)

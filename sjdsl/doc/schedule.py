@@ -11,7 +11,7 @@ def overview(v: Vocabulary) -> list[str]:
     steps = ["every agent has chosen an action" + (", and forbidden ones become `stay`" if game.agents.forbids else "")]
     steps += [_tick(v) if isinstance(t, ir.Tick) else f"{code(t.label)}{_touches(t, v)}" for t in game.schedule]
     steps += ["rewards, counts and metrics of the step are read", "the number of finished steps grows by 1", "the agents observe"]
-    return [*(f"{i}. {capital(text)}" for i, text in enumerate(steps, 1)), ""]
+    return [*(f"{i}. {capital(text)}." for i, text in enumerate(steps, 1)), ""]
 
 
 def _tick(v: Vocabulary) -> str:

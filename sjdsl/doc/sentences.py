@@ -162,9 +162,11 @@ def _tally(s: ir.Tally, v: Vocabulary) -> str:
         whom = f" for each agent among {value(s.receiver, v)}"
     else:
         whom = f" for {value(s.receiver, v)}"
-    times = "once" if s.amount is None else f"{side(s.amount, v)} times"
     under = "" if s.word is None else f", under {value(s.word, v)}"
-    return f"the event {code(s.event)} is counted {times}{whom}{under}"
+    if s.amount is None or isinstance(s.amount, ir.Number):
+        times = "once" if s.amount is None else f"{number(s.amount.value)} times"
+        return f"the event {code(s.event)} is counted {times}{whom}{under}"
+    return f"the event {code(s.event)} is counted{whom}{under}, as many times as {side(s.amount, v)}"
 
 
 def _send(s: ir.Send, v: Vocabulary) -> str:

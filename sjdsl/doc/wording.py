@@ -70,12 +70,12 @@ def capital(text: str) -> str:
 
 
 def table_value(value: Any, by: Sequence[Sequence[str]]) -> str:
-    """Returns the value of a number or a table by words: `raw 3, cut 1`; `raw (raw 1, cut 0), cut (...)`."""
+    """Returns the value of a number or a table by words: `raw: 3, cut: 1`; `raw: (raw: 1, cut: 0), cut: (...)`."""
     if not by:
         return code(value) if isinstance(value, str) else number(value)
     inner = [table_value(v, by[1:]) for v in value]
     shown = [f"({v})" if len(by) > 1 else v for v in inner]
-    return ", ".join(f"{code(word)} {v}" for word, v in zip(by[0], shown, strict=True))
+    return ", ".join(f"{code(word)}: {v}" for word, v in zip(by[0], shown, strict=True))
 
 
 def bullets(lines: Iterable[Line], depth: int = 0) -> Iterator[str]:

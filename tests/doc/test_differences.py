@@ -82,11 +82,11 @@ PAIRS = {
     ),
     "map size": (
         [('".tT."', '".tT."\n        "...."')],
-        "Map | size: 2 rows of 4 cells -> 3 rows of 4 cells | grass cells: 4 -> 8",
+        "Map | size: 2 rows of 4 cells -> 3 rows of 4 cells | cells of grass: 4 -> 8",
     ),
     "map": (
         [('"..T#"', '"..t#"')],
-        "Map | tree (`fruit` `ripe`) cells: 2 -> 1 | tree (`fruit` `none`) cells: 1 -> 2 | cells of the same kind and state: 8 -> 7",
+        "Map | cells of tree (`fruit` = `ripe`): 2 -> 1 | cells of tree (`fruit` = `none`): 1 -> 2 | cells of the same kind and state: 8 -> 7",
     ),
     "actions": (
         [("acts turn_left, forward, stay, zap", "acts forward, stay, zap, sing")],
@@ -106,9 +106,9 @@ PAIRS = {
     "blocks": ([("blocks agents, ray", "blocks agents")], "Kinds of cell | wall | - A lane of `ray` ends at a wall cell."),
     "new kind": (
         [("  group ground", '  kind pond "~" { field fish : 0 .. 3 = 1 }\n  group ground'), ('"..T#"', '".~T#"')],
-        "Map | grass cells: 4 -> 3 | pond (`fish` 1) cells: added, 1 | cells of the same kind and state: 8 -> 7 | Kinds of cell |"
+        "Map | cells of grass: 4 -> 3 | cells of pond (`fish` = 1): added, 1 | cells of the same kind and state: 8 -> 7 | Kinds of cell |"
         " kind pond: added, glyph ~ | pond | + `fish`: a whole number from 0 to 3, at first 1. |"
-        " glyph ~: added, pond `fish` 1 | Observation | not seen | + The `fish` of pond cells.",
+        " glyph ~: added, pond `fish` = 1 | Observation | not seen | + The `fish` of pond cells.",
     ),
     "group": ([("group ground = grass, tree", "group ground = grass")], "Kinds of cell | group ground: grass, tree -> grass"),
     "shape": ([("line(2)", "line(3)")], "Shapes | ray | - 2 cells. | + 3 cells. | + x"),

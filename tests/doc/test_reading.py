@@ -80,7 +80,7 @@ def test_lines_inside_lines() -> None:
 
 def test_numbers_and_tables() -> None:
     assert [number(x) for x in (1, 1.0, 0.25, 0.00008, 1e-12, -3.5)] == ["1", "1", "0.25", "0.00008", "1e-12", "-3.5"]
-    assert table_value(((1, 0), (2, 3.5)), (("raw", "cut"), ("raw", "cut"))) == "`raw` (`raw` 1, `cut` 0), `cut` (`raw` 2, `cut` 3.5)"
+    assert table_value(((1, 0), (2, 3.5)), (("raw", "cut"), ("raw", "cut"))) == "`raw`: (`raw`: 1, `cut`: 0), `cut`: (`raw`: 2, `cut`: 3.5)"
     assert table(("a", "b"), [("|", "c")]) == ["| a | b |", "| --- | --- |", "| \\| | c |"]
 
 
@@ -115,13 +115,13 @@ def test_numbers_name_their_sources() -> None:
     assert rows == [
         "| `players` | 2; computed as `1 + 1` | count | 1 to 2 | before compiling | paper: two |",
         "| `rate` | 0.5 | probability | 0 to 1 | at any time |  |",
-        "| `pay` | `red` 1, `blue` 3; `red` computed as `2 / players` | reward | any | at any time | first part; second part |",
+        "| `pay` | `red`: 1, `blue`: 3; `red` computed as `2 / players` | reward | any | at any time | first part; second part |",
     ]
 
 
 def test_a_variant_names_the_source_of_what_it_changes() -> None:
     (row,) = (line for line in sheet_lines(("rich",)) if line.startswith("| `pay`"))
-    assert row == "| `pay` | `red` 7, `blue` 3 | reward | any | at any time | first part; second part; ours: more |"
+    assert row == "| `pay` | `red`: 7, `blue`: 3 | reward | any | at any time | first part; second part; ours: more |"
 
 
 def test_comments_are_not_found_in_texts() -> None:
