@@ -35,7 +35,7 @@ def counter(variant: str | None) -> Any:
     env = environment("clean_up", variant)
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
-    def look(before: Any, after: Any, _: Any) -> Any:
+    def look(before: Any, after: Any, reward: Any) -> Any:
         grown = after.orchard_fruit == 1
         dirtied = (before.water_state == 0) & (after.water_state == 1)
         return {
@@ -48,6 +48,7 @@ def counter(variant: str | None) -> Any:
             "last_twins": grown & dirtied[WATER - ORCHARD :],
             "place": jax.nn.one_hot(after.position[:3], sizes, dtype=jnp.int32),
             "heading": jax.nn.one_hot(after.heading[:2], 4, dtype=jnp.int32),
+            "reward": reward,
         }
 
     return many(env, look)
@@ -84,6 +85,17 @@ def test_every_orchard_cell_grows_alike(counted: Any) -> None:
     params = env.params.replace(best_rate=jnp.float32(0.5))
     for site in counted(1, state_with(0), STAYS, params, 4)["grown"]:
         assert_share(site, 4 * BATCH, 0.5, 0.05)
+
+
+def test_nothing_grows_under_agents(counted: Any) -> None:
+    """Nor on the cell one leaves; with a chance of 1 everywhere else, the cell one comes to among them."""
+    env = environment("clean_up")
+    sure = env.params.replace(best_rate=jnp.float32(1))
+    orchard = cells_of(env, "orchard")
+    under = [(17, c) for c in range(7)]
+    seen = counted(8, state_with(0, under), [4, *STAYS[1:]], sure, 1)
+    assert seen["reward"].tolist() == [BATCH, 0, 0, 0, 0, 0, 0]
+    assert seen["grown"].tolist() == [0 if cell in (*under, (16, 0)) else BATCH for cell in orchard]
 
 
 def test_new_dirt_in_half_of_the_steps_from_the_fiftieth_on(counted: Any) -> None:

@@ -26,7 +26,7 @@ def counter(variant: str | None) -> Any:
     """Counts, over many steps from one state: red and green coins by cell, coins on cells of two numbers in a row, and winners of (5, 5)."""
     env = environment("coins", variant)
 
-    def look(_: Any, after: Any, __: Any) -> Any:
+    def look(_: Any, after: Any, reward: Any) -> Any:
         red, green = after.tile_coin == 1, after.tile_coin == 2
         return {
             "red": red,
@@ -34,6 +34,7 @@ def counter(variant: str | None) -> Any:
             "both": (red | green) & jnp.roll(red | green, 1),
             "same": (red & jnp.roll(red, 1)) | (green & jnp.roll(green, 1)),
             "won": after.position == int(frame_cells(env, (5, 5))),
+            "reward": reward,
         }
 
     return many(env, look)
@@ -85,7 +86,7 @@ def test_cells_with_coins_or_agents_have_no_chance(counted: Any) -> None:
     under = [cells_of(env, "tile").index(place) for place in places]
     assert not (set(under) & set(range(40, 80)))
     total = seen["red"] + seen["green"]
-    assert total[under].tolist() == [0, 0]
+    assert total[under].tolist() == seen["reward"].tolist() == [0, 0]
     assert (np.delete(total, under) == steps).all()
     assert (seen["red"][40:60] == steps).all()
     assert (seen["green"][60:80] == steps).all()

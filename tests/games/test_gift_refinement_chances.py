@@ -17,7 +17,7 @@ OPEN = (15, 12)  # a cell of ground with ground around it
 
 @pytest.fixture(scope="module")
 def counted() -> Any:
-    """Counts, over many steps from one state: new tokens by cell, neighbours in the numbering, tokens that stay, winners of a cell."""
+    """Counts, over many steps from one state: new tokens by cell, neighbours in the numbering, tokens that stay, winners of a cell, bags."""
     env = environment(GAME)
     contested = int(frame_cells(env, OPEN))
 
@@ -28,6 +28,7 @@ def counted() -> Any:
             "both": new & jnp.roll(new, 1),
             "kept": (before.ground_token == 1) & (after.ground_token == 1),
             "won": after.position == contested,
+            "bags": after.agent_bag,
         }
 
     return many(env, look)
@@ -65,6 +66,7 @@ def test_cells_with_tokens_or_agents_have_no_chance(counted: Any) -> None:
     fresh = [i for i in range(GROUND) if not token[i] and i not in under]
     assert (seen["new"][fresh] == 2 * BATCH).all()
     assert not seen["new"][under].any()
+    assert not seen["bags"].any()
 
 
 def test_tokens_grow_first(counted: Any) -> None:

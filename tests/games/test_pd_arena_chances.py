@@ -45,6 +45,7 @@ def counter(variant: str | None) -> Any:
             "place": jax.nn.one_hot(after.position, sizes, dtype=jnp.int32),
             "headings": jax.nn.one_hot(after.heading[0] * 4 + after.heading[1], 16, dtype=jnp.int32),
             "suckers": reward == -1,
+            "bags": after.agent_bag,
         }
 
     return many(env, look)
@@ -83,6 +84,7 @@ def test_patches_in_stock_or_under_agents_have_no_chance() -> None:
     state = placed(env, [patches[i] for i in under], patch_stock=np.isin(np.arange(12), [1, 8]))
     seen = counter(None)(1, state, [STAY] * 4, env.params.replace(regrow=jnp.float32(1)), 1)
     assert seen["grown"].tolist() == [0 if i in (*under, 1, 8) else BATCH for i in range(12)]
+    assert not seen["bags"].any()
 
 
 def test_both_rest_each_for_its_own_time() -> None:
