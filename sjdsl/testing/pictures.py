@@ -57,8 +57,8 @@ def _check(sign: str, glyph: str, where: str, signs: Signs) -> None:
 
 
 def _numbers(text: str, arrows: int, row: int) -> tuple[int, ...]:
-    parts = list(text) if len(text) == arrows else text.split(",")
-    if len(parts) != arrows or not all(part.strip().isdecimal() for part in parts):
+    parts = list(text) if len(text) == arrows else text.replace(" ", "").split(",")
+    if len(parts) != arrows or not all(part.isdecimal() and part == str(int(part)) for part in parts):
         raise ValueError(f"row {row} has {arrows} agents; beside it `{text}` does not number them (numbers above 9 with commas: `3,12`)")
     return tuple(map(int, parts))
 

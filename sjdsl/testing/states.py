@@ -42,7 +42,7 @@ def stored_values(declared: ir.VarField, world: World) -> Any:
 def compiled_state(env: Environment, blank: Any, world: World) -> Any:
     """Returns the compiled state that equals a world without marks, as NumPy arrays. `blank`: any state of the game without marks.
 
-    Raises ValueError for a number too large for its field.
+    Raises ValueError for a timer longer than any that the game sets can be.
     """
     state, (_, cols), pad = blank, env.module.FRAME, env.module.PAD
     changed: dict[str, Any] = {
@@ -59,8 +59,8 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
         changed["away_facing"] = [FACINGS.index(a.facing) if a else 0 for a in world.away]
     for declared in fields_of(env.game):
         values, dtype = np.asarray(stored_values(declared, world)), getattr(state, attribute_name(declared)).dtype
-        if np.issubdtype(dtype, np.integer) and values.size and not 0 <= values.max() <= np.iinfo(dtype).max:
-            raise ValueError(f"`{declared.name}` holds numbers up to {np.iinfo(dtype).max} in this game, not {values.max()}")
+        if declared.timer and values.max(initial=0) > np.iinfo(dtype).max:
+            raise ValueError(f"the timer `{declared.name}` holds up to {np.iinfo(dtype).max} steps in this game, not {values.max()}")
         changed[attribute_name(declared)] = values
     return state.replace(**{name: np.asarray(v, getattr(state, name).dtype) for name, v in changed.items()})
 

@@ -110,6 +110,8 @@ def same(found: Any, wanted: Any) -> bool:
         return isinstance(found, Mapping) and all(key in found and same(found[key], value) for key, value in wanted.items())
     if isinstance(found, list):
         return isinstance(wanted, list | tuple) and len(found) == len(wanted) and all(map(same, found, wanted))
+    if isinstance(found, set):
+        return isinstance(wanted, Collection) and found == set(wanted)
     if isinstance(found, float) and isinstance(wanted, int | float | np.number):
         return bool(np.isclose(found, float(wanted), rtol=1e-6, atol=1e-6))
     return bool(found == wanted)

@@ -27,7 +27,7 @@ def test_moves_go_by_the_compass(stage: Stage, picture: tuple[str, ...]) -> None
 def test_zaps_pass_walls() -> None:
     """Agent 1 stands two ahead, behind the wall; agent 2 in the third place ahead is too far off."""
     scene = HARVEST.put("QQ^PP  2", "..v..  1", "..#..", "..^..  0", ".....").step("zap").has({"event hits": [1, 0, 0], "reward": 0})
-    assert scene.places()[1] in {(0, 3), (0, 4)} | {(0, 2)} - {scene.places()[2]}
+    assert scene.places()[1] in {(0, 3), (0, 4)}
     assert scene.places()[2] == (0, 2)
 
 
