@@ -14,6 +14,7 @@ RELATIVE = {
     "forward": "steps to the cell in front of it",
     "backward": "steps to the cell behind it",
 }
+EVERY = "every action"
 COMPASS = RELATIVE | {
     "step_left": "steps one cell west",
     "step_right": "steps one cell east",
@@ -63,8 +64,9 @@ def forbidden(v: Vocabulary) -> list[Line]:
     found = []
     for forbid in v.game.agents.forbids:
         names = [v.action(a) for a in forbid.actions if a != stay]
-        what = "every action" if others <= set(forbid.actions) and len(others) > 1 else joined(names)
-        found.append(Line(f"{what} of an agent counts as {code('stay')} while {condition(forbid.condition, v)}"))
+        what = EVERY if others <= set(forbid.actions) and len(others) > 1 else joined(names)
+        counts = "count" if len(names) > 1 and what != EVERY else "counts"
+        found.append(Line(f"{what} of an agent {counts} as {code('stay')} while {condition(forbid.condition, v)}"))
     return found
 
 

@@ -20,9 +20,9 @@ SILENT = {
 }
 
 # Tuples whose order numbers things for observations and draws, and means nothing else.
-ORDERLESS = {("Game", "kinds"), ("Game", "glyphs"), ("Game", "about"), ("Game", "sights"), ("Shape", "lanes")}
+ORDERLESS = {("Forbid", "actions"), ("Game", "kinds"), ("Game", "glyphs"), ("Game", "about"), ("Game", "sights"), ("Shape", "lanes")}
 
-EACH = 2  # changed nodes tried for a field of a class
+EACH = 2  # nodes of a class of which a field is changed
 
 Path = tuple[tuple[str, int], ...]  # (field, place in its tuple or -1), outermost first
 
@@ -148,14 +148,14 @@ def _other_tuples(value: tuple) -> Iterator[tuple]:
         yield (value[-1], *value[1:-1], value[0])
 
 
-def small_changes(game: ir.Game, tried: Counter[tuple[str, str]]) -> Iterator[tuple[str, str, ir.Game]]:
-    """Yields the game with one small change of its rules: (class, field, game); a few for each field of each class."""
+def small_changes(game: ir.Game, tried: Counter[tuple[str, str]]) -> Iterator[tuple[str, str, list[ir.Game]]]:
+    """Yields the game with one part of its rules changed in every way: (class, field, games); for a few nodes of each class."""
     for path, node in places(game):
         sort = type(node).__name__
-        for field in fields_of(path, node, game):
-            for new in changed_nodes(node, field, game) if tried[sort, field] < EACH else ():
+        wanted = [field for field in (*fields_of(path, node, game), "two nodes") if tried[sort, field] < EACH]
+        for field in wanted:
+            new = swapped_nodes(node) if field == "two nodes" else changed_nodes(node, field, game)
+            found = [replaced(game, path, other) for other in new]
+            if found:
                 tried[sort, field] += 1
-                yield sort, field, replaced(game, path, new)
-        for new in swapped_nodes(node) if tried[sort, "two nodes"] < EACH else ():
-            tried[sort, "two nodes"] += 1
-            yield sort, "two nodes", replaced(game, path, new)
+                yield sort, field, found

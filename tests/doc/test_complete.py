@@ -15,6 +15,7 @@ from .corpus import games, manual, small
 
 SECTIONS_THAT_REPEAT = ("Process overview: one step", "Random draws")  # what they say stands in the phases already
 LEFT_OVER = re.compile(r"\bTrue\b|\bFalse\b|\binf\b|\(\)|[a-z]  [a-z]|\w+\(.*?=|object at|\* \*|[.,:;][.,:;]|\b(?:of|the|a) *[.,:)]")
+NO_GAME = "not even a game"  # said of a game in which something reads a name that nothing has
 ABSTRACT = {ir.Node, ir.Expression, ir.Sentence, ir.PlaceNode, ir.TurnNode}
 
 
@@ -54,7 +55,7 @@ def said(written: Written, game: ir.Game) -> str:
     try:
         sections = rule_sheet(changed).split("\n## ")
     except (KeyError, StopIteration, ValueError, AttributeError, IndexError, RuntimeError, AssertionError):
-        return "not even a game"  # a name that nothing has: it is read
+        return NO_GAME
     return "\n## ".join(s for s in sections if not s.startswith(SECTIONS_THAT_REPEAT))
 
 
@@ -64,7 +65,10 @@ def test_no_part_of_the_rules_changes_without_the_sheet() -> None:
     for name, written in (small() | manual()).items():
         game = without_origins(written.game)
         before = said(written, game)
-        unnoticed += [(name, sort, field) for sort, field, changed in small_changes(game, tried) if said(written, changed) == before]
+        for sort, field, changed in small_changes(game, tried):
+            sheets = [before, *(text for text in (said(written, other) for other in changed) if text != NO_GAME)]
+            if len(set(sheets)) < len(sheets):
+                unnoticed.append((name, sort, field))
     assert unnoticed == []
     fields = {(c.__name__, f) for c in set(node_classes()) - ABSTRACT for f, info in c.model_fields.items() if not is_part(info.annotation)}
     assert fields - set(tried) - {(c, f) for c, f in fields if f in SILENT["*"] | SILENT.get(c, set())} == set()
