@@ -1,5 +1,7 @@
 """Colours: the natural ones of common words, and palettes for everything else."""
 
+import re
+
 from sjdsl.compiler import ir
 
 Colour = tuple[int, int, int]
@@ -58,6 +60,7 @@ KINDS: dict[str, Colour] = {
     "floor": (236, 234, 228),
     "rock": (216, 210, 204),
     "stone": (202, 200, 200),
+    "brick": (190, 166, 150),
     "tile": (232, 230, 226),
     "gate": (228, 222, 238),
     "camp": (228, 222, 238),
@@ -65,6 +68,9 @@ KINDS: dict[str, Colour] = {
     "den": (236, 218, 226),
     "home": (228, 222, 238),
 }
+
+# Words that are colours: a field with no others shows its first word like the rest.
+COLOURS = frozenset({"red", "green", "blue", "orange", "yellow", "purple", "pink", "brown", "black", "white", "grey", "gray"})
 
 TILES: tuple[Colour, ...] = (
     (236, 234, 228),
@@ -137,7 +143,7 @@ def mark_colours(labels: tuple[str, ...]) -> tuple[Colour, ...]:
     colours: list[Colour] = []
     for label in labels:
         free = [colour for colour in MARKS if colour not in colours]
-        natural = WORDS.get(label.split("(")[0])
+        natural = next((WORDS[part] for part in re.split(r"[^a-z0-9]+", label) if part in WORDS), None)
         colours.append(natural if natural and natural not in colours else (free or MARKS)[0])
     return tuple(colours)
 

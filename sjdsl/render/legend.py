@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from sjdsl.render.agents import draw_agent
-from sjdsl.render.colours import INK, PAPER, WORDS, Colour
+from sjdsl.render.colours import INK, PAPER, Colour
 from sjdsl.render.look import KindLook, Look
 from sjdsl.render.snapshot import Snapshot
 from sjdsl.render.tiles import draw_tile, mixed
@@ -81,16 +81,19 @@ def _entries(look: Look) -> Iterator[Entry]:
         yield from _field_entries(kind)
     for label, _, colour in look.marks:
         yield Entry(_plain(mixed((236, 234, 228), colour, 0.6)), label)
+    for number, role in enumerate(look.roles):
+        assert look.colour_field is not None
+        yield Entry(_agent(look.colour_field[1][number]), role)
     if look.can_be_held:
-        yield Entry(_held(), "pale: can only stay")
+        yield Entry(_agent((0, 114, 178), held=True), "pale: can only stay")
 
 
 def _field_entries(kind: KindLook) -> Iterator[Entry]:
     for place, field in enumerate(kind.fields):
-        if field.sort == "bar":
-            yield Entry(_with(kind, place, 5), field.name)
+        if field.sort in ("bar", "edge"):
+            yield Entry(_with(kind, place, 5 if field.sort == "bar" else 1), field.name)
         for number, word in enumerate(field.words):
-            if number > 0 or (field.sort == "tint" and word in WORDS):
+            if field.is_drawn(number):
                 yield Entry(_with(kind, place, number), word)
 
 
@@ -105,8 +108,8 @@ def _plain(colour: Colour) -> np.ndarray:
     return np.full((SWATCH, SWATCH, 3), colour, np.uint8)
 
 
-def _held() -> np.ndarray:
+def _agent(colour: Colour, held: bool = False) -> np.ndarray:
     picture = Image.new("RGB", (SWATCH, SWATCH), PAPER)
-    over = Image.fromarray(draw_agent(0, (0, 114, 178), 0, SWATCH - 2, True))
+    over = Image.fromarray(draw_agent(0, colour, 0, SWATCH - 2, held))
     picture.paste(over, (1, 1), over)
     return np.asarray(picture)

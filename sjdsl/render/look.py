@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.render.colours import WORDS, Colour, agent_colour, kind_colours, mark_colours, word_colours
+from sjdsl.render.colours import COLOURS, WORDS, Colour, agent_colour, kind_colours, mark_colours, word_colours
 from sjdsl.runtime.env import Environment
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
@@ -19,17 +19,22 @@ TIMER_BAR = 10.0  # steps that fill the bar of a timer
 class FieldLook:
     """A field of a kind.
 
-    sort: a word is a `shape` if rules change it, else a `tint`; all that can be counted is a `bar`, and `full` fills it.
+    sort: a word is a `shape` if rules change it, else a `tint`; an agent is an `edge` of its colour; all that can be counted is a
+    `bar`, and `full` fills it.
     holds: `word`, `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
     """
 
     name: str
     attribute: str
-    sort: Literal["shape", "tint", "bar"]
+    sort: Literal["shape", "tint", "edge", "bar"]
     holds: Literal["word", "number", "agent", "agents"]
     words: tuple[str, ...] = ()
     colours: tuple[Colour, ...] = ()
     full: float = 1.0
+
+    def is_drawn(self, word: int) -> bool:
+        """Returns whether a shape or a tint shows this word: the first is plain unless it is a colour like all others."""
+        return word > 0 or (self.words[0] in WORDS if self.sort == "tint" else set(self.words) <= COLOURS)
 
 
 @dataclass(frozen=True)
@@ -46,7 +51,10 @@ class KindLook:
 
 @dataclass(frozen=True)
 class Look:
-    """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any."""
+    """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any.
+
+    roles: the words of that field, if they do not say themselves which colour they are.
+    """
 
     title: str
     height: int
@@ -55,6 +63,7 @@ class Look:
     kinds: tuple[KindLook, ...]
     marks: tuple[tuple[str, str, Colour], ...]  # label, attribute of the state, colour
     colour_field: tuple[str, tuple[Colour, ...]] | None
+    roles: tuple[str, ...]
     num_agents: int
     can_be_held: bool
     frame: tuple[int, int]
@@ -74,6 +83,7 @@ def make_look(env: Environment) -> Look:
     height, width = len(game.rows), len(game.rows[0])
     tile = max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE))
     phases = tuple(p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and _marks(p))
+    colour_field = _colour_field(game)
     marks = zip(phases, mark_colours(tuple(p.label for p in phases)), strict=True)
     return Look(
         title=game.title or game.name,
@@ -82,7 +92,8 @@ def make_look(env: Environment) -> Look:
         tile=tile,
         kinds=tuple(_kinds(game)),
         marks=tuple((phase.label, f"mark_{phase.name}", colour) for phase, colour in marks),
-        colour_field=_colour_field(game),
+        colour_field=None if colour_field is None else (f"agent_{colour_field.name}", word_colours(colour_field.type.words)),
+        roles=() if colour_field is None or set(colour_field.type.words) <= set(WORDS) else colour_field.type.words,
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
         frame=env.module.FRAME,
@@ -116,7 +127,7 @@ def _field(field: ir.VarField, kind: str, game: ir.Game) -> FieldLook:
         case "agents":
             return FieldLook(field.name, attribute, "bar", "agents", full=game.agents.number)
         case "agent":
-            return FieldLook(field.name, attribute, "bar", "agent")
+            return FieldLook(field.name, attribute, "edge", "agent", colours=tuple(map(agent_colour, range(game.agents.number))))
         case _:
             most = field.type.high if np.isfinite(field.type.high) and not field.timer else TIMER_BAR
             return FieldLook(field.name, attribute, "bar", "number", full=max(1.0, most))
@@ -129,8 +140,14 @@ def _is_written(name: str, kind: str, game: ir.Game) -> bool:
     return any(isinstance(read, ir.FieldRead) and read.name == name and kind in read.kinds for read in reads)
 
 
-def _colour_field(game: ir.Game) -> tuple[str, tuple[Colour, ...]] | None:
-    for field in game.agents.fields:
-        if field.type.kind == "word" and not field.type.by and all(word in WORDS for word in field.type.words):
-            return f"agent_{field.name}", tuple(WORDS[word] for word in field.type.words)
-    return None
+def _colour_field(game: ir.Game) -> ir.VarField | None:
+    """Returns the field that colours the agents: one whose words all have a colour, else one that no phase changes, a role."""
+    fields = [field for field in game.agents.fields if field.type.kind == "word" and not field.type.by]
+    coloured = [field for field in fields if all(word in WORDS for word in field.type.words)]
+    roles = [field for field in fields if len(field.type.words) > 1 and not _changes(field.name, game)]
+    return next(iter(coloured + roles), None)
+
+
+def _changes(name: str, game: ir.Game) -> bool:
+    targets = (node.target for phase in game.schedule for node in ir.walk(phase) if isinstance(node, ir.Set | ir.Add))
+    return any(isinstance(target, ir.FieldRead) and (target.place, target.name) == ("agent", name) for target in targets)

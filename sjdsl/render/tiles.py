@@ -5,11 +5,12 @@ from collections.abc import Callable
 import numpy as np
 from PIL import Image, ImageDraw
 
-from sjdsl.render.colours import INK, WORDS, Colour
+from sjdsl.render.colours import INK, Colour
 from sjdsl.render.look import FieldLook, KindLook
 
 FINE = 8  # a tile is drawn this many times larger, then shrunk
 BAR_STEPS = 8
+EDGE = 0.16  # of a cell's side
 Box = tuple[float, float, float, float]
 
 
@@ -19,10 +20,10 @@ def mixed(first: Colour, second: Colour, share: float) -> Colour:
 
 
 def draw_tile(kind: KindLook, values: tuple[int, ...], size: int) -> np.ndarray:
-    """Returns a tile, `[size, size, 3]` uint8; `values` holds a number for each field: a word's, or eighths of a bar."""
+    """Returns a tile, `[size, size, 3]` uint8; `values` holds a number for each field: a word's, an agent's and 1, eighths of a bar."""
     ground = kind.colour
     for field, value in zip(kind.fields, values, strict=True):
-        if field.sort == "tint" and (value > 0 or field.words[0] in WORDS):
+        if field.sort == "tint" and field.is_drawn(value):
             ground = mixed(ground, field.colours[value], 0.4)
     side = size * FINE
     image = Image.new("RGB", (side, side), ground)
@@ -31,10 +32,13 @@ def draw_tile(kind: KindLook, values: tuple[int, ...], size: int) -> np.ndarray:
         edge = mixed(ground, INK, 0.12)
         pen.rectangle((0, side - FINE, side, side), fill=edge)
         pen.rectangle((side - FINE, 0, side, side), fill=edge)
+    for field, value in zip(kind.fields, values, strict=True):
+        if field.sort == "edge" and value > 0:
+            pen.rectangle((0, 0, side - 1, side - 1), outline=field.colours[value - 1], width=round(side * EDGE))
     shapes = [(f, v) for f, v in zip(kind.fields, values, strict=True) if f.sort == "shape"]
     for place, (field, value) in enumerate(shapes):
-        if value > 0:
-            draw_shape(pen, value, field.colours[value], _slot(place, len(shapes), side))
+        if field.is_drawn(value):
+            draw_shape(pen, value if value > 0 else len(field.words), field.colours[value], _slot(place, len(shapes), side))
     bars = [(f, v) for f, v in zip(kind.fields, values, strict=True) if f.sort == "bar" and v > 0]
     for place, (_, value) in enumerate(bars):
         low = side - (place + 1) * side / 7
@@ -96,14 +100,14 @@ _SHAPES: tuple[Draw, ...] = (
 
 
 def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
-    """Returns `[S]` int: the number of each cell's word, or the eighths of its bar, rounded up."""
+    """Returns `[S]` int: the number of each cell's word, of its agent and 1, or the eighths of its bar, rounded up."""
     match field.holds:
         case "word":
             return values.astype(int)
         case "agents":
             counts = np.bitwise_count(values)
         case "agent":
-            counts = values >= 0
+            return values.astype(int) + 1
         case _:
             counts = values.reshape(len(values), -1).sum(axis=1)
     return np.clip(np.ceil(counts / field.full * BAR_STEPS), 0, BAR_STEPS).astype(int)

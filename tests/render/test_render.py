@@ -11,7 +11,7 @@ import sjdsl
 from sjdsl.cli import run
 from sjdsl.render import Painter, Snapshot, make_painter, play, save_gif, save_png, stay_policy
 from sjdsl.render.board import draw_board
-from sjdsl.render.colours import INK, WORDS, kind_colours, mark_colours, word_colours
+from sjdsl.render.colours import INK, WORDS, agent_colour, kind_colours, mark_colours, word_colours
 from sjdsl.render.look import FieldLook, make_look
 from sjdsl.render.tiles import shown_values
 from sjdsl.runtime.env import Environment
@@ -198,13 +198,45 @@ def test_colours_are_the_same_every_time(env: Environment) -> None:
     words = ("none", "red", "blue", "odd", "other")
     assert len(set(word_colours(words))) == len(words)
     assert word_colours(words)[1] == WORDS["red"]
+    assert mark_colours(("sow(blue)", "fire")) == (WORDS["blue"], WORDS["fire"])
+
+
+OWNED = """sj 1
+game owned "Owned" {
+  episode 4
+  kind floor "."
+  kind plot  "r" { field colour : { red, blue } = red  field owner : agent }
+  map { ".r.." "...." }
+  agents 2 { acts stay, zap  field role : { guest, host } = guest }
+  phase start { each agent { when agent.index == 1 { set agent.role = host }  send agent to floor } }
+  schedule claim
+  phase claim {
+    pick 1 agent where agent.index == 1 and agent chose zap { each plot { set plot.owner = agent  set plot.colour = blue } }
+  }
+}
+"""
+
+
+def test_what_belongs_to_an_agent_has_an_edge_of_its_colour(tmp_path: Path) -> None:
+    """And colours are seen, the first one too; agents are coloured by a role that no phase changes."""
+    file = tmp_path / "owned.sj"
+    file.write_text(OWNED)
+    env = sjdsl.make(file)
+    painter = make_painter(env)
+    first, *_, last = play(env, lambda _key, _observation: np.ones(2, np.int32), 2)
+    before, after = (_cell(_board(painter, shot), painter, (0, 1)) for shot in (first, last))
+    middle = painter.look.tile // 2
+    assert _near(before[middle, middle], WORDS["red"])
+    assert _near(after[middle, middle], WORDS["blue"])
+    assert not _near(before[2, middle], agent_colour(1), by=40)
+    assert _near(after[2, middle], agent_colour(1))
+    assert painter.look.agent_colours(last.values) == list(word_colours(("guest", "host")))
+    assert painter.look.roles == ("guest", "host")
 
 
 def test_bars_count_what_a_field_holds() -> None:
     bits = FieldLook("x", "k_x", "bar", "agents", full=4)
     assert shown_values(bits, np.array([0, 1, 3, 15], np.uint8)).tolist() == [0, 2, 4, 8]
-    someone = FieldLook("x", "k_x", "bar", "agent")
-    assert shown_values(someone, np.array([-1, 0, 2])).tolist() == [0, 8, 8]
     rows = FieldLook("x", "k_x", "bar", "number", full=10)
     assert shown_values(rows, np.array([[0, 0], [1, 0], [9, 9]])).tolist() == [0, 1, 8]
 
