@@ -27,8 +27,10 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
         value = _overridden(declared, override, by, scope)
     for entry in _flat(value):
         if not low - 1e-9 <= entry <= high + 1e-9:
-            facts = {"value": f"{entry:g}", "low": f"{low:g}", "high": f"{high:g}"}
+            facts = {"value": f"{entry:g}", "low": f"{low:g}", "high": f"{high:g}", "reason": _reason(declared, scope)}
             scope.problems.add(errors.OUT_OF_LIMITS, declared.value.span, name=f"`{declared.name.text}`", **facts)
+            if not by:
+                value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
     name = declared.name.text
@@ -38,6 +40,14 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
         scope.static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
     else:
         scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+
+
+def _reason(declared: ast.Constant, scope: Scope) -> str:
+    """Returns why the limits are as they are: what the comment beside a number says after its source, as in `# paper: why`."""
+    text = scope.static.sources[declared.span.file].text
+    _, _, comment = text[declared.span.end :].partition("\n")[0].partition("#")
+    _, _, reason = comment.partition(": ")
+    return f" ({reason.strip()})" if reason and declared.low is not None else ""
 
 
 def _overridden(declared: ast.Constant, override: object, by: tuple, scope: Scope) -> int | float:
@@ -67,6 +77,7 @@ def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, flo
             value=f"{own_low:g} .. {own_high:g}",
             low=f"{low:g}",
             high=f"{high:g}",
+            reason="",
         )
     return own_low, own_high
 

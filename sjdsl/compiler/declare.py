@@ -155,6 +155,7 @@ def _number_of_agents(game: Composition, scope: Scope) -> None:
             value=value,
             low=1,
             high=limits.MAX_AGENTS,
+            reason="",
         )
     scope.static.num_agents = int(value)
 

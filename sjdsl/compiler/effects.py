@@ -77,7 +77,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
     amount = None if s.by is None else number(s.by, scope, ("count",), "a count")
     if amount is not None and amount.type.low < 0:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.by.span, name="what is counted", value="negative", low=0, high="any")  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.by.span, name="what is counted", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
     for_ = None if s.receiver is None else receiver(s.receiver, scope)
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 
@@ -97,7 +97,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         )
     after = None if s.after is None else number(s.after, scope, ("steps",), "a number of steps")
     if after is not None and after.type.low < 0:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.after.span, name="the delay", value="negative", low=0, high="any")  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.after.span, name="the delay", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
     if isinstance(after, ir.Number) and after.value == 0:
         after = None
     facing = None if s.facing is None else s.facing.text

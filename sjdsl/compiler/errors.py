@@ -124,7 +124,7 @@ REQUIRE_FALSE = Code(
     "change the numbers, or the requirement",
 )
 WRONG_TYPE = Code("SJ213", "Something else is wanted here", "{wanted} is wanted here, and this is {given}", "{help}")
-OUT_OF_LIMITS = Code("SJ214", "A number outside its limits", "{name} is {value}, outside {low} .. {high}", "")
+OUT_OF_LIMITS = Code("SJ214", "A number outside its limits", "{name} is {value}, outside {low} .. {high}{reason}", "")
 CROSSED = Code(
     "SJ215",
     "Bounds that can cross",

@@ -90,7 +90,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
 def _reach(e: ast.Expr, scope: Scope) -> int:
     value = fixed(e, scope, "a shape")
     if value != int(value) or not 1 <= value <= 64:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, e.span, name="the reach of a shape", value=value, low=1, high=64)
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, e.span, name="the reach of a shape", value=value, low=1, high=64, reason="")
     return int(value)
 
 

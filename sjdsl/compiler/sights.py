@@ -32,6 +32,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
                     value=value,
                     low=0,
                     high=limits.MAX_WINDOW,
+                    reason="",
                 )
             sides[name.text] = int(value)
     return ir.Window(**sides, origin=game.window.span)
