@@ -42,17 +42,15 @@ def rules_of(form: Form) -> ir.Game:
 
 
 def all_forms() -> Iterator[Form]:
-    """Yields every game, then every variant, then all of these with `MANY` agents that have room for them."""
-    games = bundled()
-    named = [*(Form(game) for game in games), *(Form(game, variant) for game in games for variant in variants_of(game))]
-    yield from named
-    for form in named:
-        crowded = form._replace(agents=MANY)
+    """Yields every game, every variant, and every game with `MANY` agents that has room for them."""
+    yield from (Form(game) for game in bundled())
+    yield from (Form(game, variant) for game in bundled() for variant in variants_of(game))
+    for form in (Form(game, agents=MANY) for game in bundled()):
         try:
-            rules_of(crowded)
+            rules_of(form)
         except CompileError:
             continue
-        yield crowded
+        yield form
 
 
 @cache
@@ -60,6 +58,20 @@ def forms() -> tuple[Form, ...]:
     """Returns the forms with different rules: of several that have the same (a name and a title aside) the first."""
     found: dict[str, Form] = {}
     for form in all_forms():
-        nameless = rules_of(form).model_copy(update={"name": "", "title": "", "variants": ()})
-        found.setdefault(game_hash(nameless), form)
+        found.setdefault(_hash(rules_of(form)), form)
     return tuple(found.values())
+
+
+@cache
+def programs() -> tuple[Form, ...]:
+    """Returns the games, and of the other forms those that differ from all before them in more than run-time numbers and checks."""
+    found: dict[str, Form] = {}
+    for form in forms():
+        rules = rules_of(form)
+        params = tuple(param.model_copy(update={"value": 0}) for param in rules.params)
+        found.setdefault(_hash(rules.model_copy(update={"params": params, "checks": ()})), form)
+    return tuple(form for form in forms() if form == Form(form.game) or form in found.values())
+
+
+def _hash(rules: ir.Game) -> str:
+    return game_hash(rules.model_copy(update={"name": "", "title": "", "variants": ()}))
