@@ -7,15 +7,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import attribute_name, param_attribute
-from sjdsl.interpreter import observe as interpreter_view
 from sjdsl.interpreter.draws import Recorded, Threefry
-from sjdsl.interpreter.state import World, default_params
+from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.runtime.env import Environment
-
-RELATIVE, ABSOLUTE = 1e-6, 1e-6
+from sjdsl.testing.differences import outcome_differences, state_differences
 
 
 @dataclass
@@ -64,83 +60,11 @@ def run(
 
 def compare(env: Environment, state: Any, observation: jax.Array, world: World, report: Report) -> None:
     """Adds every difference between two states to the report."""
-    game = env.game
-    rows, cols = (np.asarray(x) for x in env.cells(state))
-    places = [(int(r), int(c)) if p else None for r, c, p in zip(rows, cols, np.asarray(state.position), strict=True)]
-    _equal("position", places, [None if p is None else (p.row, p.col) for p in world.position], report)
-    _equal("heading", np.asarray(state.heading).tolist(), list(world.heading), report)
-    _equal("step", int(state.step), world.step, report)
-    if hasattr(state, "moved"):
-        _equal("moved", np.asarray(state.moved).tolist(), list(world.moved), report)
-    if hasattr(state, "away"):
-        _equal("away", np.asarray(state.away).tolist(), [a.ticks if a else 0 for a in world.away], report)
-    for declared in (*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields):
-        name = attribute_name(declared)
-        mine = np.asarray(getattr(state, name))
-        match declared.place:
-            case "cell":
-                values: Any = world.cells[declared.kind, declared.name]
-            case "agent":
-                values = world.agents[declared.name]
-            case _:
-                values = world.fields[declared.name]
-        theirs = encoded(values, declared, list_of=declared.place != "world")
-        if declared.type.kind == "real":
-            if not np.allclose(mine, np.asarray(theirs, np.float32), rtol=RELATIVE, atol=ABSOLUTE):
-                report.differences.append(f"{name}: {mine.tolist()} / {theirs}")
-        else:
-            _equal(name, mine.tolist(), theirs, report)
-    seen = interpreter_view.observe(game, world)
-    mine = np.asarray(observation)
-    if mine.shape != seen.shape or not np.array_equal(mine, seen):
-        where = np.argwhere(mine != seen)[:5].tolist() if mine.shape == seen.shape else (mine.shape, seen.shape)
-        shown = [(w, int(mine[tuple(w)]), int(seen[tuple(w)])) for w in where] if mine.shape == seen.shape else where
-        report.differences.append(f"observation: {shown}")
+    report.differences += state_differences(env, state, world, observation)
 
 
-def encoded(value: Any, declared: ir.VarField, list_of: bool) -> Any:
-    """Returns an interpreter's value as the compiled state keeps it."""
-    if list_of:
-        return [encoded(v, declared, list_of=False) for v in value]
-    if isinstance(value, tuple):
-        return [encoded(v, declared, list_of=False) for v in value]
-    match declared.type.kind:
-        case "word":
-            return declared.type.words.index(value)
-        case "agent":
-            return -1 if value is None else int(value)
-        case "agents":
-            return sum(1 << a for a in value)
-        case "real":
-            return float(value)
-        case _:
-            return int(value)
-
-
-def compare_outcome(env: Environment, reward: jax.Array, done: jax.Array, info: dict, outcome: Any, report: Report) -> None:
+def compare_outcome(env: Environment, reward: jax.Array, done: jax.Array, info: dict, outcome: Outcome, report: Report) -> None:
     """Adds differences of rewards, events, measures and endings to the report."""
-    if not np.allclose(np.asarray(reward), np.asarray(outcome.reward), rtol=RELATIVE, atol=ABSOLUTE):
-        report.differences.append(f"reward: {np.asarray(reward).tolist()} / {outcome.reward}")
-    for event in env.game.events:
-        theirs = np.asarray(outcome.events[event.name])
-        names = [f"{event.name}[{w}]" for w in event.by] or [event.name]
-        for i, name in enumerate(names):
-            mine = np.asarray(info["events"][name])
-            _equal(f"event {name}", mine.tolist(), (theirs[..., i] if event.by else theirs).tolist(), report)
-    for name, value in outcome.measures.items():
-        if not np.isclose(float(info["metrics"][name]), float(value), rtol=RELATIVE, atol=ABSOLUTE):
-            report.differences.append(f"metric {name}: {info['metrics'][name]} / {value}")
-    _equal("terminated", bool(info["terminated"]), outcome.terminated, report)
-    _equal("done", bool(done), outcome.terminated or outcome.truncated, report)
-
-
-def _equal(name: str, mine: Any, theirs: Any, report: Report) -> None:
-    if mine != theirs:
-        if isinstance(mine, list) and isinstance(theirs, list) and len(mine) == len(theirs) and len(mine) > 12:
-            at = [(i, a, b) for i, (a, b) in enumerate(zip(mine, theirs, strict=True)) if a != b][:5]
-            report.differences.append(f"{name} at {at}")
-        else:
-            report.differences.append(f"{name}: {mine} / {theirs}")
-
-
-__all__ = ["Report", "compare", "param_attribute", "run"]
+    report.differences += outcome_differences(env, reward, info, outcome)
+    if bool(done) != (outcome.terminated or outcome.truncated):
+        report.differences.append(f"done: {bool(done)} / {outcome.terminated or outcome.truncated}")

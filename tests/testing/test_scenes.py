@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sjdsl.testing import Scene, Stage
-from sjdsl.testing.engines import outcome_differences, state_differences
+from sjdsl.testing.differences import outcome_differences, state_differences
 
 GAME = Path(__file__).parent / "camp.sj"
 ROWS = ("PPP..#", "..TT..", "......")
@@ -180,13 +180,13 @@ def test_engines_that_differ_are_found() -> None:
     """Whatever part of the compiled state is not as the interpreter has it."""
     scene = put("PPP.v#", "..TT..", "...<..", away={1: 2}, step=3).step("stay, stay, zap")
     seen = scene.stage.compiled.look(scene.state, scene.params)
-    assert state_differences(scene.env, scene.state, scene.world, seen) == []
+    assert state_differences(scene.env, scene.state, scene.world, *seen) == []
     hidden = {"away_pool", "away_facing"}  # what they mean shows when the agent is back
     for name, value in vars(scene.state).items():
         array = np.asarray(value)
         wrong = scene.state.replace(**{name: jax.numpy.asarray(~array if array.dtype == bool else array + np.ones((), array.dtype))})
-        assert (state_differences(scene.env, wrong, scene.world, seen) == []) == (name in hidden), name
-    assert state_differences(scene.env, scene.state, scene.world, (seen[0] + 1, seen[1])) == ["observations"]
+        assert (state_differences(scene.env, wrong, scene.world, *seen) == []) == (name in hidden), name
+    assert state_differences(scene.env, scene.state, scene.world, seen[0] + 1, seen[1])[0].startswith("observations at (0, 0, 0, 0)")
     scene.state = scene.state.replace(heading=scene.state.heading.at[0].set(1))
     with pytest.raises(AssertionError, match="the compiled step and the interpreter differ:\n  headings"):
         scene.step()

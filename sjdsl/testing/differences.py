@@ -1,0 +1,72 @@
+"""Where the compiled game and the reference interpreter differ after the same step: every field, and all that is reported."""
+
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.interpreter import observe as interpreter_view
+from sjdsl.interpreter.planes import marking
+from sjdsl.interpreter.state import Outcome, World
+from sjdsl.interpreter.step import action_mask
+from sjdsl.runtime.env import Environment
+from sjdsl.testing.states import fields_of, stored_values
+
+CLOSE = {"rtol": 1e-6, "atol": 1e-6}
+MANY = 12  # of longer lists only the entries that differ are shown
+
+
+def state_differences(env: Environment, state: Any, world: World, observation: Any, allowed: Any = None) -> list[str]:
+    """Returns where two states differ: places, fields, timers, marks, who is away, what is seen and, if given, allowed."""
+    game, (_, cols), pad = env.game, env.module.FRAME, env.module.PAD
+    places = [(p // cols - pad, p % cols - pad) if p else None for p in np.asarray(state.position).tolist()]
+    pairs = [
+        ("places", places, [None if p is None else tuple(p) for p in world.position]),
+        ("headings", np.asarray(state.heading).tolist(), world.heading),
+        ("step", int(state.step), world.step),
+    ]
+    if allowed is not None:
+        pairs.append(("allowed actions", np.asarray(allowed).tolist(), action_mask(game, world)))
+    if hasattr(state, "moved"):
+        pairs.append(("moved", np.asarray(state.moved).tolist(), world.moved))
+    if hasattr(state, "away"):
+        pairs.append(("away", np.asarray(state.away).tolist(), [a.ticks if a else 0 for a in world.away]))
+    for phase in marking(game):
+        cells = np.asarray(getattr(state, f"mark_{phase.name}", ())).tolist()
+        mine = {(cell // cols - pad, cell % cols - pad) for cell in cells if cell}
+        pairs.append((f"marks of {phase.label}", sorted(mine), sorted({(r, c) for name, r, c in world.marks if name == phase.name})))
+    found = [shown(name, mine, theirs) for name, mine, theirs in pairs if mine != theirs]
+    for declared in fields_of(game):
+        mine, theirs = np.asarray(getattr(state, attribute_name(declared))), np.asarray(stored_values(declared, world))
+        same = np.allclose(mine, theirs, **CLOSE) if declared.type.kind == "real" else mine.tolist() == theirs.tolist()
+        if not same:
+            found.append(shown(attribute_name(declared), mine.tolist(), theirs.tolist()))
+    mine, theirs = np.asarray(observation), interpreter_view.observe(game, world)
+    if mine.shape != theirs.shape:
+        found.append(f"observations: {mine.shape} / {theirs.shape}")
+    elif not np.array_equal(mine, theirs):
+        where = [tuple(index) for index in np.argwhere(mine != theirs)[:5].tolist()]
+        found.append("observations at " + ", ".join(f"{index}: {mine[index]} / {theirs[index]}" for index in where))
+    return found
+
+
+def shown(name: str, mine: Any, theirs: Any) -> str:
+    """Returns both values; of long lists the first entries that differ."""
+    if isinstance(mine, list) and isinstance(theirs, list) and len(mine) == len(theirs) > MANY:
+        differing = [f"{i}: {a} / {b}" for i, (a, b) in enumerate(zip(mine, theirs, strict=True)) if a != b]
+        return f"{name} at {', '.join(differing[:5])}"
+    return f"{name}: {mine} / {theirs}"
+
+
+def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], outcome: Outcome) -> list[str]:
+    """Returns where rewards, events, metrics and endings of two steps differ."""
+    pairs: list[tuple[str, Any, Any]] = [("reward", reward, outcome.reward)]
+    for event in env.game.events:
+        counts = np.asarray(outcome.events[event.name])
+        names = [f"{event.name}[{word}]" for word in event.by] or [event.name]
+        pairs += [(f"event {n}", info["events"][n], counts[..., i] if event.by else counts) for i, n in enumerate(names)]
+    pairs += [(f"metric {name}", info["metrics"][name], value) for name, value in outcome.measures.items()]
+    pairs.append(("terminated", info["terminated"], outcome.terminated))
+    pairs.append(("truncated", info["truncated"], outcome.truncated and not outcome.terminated))
+    found = [(name, np.asarray(mine, np.float64), np.asarray(theirs, np.float64)) for name, mine, theirs in pairs]
+    return [f"{name}: {mine.tolist()} / {theirs.tolist()}" for name, mine, theirs in found if not np.allclose(mine, theirs, **CLOSE)]
