@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.compiler import ir
@@ -35,7 +34,22 @@ def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values)
 
 
 def build_params(game: ir.Game, module: ModuleType, given: Values, keep_promises: bool = True) -> Any:
-    """Returns the game's `Params` with some values replaced.
+    """Returns the game's `Params` with some values replaced; arguments and errors are those of `param_values`."""
+    import jax.numpy as jnp
+
+    values = param_values(game, given, keep_promises)
+    params = module.default_params()
+    changed = {}
+    for param in game.params:
+        if param.name in given:
+            attribute = param_attribute(param.name)
+            array = np.array(_encoded(values[param.name], param.type))
+            changed[attribute] = jnp.asarray(array, getattr(params, attribute).dtype)
+    return params.replace(**changed)
+
+
+def param_values(game: ir.Game, given: Values, keep_promises: bool = True) -> dict[str, Any]:
+    """Returns the value of every parameter of the game by name, some replaced; tables as nested tuples.
 
     Args:
       given: by name: a number, a word, or for a table a mapping by word (whole or in part) or nested sequences in the order of
@@ -53,14 +67,7 @@ def build_params(game: ir.Game, module: ModuleType, given: Values, keep_promises
     for check in game.checks:
         if keep_promises and check.sort == "require" and not holds(check.values[0], values):
             raise ValueError(f"these parameters break a promise of the game: require {expression(check.values[0])}")
-    params = module.default_params()
-    changed = {}
-    for param in game.params:
-        if param.name in given:
-            attribute = param_attribute(param.name)
-            array = np.array(_encoded(values[param.name], param.type))
-            changed[attribute] = jnp.asarray(array, getattr(params, attribute).dtype)
-    return params.replace(**changed)
+    return values
 
 
 def _merged(name: str, before: Any, value: Any, by: tuple[tuple[str, ...], ...], type_: ir.Type) -> Any:

@@ -1,0 +1,105 @@
+"""`sjdsl trace`: what happens in a game, step by step: every change, by which rule, after which draws."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.cli.environment import environment_options, read_assignments
+from sjdsl.cli.game_file import open_game, read_map, split_variants
+from sjdsl.compiler import Build, build, number_names
+from sjdsl.compiler.diagnostics import nearest
+
+if TYPE_CHECKING:
+    from sjdsl.compiler import ir
+
+STEPS = 10
+
+
+@click.command("trace")
+@click.argument("game")
+@click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; {STEPS}, or as many as the actions say.")
+@click.option("--seed", type=int, default=0, show_default=True, help="With random actions the episode that `sjdsl render` shows.")
+@click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`; may be given several times.")
+@click.option(
+    "--actions", default="random", show_default=True, metavar="A", help="random, a file, or the actions: 'forward, stay; zap, stay'."
+)
+@click.option("--all", "everything", is_flag=True, help="Also what changed nothing: draws that failed, rules that did not happen.")
+@click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")
+@environment_options
+def command(
+    game: str,
+    steps: int | None,
+    seed: int,
+    phases: tuple[str, ...],
+    actions: str,
+    everything: bool,
+    as_json: bool,
+    params: tuple[str, ...],
+    **described: Any,
+) -> None:
+    """Plays GAME, a bundled one or a `.sj` file, on the reference interpreter and tells what each rule did.
+
+    Each step is told in the order of the schedule: under every rule (file and line) the cells and agents it changed, rewards and
+    events, and the draws that led to it. Then comes the map. In actions, a line of a file (or a part up to `;`) is a step, with an
+    action for each agent or one for all; a single one counts for every step.
+    """
+    from sjdsl.interpreter.board import board_of
+    from sjdsl.trace.lines import make_teller, moment_lines
+    from sjdsl.trace.report import moment_report
+    from sjdsl.trace.rules import Rules
+
+    try:
+        made, values = build_game(game, read_assignments(params), **described)
+        moments = played(made.game, values, seed, steps, actions)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game), everything)
+    if as_json:
+        click.echo(json.dumps({"game": made.game.name, "seed": seed, "steps": [moment_report(m, teller) for m in moments]}, indent=2))
+        return
+    click.echo(f"{made.game.title or made.game.name}, seed {seed}")
+    click.echo(f"  {'   '.join(teller.looks.legend())}   ^>v< agents\n")
+    for moment in moments:
+        for line in moment_lines(moment, teller):
+            click.echo(line)
+
+
+def build_game(
+    game: str, given: dict[str, Any], variant: str | None, map_file: str | None, agents: int | None
+) -> tuple[Build, dict[str, Any]]:
+    """Returns a checked game and its run-time numbers. Raises CompileError, and ValueError for numbers that do not fit it."""
+    from sjdsl.interpreter.numbers import real
+    from sjdsl.parameters import param_values, split_sizes
+
+    source, variants = open_game(game), split_variants(variant)
+    sizes, rest = split_sizes(*number_names(source, variants), given)
+    made = build(source, variants, replace(read_map(map_file, source), sizes=sizes, num_agents=agents))
+    if agents is not None and made.game.agents.number != agents:
+        raise ValueError(f"--agents {agents}, but a size in --param says {made.game.agents.number}")
+    types = {p.name: p.type for p in made.game.params}
+    values = param_values(made.game, rest)
+    return made, {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
+
+
+def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None, actions: str) -> Iterator[Any]:
+    """Returns the start and the steps of a trace. Raises ValueError for actions that do not fit the game."""
+    from sjdsl.trace.actions import read_actions
+    from sjdsl.trace.episode import play
+
+    choose, written = read_actions(actions, game, steps)
+    return play(game, values, seed, STEPS if steps is None and written is None else steps or written or 0, choose)
+
+
+def known_phases(phases: tuple[str, ...], game: "ir.Game") -> tuple[str, ...]:
+    """Returns the phases asked for. Raises ClickException for one that the schedule does not have."""
+    labels = ["start", *(getattr(turn, "label", "tick") for turn in game.schedule)]
+    names = list(dict.fromkeys([*labels, *(label.partition("(")[0] for label in labels)]))
+    for phase in phases:
+        if phase not in names:
+            near = nearest(phase, names)
+            meant = f"; did you mean `{near}`?" if near else f"; they are {', '.join(dict.fromkeys(labels))}"
+            raise click.ClickException(f"the schedule has no phase `{phase}`{meant}")
+    return phases

@@ -1,0 +1,46 @@
+"""Actions for a trace: drawn at random, or written down step by step."""
+
+from pathlib import Path
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.trace.episode import Choose, random_actions
+
+RANDOM = "random"
+
+
+def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Choose, int | None]:
+    """Returns what the agents do, and for how many steps if that is written down.
+
+    Args:
+      text: `random`, a file, or the steps themselves: a line or a part up to `;` for each step, in it an action for each agent, or
+        one for all of them; a single one counts for every step.
+    Raises ValueError: an unknown action, not one for each agent, fewer steps than asked for.
+    """
+    if text == RANDOM:
+        return random_actions(game), None
+    path = Path(text)
+    is_file = path.is_file()
+    written = path.read_text("utf-8").splitlines() if is_file else text.split(";")
+    lines = [words for words in (line.partition("#")[0].replace(",", " ").split() for line in written) if words]
+    if not lines:
+        raise ValueError(f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}")
+    taken = [_step(words, number, game, "" if is_file or len(words) > 1 else text) for number, words in enumerate(lines, 1)]
+    if len(taken) == 1:
+        return lambda _number, _key: taken[0], None
+    if steps is not None and steps > len(taken):
+        raise ValueError(f"actions are written for {len(taken)} steps, not for {steps}; name fewer --steps or more actions")
+    return lambda number, _key: taken[number], len(taken)
+
+
+def _step(words: list[str], number: int, game: ir.Game, maybe_file: str) -> list[int]:
+    names, agents = game.agents.actions, game.agents.number
+    for word in words:
+        if word not in names:
+            near = nearest(word, names)
+            meant = f"; did you mean `{near}`?" if near else f"; the game has {', '.join(names)}"
+            beside = f", and no file `{maybe_file}`" if maybe_file else f" (step {number})"
+            raise ValueError(f"there is no action `{word}`{beside}{meant}")
+    if len(words) not in (1, agents):
+        raise ValueError(f"step {number} has {len(words)} actions; write one for each of the {agents} agents, or one for all")
+    return [names.index(word) for word in words] * (agents if len(words) == 1 else 1)

@@ -1,0 +1,109 @@
+"""Plays a game on the reference interpreter and keeps an account of every step.
+
+The draws are those of the compiled game: a trace of a seed is the episode that `sjdsl render` shows for the same seed.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.account import Account, Done, Drawn, Tell
+from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.draws import Threefry
+from sjdsl.interpreter.state import Outcome, Value, World, copied
+from sjdsl.interpreter.step import action_mask, reset, step
+from sjdsl.trace.effects import Effect, effects_of, without_effect
+from sjdsl.trace.words import Heard, Key, key_of, random_numbers, split
+
+Choose = Callable[[int, Key], list[int]]  # number of the step in the trace, a key for it -> an action for each agent
+
+
+@dataclass(frozen=True)
+class Told:
+    """One turn of the schedule, or the phase `start`.
+
+    idle: sentences that happened and changed nothing. failed: draws after which nothing happened. never: sentences that write
+      and did not happen at all.
+    """
+
+    label: str
+    effects: tuple[Effect, ...]
+    idle: tuple[Done, ...]
+    failed: tuple[Drawn, ...]
+    never: tuple[ir.Stmt, ...]
+
+
+@dataclass(frozen=True)
+class Moment:
+    """The start of an episode (`number` None) or one step of it, and the state it leads to.
+
+    key: the two words that all its draws come from. actions: those chosen, none at the start; forbidden: who is not allowed his.
+    """
+
+    number: int | None
+    key: Key
+    world: World
+    turns: tuple[Told, ...]
+    actions: tuple[int, ...] = ()
+    forbidden: frozenset[int] = frozenset()
+    outcome: Outcome | None = None
+
+
+def random_actions(game: ir.Game) -> Choose:
+    """Returns the policy that draws every action with equal probability."""
+    return lambda _number, key: random_numbers(key, game.agents.number, len(game.agents.actions))
+
+
+def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choose: Choose) -> Iterator[Moment]:
+    """Yields the start and so many steps; after the end of an episode comes the start of the next."""
+    key, reset_key = split(key_of(seed), 2)
+    moment = begin(game, params, reset_key)
+    yield moment
+    for number in range(steps):
+        key, action_key, step_key, reset_key = split(key, 4)
+        moment = follow(game, moment.world, params, step_key, choose(number, action_key))
+        yield moment
+        ended = moment.outcome is not None and (moment.outcome.terminated or moment.outcome.truncated)
+        if ended and number + 1 < steps:
+            moment = begin(game, params, reset_key)
+            yield moment
+
+
+def begin(game: ir.Game, params: Mapping[str, Value], key: Key) -> Moment:
+    """Returns the start of an episode. `key`: that of the environment's `reset`."""
+    told: list[Told] = []
+    heard = Heard(Threefry(*key))
+    world = reset(game, params, heard, _listener(told, board_of(game), heard))
+    return Moment(None, key, copied(world), tuple(told))
+
+
+def follow(game: ir.Game, world: World, params: Mapping[str, Value], key: Key, actions: list[int]) -> Moment:
+    """Returns the step that follows a state. `key`: that of the environment's `step`."""
+    told: list[Told] = []
+    heard = Heard(Threefry(*key))
+    allowed = action_mask(game, world)
+    forbidden = frozenset(agent for agent, action in enumerate(actions) if not allowed[agent][action])
+    after, outcome = step(game, world, actions, params, heard, _listener(told, board_of(game), heard))
+    return Moment(world.step, key, after, tuple(told), tuple(actions), forbidden, outcome)
+
+
+def _listener(told: list[Told], board: Board, heard: Heard) -> Tell:
+    def tell(account: Account) -> None:
+        told.append(tell_of(account, board, heard.words))
+        heard.words.clear()
+
+    return tell
+
+
+def tell_of(account: Account, board: Board, words: Mapping[tuple[int, int], int]) -> Told:
+    """Returns what there is to tell of one turn. `words`: those looked at in it."""
+    effects = effects_of(account, board, words)
+    happened = {id(done.sentence) for done in account.done}
+    writing = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.Move, ir.Mark, ir.End)
+    return Told(
+        label=account.turn.label if isinstance(account.turn, ir.Phase) else "tick",
+        effects=tuple(effects),
+        idle=tuple(without_effect(account, effects)),
+        failed=tuple(drawn for drawn in account.drawn if drawn.result is None or drawn.result is False),
+        never=tuple(s for s in ir.walk(account.turn) if isinstance(s, writing) and id(s) not in happened),
+    )

@@ -1,0 +1,127 @@
+"""A trace as text: each step turn by turn, each turn rule by rule."""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.account import Done, Drawn
+from sjdsl.interpreter.board import Board
+from sjdsl.trace.effects import Effect
+from sjdsl.trace.episode import Moment, Told
+from sjdsl.trace.picture import Looks, draw, make_looks
+from sjdsl.trace.rules import Rules
+from sjdsl.trace.wording import say_draw, say_effect, say_names, say_used, say_value
+
+RULE, EFFECT, DRAW = "  ", " " * 4, " " * 6
+
+
+@dataclass(frozen=True)
+class Teller:
+    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty; everything: as with `--all`."""
+
+    board: Board
+    rules: Rules
+    looks: Looks
+    phases: Collection[str] = ()
+    everything: bool = False
+    agents: frozenset[str] = field(default_factory=frozenset)
+
+
+def make_teller(board: Board, rules: Rules, phases: Collection[str] = (), everything: bool = False) -> Teller:
+    """Returns what is needed to tell of a game; variables that stand for agents are told from numbers by it."""
+    agents = frozenset(node.name for node in ir.walk(board.game) if isinstance(node, ir.Member) and node.who == "agent")
+    return Teller(board, rules, make_looks(board.game), phases, everything, agents)
+
+
+def is_shown(turn: Told, phases: Collection[str]) -> bool:
+    """Returns whether a turn is one of those asked for: by its label `receive(cut)` or its name `receive`."""
+    return not phases or turn.label in phases or turn.label.partition("(")[0] in phases
+
+
+def moment_lines(moment: Moment, teller: Teller) -> Iterator[str]:
+    """Yields the lines of the start of an episode or of one step."""
+    yield "an episode begins" if moment.number is None else f"step {moment.number}"
+    if moment.actions:
+        yield f"  actions  {_actions(moment, teller.board.game)}"
+    for turn in moment.turns:
+        if is_shown(turn, teller.phases):
+            yield from turn_lines(turn, teller)
+    yield from _outcome(moment)
+    yield from (f"    {row}" for row in draw(teller.looks, teller.board, moment.world))
+    yield ""
+
+
+def turn_lines(turn: Told, teller: Teller) -> Iterator[str]:
+    """Yields the lines of one turn of the schedule: its rules, what each changed and by which draws."""
+    effects = [effect for effect in turn.effects if effect.sort != "moved"]  # the places tell
+    idle = list(_idle_lines(turn, teller)) if teller.everything else []
+    if effects or idle:
+        yield f"  {turn.label}"
+    for rule, together in _by_rule(effects):
+        if rule is not None:
+            yield f"{RULE}  {_rule(rule, teller.rules)}"
+        for effect in together:
+            yield from _effect_lines(effect, rule, teller)
+    yield from idle
+
+
+def _by_rule(effects: Sequence[Effect]) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
+    """Yields the rules in the order in which they come first, each with its effects."""
+    found: dict[int, tuple[ir.Stmt | None, list[Effect]]] = {}
+    for effect in effects:
+        rule = effect.by[0].sentence if effect.by else None
+        found.setdefault(id(rule), (rule, []))[1].append(effect)
+    yield from found.values()
+
+
+def _rule(rule: ir.Stmt, rules: Rules) -> str:
+    return f"{rules.place(rule)}  {rules.text(rule)}"
+
+
+def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller) -> Iterator[str]:
+    names = say_names(effect.by[0], effect.owner, teller.agents, teller.board) if effect.by else ""
+    others = dict.fromkeys(teller.rules.place(done.sentence) for done in effect.by if done.sentence is not rule)
+    beside = [*([names] if names else []), *(f"also {place}" for place in others)]
+    yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (f"  [{'; '.join(beside)}]" if beside else "")
+    yield from (f"{DRAW}  {text}" for text in _draws(effect, teller))
+
+
+def _draws(effect: Effect, teller: Teller) -> list[str]:
+    causes = [say_draw(drawn, teller.rules) for done in effect.by for drawn in done.causes]
+    used = [say_used(used) for used in effect.words if used.purpose != "who comes first" or teller.everything]
+    return list(dict.fromkeys([*causes, *used]))
+
+
+def _idle_lines(turn: Told, teller: Teller) -> Iterator[str]:
+    """Yields what happened without changing anything, draws after which nothing happened, and rules that did not happen."""
+    for done in turn.idle:
+        yield f"{RULE}  {_rule(done.sentence, teller.rules)}{_among(done, teller)}: nothing changed"
+        yield from (f"{EFFECT}  {say_draw(drawn, teller.rules)}" for drawn in done.causes)
+    for drawn in turn.failed:
+        yield f"{RULE}  {teller.rules.place(drawn.sentence)}  {say_draw(drawn, teller.rules)}{_among(drawn, teller)}"
+    for rule in turn.never:
+        yield f"{RULE}  {_rule(rule, teller.rules)}: did not happen"
+
+
+def _among(done: Done | Drawn, teller: Teller) -> str:
+    names = say_names(done, None, teller.agents, teller.board)
+    return f"  [{names}]" if names else ""
+
+
+def _actions(moment: Moment, game: ir.Game) -> str:
+    said = []
+    for agent, action in enumerate(moment.actions):
+        said.append(f"{agent} {game.agents.actions[action]}{' (forbidden)' if agent in moment.forbidden else ''}")
+    return ", ".join(said)
+
+
+def _outcome(moment: Moment) -> Iterator[str]:
+    outcome = moment.outcome
+    if outcome is None:
+        return
+    if any(outcome.reward):
+        yield f"  rewards  {', '.join(f'{agent} {float(r):+.7g}' for agent, r in enumerate(outcome.reward) if r)}"
+    if outcome.measures:
+        yield f"  metrics  {', '.join(f'{name} = {say_value(value)}' for name, value in outcome.measures.items())}"
+    if outcome.terminated or outcome.truncated:
+        yield f"  the episode ends after {moment.world.step} steps"

@@ -1,0 +1,57 @@
+"""Sentences of a game as its author wrote them, and where."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.source import Source, Span
+
+_COMMENT_OR_TEXT = re.compile(r'("(?:\\.|[^"\\\n])*")|#[^\n]*')
+UNKNOWN = "?"  # of a game that was built without a text
+
+
+@dataclass(frozen=True)
+class Rules:
+    """The texts that a game was built from, by name."""
+
+    sources: Mapping[str, Source]
+
+    def place(self, sentence: ir.Node) -> str:
+        """Returns `clean_up.sj:52`."""
+        span = sentence.origin
+        return UNKNOWN if span is None else f"{PurePath(span.file).name}:{span.line}"
+
+    def text(self, sentence: ir.Node) -> str:
+        """Returns a sentence without comments and on one line; one that has others in it up to its block."""
+        span = sentence.origin
+        if span is None or span.file not in self.sources:
+            return str(getattr(sentence, "op", UNKNOWN))
+        return self._words(span, _end_of_header(sentence, span))
+
+    def branch(self, sentence: "ir.When | ir.Chance", number: int) -> str:
+        """Returns the header of one branch: `chance 0.5`, `otherwise chance 0.2`."""
+        branch = sentence.branches[number]
+        opening = self.text(sentence) if number == 0 else ""
+        if opening or branch.origin is None or branch.test.origin is None:
+            return opening or f"branch {number + 1} of {self.text(sentence)}"
+        return f"otherwise {self._words(branch.origin, branch.test.origin.end)}"
+
+    def _words(self, span: Span, end: int) -> str:
+        text = self.sources[span.file].text[span.start : end]
+        return " ".join(_COMMENT_OR_TEXT.sub(lambda found: found.group(1) or "", text).split())
+
+
+def _end_of_header(sentence: ir.Node, span: Span) -> int:
+    """Returns where the block of a sentence begins, or where the sentence ends if it has none."""
+    match sentence:
+        case ir.When() | ir.Chance():
+            last = sentence.branches[0].test.origin
+        case ir.Each() | ir.Pick() | ir.First():
+            last = sentence.domain.origin
+        case ir.Match():
+            last = sentence.right.origin
+        case _:
+            last = span
+    return (last or span).end

@@ -1,0 +1,127 @@
+"""Values, members and draws in words."""
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.account import Done, Drawn
+from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.state import HEADINGS, Away, Cell, Value
+from sjdsl.trace.effects import Effect, Used
+from sjdsl.trace.rules import Rules
+
+WHOLE = 2**31  # a chance is compared with the upper 31 bits of its word
+
+
+def say_owner(owner: int | Cell | None, board: Board) -> str:
+    """Returns `agent 2`, `water (3, 4)`, or nothing for the world."""
+    match owner:
+        case None:
+            return ""
+        case Cell():
+            return f"{board.kind_of[owner]} {say_cell(owner)}"
+        case _:
+            return f"agent {owner}"
+
+
+def say_cell(cell: Cell) -> str:
+    return f"({cell.row}, {cell.col})"
+
+
+def say_value(value: Value, type_: ir.Type | None = None) -> str:
+    """Returns a value of a field as its author would write it."""
+    kind = type_.kind if type_ is not None else ""
+    match value:
+        case None:
+            return "nobody"
+        case frozenset():
+            return "{ " + ", ".join(f"agent {agent}" for agent in sorted(value)) + " }" if value else "nobody"
+        case Cell():
+            return say_cell(value)
+        case bool():
+            return "yes" if value else "no"
+        case int() if kind == "agent":
+            return f"agent {value}"
+        case str() | int():
+            return str(value)
+        case _:
+            return f"{float(value):.7g}"
+
+
+def say_effect(effect: Effect, board: Board) -> str:
+    """Returns one change: `water (3, 4)  state: clean -> dirty`."""
+    owner = say_owner(effect.owner, board)
+    match effect.sort:
+        case "field":
+            change = f"{effect.name}: {say_value(effect.old, effect.type)} -> {say_value(effect.new, effect.type)}"
+        case "place":
+            change = f"{_place(effect.old)} -> {_place(effect.new)}"
+        case "heading":
+            change = f"{HEADINGS[effect.old]} -> {HEADINGS[effect.new]}"
+        case "away":
+            change = f"{_away(effect.old)} -> {_away(effect.new)}"
+        case "moved":
+            change = f"moved: {say_value(effect.old)} -> {say_value(effect.new)}"
+        case "reward":
+            change = f"reward {float(effect.new):+.7g}"
+        case "event":
+            change = f"{effect.name} {effect.new:+d}"
+        case "mark":
+            change = "marks " + " ".join(say_cell(cell) for cell in effect.new)
+        case "end":
+            change = "the episode ends"
+    return f"{owner}  {change}" if owner else change
+
+
+def _place(place: Cell | None) -> str:
+    return "no place" if place is None else say_cell(place)
+
+
+def _away(away: Away | None) -> str:
+    if away is None:
+        return "here"
+    return f"away for {away.ticks} tick{'' if away.ticks == 1 else 's'}" if away.ticks else "away for ever"
+
+
+def say_names(done: Done | Drawn, owner: int | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
+    """Returns what the variables around a sentence stand for: `cleaner 0, level cut`; not those that are the owner itself."""
+    said = []
+    for name, value in done.names.items():
+        is_agent = name in turn_agents
+        if isinstance(value, Cell):
+            text = say_owner(value, board) if name == board.kind_of[value] else f"{name} {say_cell(value)}"
+        else:
+            text = f"{name} {say_value(value)}"
+        if not (value == owner and (is_agent or isinstance(value, Cell))):
+            said.append(text)
+    return ", ".join(said)
+
+
+def say_draw(drawn: Drawn, rules: Rules) -> str:
+    """Returns a draw and what came of it: `chance growth: 0.0107 < 0.0312  (stream …, number 12, word …)`."""
+    share = (drawn.word >> 1) / WHOLE
+    sentence = drawn.sentence
+    match sentence:
+        case ir.Chance():
+            said = _chance(drawn, share, rules)
+        case ir.Draw():
+            said = f"{rules.text(sentence)}: {say_value(drawn.result, sentence.type)}"
+        case ir.Pick():
+            said = f"{rules.text(sentence)}: {'picked' if drawn.result else 'not picked'}, {share:.6f}"
+        case ir.Match():
+            said = f"{rules.text(sentence)}: {'matched' if drawn.result else 'not matched'}, {share:.6f}"
+    return f"{said}  {say_word(sentence.stream, drawn.number, drawn.word)}"
+
+
+def _chance(drawn: Drawn, share: float, rules: Rules) -> str:
+    bounds = [bound / WHOLE for bound in drawn.bounds]
+    if drawn.result is None:
+        return f"{rules.branch(drawn.sentence, 0)}: {share:.6f} >= {bounds[-1]:.6g}"  # type: ignore[arg-type]
+    above = f", >= {bounds[-2]:.6g}" if len(bounds) > 1 else ""
+    return f"{rules.branch(drawn.sentence, drawn.result)}: {share:.6f} < {bounds[-1]:.6g}{above}"  # type: ignore[arg-type]
+
+
+def say_used(used: Used) -> str:
+    """Returns a word that placed an agent."""
+    return f"{used.purpose}: {(used.word >> 1) / WHOLE:.6f}  {say_word(used.stream, used.number, used.word)}"
+
+
+def say_word(stream: int, number: int, word: int) -> str:
+    return f"(stream {stream:08x}, number {number}, word {word:08x})"

@@ -1,0 +1,219 @@
+"""A trace tells all that happened: its changes, one after the other, make each state from the one before."""
+
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+
+import sjdsl
+from sjdsl.compiler import build, ir
+from sjdsl.compiler.read import read_source
+from sjdsl.compiler.source import Source
+from sjdsl.interpreter.board import board_of, declared_world
+from sjdsl.interpreter.state import Cell, World, copied, default_params
+from sjdsl.render.play import play as play_compiled
+from sjdsl.render.play import random_policy
+from sjdsl.trace.effects import Effect
+from sjdsl.trace.episode import Moment, begin, follow, play, random_actions
+from sjdsl.trace.words import key_of, random_numbers, split
+
+REPOSITORY = Path(__file__).parents[2]
+FILES = [
+    *((path, 12) for path in sorted((REPOSITORY / "games").glob("*.sj"))),
+    *((path, 30) for folder in ("cases", "differential/games") for path in sorted((REPOSITORY / "tests" / folder).glob("*.sj"))),
+]
+
+
+def put(effect: Effect, game: ir.Game, world: World) -> None:
+    """Makes one change of a state."""
+    owner = effect.owner
+    match effect.sort:
+        case "field":
+            name, *words = effect.name.removesuffix("]").replace("][", "[").split("[")
+            if owner is None:
+                world.fields[name] = entered(world.fields[name], effect, words)
+                return
+            board = board_of(game)
+            held = world.cells[board.kind_of[owner], name] if isinstance(owner, Cell) else world.agents[name]
+            number = board.number[owner] if isinstance(owner, Cell) else owner
+            held[number] = entered(held[number], effect, words)
+        case "place" | "heading" | "away" | "moved":
+            states = {"place": world.position, "heading": world.heading, "away": world.away, "moved": world.moved}[effect.sort]
+            assert states[owner] == effect.old
+            states[owner] = effect.new
+        case _:
+            pass
+
+
+def entered(whole: object, effect: Effect, words: list[str]) -> object:
+    """Returns the value of a field with one entry changed."""
+    if not words:
+        assert whole == effect.old
+        return effect.new
+    assert effect.type is not None
+    levels = effect.type.by[len(effect.type.by) - len(words) :]
+    number = levels[0].index(words[0])
+    return (*whole[:number], entered(whole[number], effect, words[1:]), *whole[number + 1 :])  # type: ignore[index]
+
+
+def state_of(world: World) -> tuple:
+    return world.cells, world.agents, world.fields, world.position, world.heading, world.moved, world.away
+
+
+def check_step(game: ir.Game, before: World, moment: Moment) -> None:
+    """Checks that a moment tells all and only what happened in it."""
+    world = copied(before)
+    effects = [effect for turn in moment.turns for effect in turn.effects]
+    for effect in effects:
+        put(effect, game, world)
+    assert state_of(world) == state_of(moment.world)
+    marks = {(cell.row, cell.col) for effect in effects if effect.sort == "mark" for cell in effect.new}
+    assert marks == {(row, col) for _, row, col in moment.world.marks}
+    ticks = {id(effect) for turn in moment.turns if turn.label == "tick" for effect in turn.effects}
+    assert all(effect.by for effect in effects if id(effect) not in ticks), "a change without a rule"
+    if moment.outcome is None:
+        return
+    rewards = [np.float32(0) for _ in before.position]
+    counts = {event.name: 0 for event in game.events}
+    for effect in effects:
+        if effect.sort == "reward":
+            rewards[effect.owner] = np.float32(rewards[effect.owner] + effect.new)
+        if effect.sort == "event":
+            counts[effect.name.partition("[")[0]] += effect.new
+    assert rewards == moment.outcome.reward
+    assert counts == {name: int(np.sum(count)) for name, count in moment.outcome.events.items()}
+    assert moment.outcome.terminated == any(effect.sort == "end" for effect in effects)
+
+
+@pytest.mark.parametrize(("path", "steps"), FILES, ids=lambda value: value.stem if isinstance(value, Path) else "")
+def test_changes_make_the_next_state(path: Path, steps: int) -> None:
+    game = build(read_source(path)).game
+    params = default_params(game)
+    world = declared_world(board_of(game), params)
+    for moment in play(game, params, 5, steps, random_actions(game)):
+        check_step(game, world if moment.number is not None else declared_world(board_of(game), params), moment)
+        world = moment.world
+
+
+def test_words_are_those_of_jax() -> None:
+    for seed in (0, 3, 2**32 - 1, -1):
+        assert key_of(seed) == tuple(np.asarray(jax.random.key_data(jax.random.key(seed))).tolist())
+    key = jax.random.key(7)
+    assert split(key_of(7), 4) == [tuple(words) for words in np.asarray(jax.random.key_data(jax.random.split(key, 4))).tolist()]
+    for below in (1, 2, 3, 7, 9, 64):
+        assert random_numbers(key_of(7), 9, below) == np.asarray(jax.random.randint(key, (9,), 0, below, np.int32)).tolist()
+
+
+def test_a_trace_is_the_episode_that_is_rendered() -> None:
+    """Also past the end of an episode."""
+    path = REPOSITORY / "tests/cases/sending.sj"
+    env = sjdsl.make(path)
+    shots = list(play_compiled(env, random_policy(env), 25, 11))
+    moments = list(play(env.game, default_params(env.game), 11, 25, random_actions(env.game)))
+    assert len(moments) == len(shots) == 28
+    for shot, moment in zip(shots, moments, strict=True):
+        assert shot.step == moment.world.step
+        assert [None if r < 0 else (r, c) for r, c in zip(shot.row, shot.col, strict=True)] == moment.world.position
+        assert shot.heading.tolist() == moment.world.heading
+
+
+SMALL = """sj 1
+game small "One tree, one stone" {
+  param luck : probability = 0.25
+  episode 9
+  kind tree  "T" { field fruit : { none, ripe } = none  timer rest }
+  kind stone "o"
+  kind house "H"
+  map { "ToH" }
+  agents 1 {
+    acts stay, leave, shout
+    field bag by { wood, iron } : 0 .. 9 capped = 0
+  }
+  phase start { each agent { send agent to stone facing east } }
+  schedule tick -> grow -> go -> tell
+  phase grow {
+    each tree where tree.rest == 0 {
+      chance luck { set tree.fruit = ripe  set tree.rest = 2 }
+      otherwise chance 0.5 { set tree.rest = 1 }
+    }
+  }
+  phase go { each agent where agent chose leave { send agent to house after 2 facing same } }
+  phase tell {
+    each agent as who where who chose shout {
+      each tree where tree.fruit is ripe { add 1 to who.bag[wood] }
+      add 2 to who.bag[wood]
+      give 0.5 to who
+      tally shouts for who
+    }
+    when step == 3 { end }
+  }
+  metrics { event shouts }
+}
+"""
+
+
+def test_a_small_game_by_hand() -> None:
+    """The words are looked up, all else is worked out from the rules."""
+    game = build(Source("small.sj", SMALL)).game
+    params = default_params(game)
+    shout, leave, stay = (game.agents.actions.index(name) for name in ("shout", "leave", "stay"))
+    chance = next(node for node in ir.walk(game) if isinstance(node, ir.Chance))
+    fires = next(n for n in range(99) if luck_of((1, n), chance.stream) < 2**29)
+    fails = next(n for n in range(99) if luck_of((1, n), chance.stream) >= 2**29 + 3 * 2**28)
+    start = begin(game, params, (0, 0))
+    assert lines_of(start) == ["place None -> (0, 1) 13", "heading 0 -> 1 13"]
+
+    first = follow(game, start.world, params, (1, fires), [shout])
+    assert lines_of(first) == ["fruit none -> ripe 17", "rest 0 -> 2 17", *shouted(0, 3)]
+    (grown, *_) = (effect for turn in first.turns for effect in turn.effects)
+    (drawn,) = grown.by[0].causes
+    assert (drawn.sentence, drawn.number, drawn.word >> 1) == (chance, 0, luck_of((1, fires), chance.stream))
+    assert drawn.bounds == (2**29,)
+
+    second = follow(game, first.world, params, (1, fails), [leave])
+    assert lines_of(second) == ["rest 2 -> 1 -", "place (0, 1) -> None 21", "away None -> 2 21"]
+    third = follow(game, second.world, params, (1, fails), [stay])
+    assert lines_of(third) == ["rest 1 -> 0 -", "away 2 -> 1 -"]
+    (failed,) = third.turns[1].failed
+    assert (failed.result, failed.bounds) == (None, (2**29, 2**29 + 3 * 2**28))
+    assert [game_line(sentence) for sentence in third.turns[1].never] == [17, 17, 18]
+
+    fourth = follow(game, third.world, params, (1, fails), [shout])
+    assert lines_of(fourth) == ["place None -> (0, 2) 21", "away 1 -> None 21", *shouted(3, 6), "end 29"]
+    assert [len(effect.by) for turn in fourth.turns for effect in turn.effects if effect.name == "bag[wood]"] == [2]
+    assert fourth.outcome is not None
+    assert fourth.outcome.terminated
+
+
+def shouted(before: int, after: int) -> list[str]:
+    """The tree is ripe: one for it, two for shouting."""
+    return [f"bag[wood] {before} -> {after} 24", "reward +0.5 26", "shouts +1 27"]
+
+
+def luck_of(key: tuple[int, int], stream: int) -> int:
+    from sjdsl.interpreter.draws import Threefry
+
+    return Threefry(*key).word(stream, 0) >> 1
+
+
+def game_line(sentence: ir.Stmt) -> int:
+    assert sentence.origin is not None
+    return sentence.origin.line
+
+
+def lines_of(moment: Moment) -> list[str]:
+    """Returns the changes of a moment: name, values, line of the rule that comes first."""
+    found = []
+    for effect in (effect for turn in moment.turns for effect in turn.effects):
+        line = game_line(effect.by[0].sentence) if effect.by else "-"
+        old, new = (value.ticks if effect.sort == "away" and value else value for value in (effect.old, effect.new))
+        old, new = (f"({value.row}, {value.col})" if isinstance(value, Cell) else value for value in (old, new))
+        match effect.sort:
+            case "reward" | "event":
+                found.append(f"{effect.name or 'reward'} {new:+} {line}")
+            case "end":
+                found.append(f"end {line}")
+            case _:
+                found.append(f"{effect.name or effect.sort} {old} -> {new} {line}")
+    return found
