@@ -94,7 +94,7 @@ def without_source(source: Source) -> list[str]:
     return [name for name, rows in numbers_of(source) if not any(SOURCE.search(comments[row]) for row in rows)]
 
 
-@pytest.mark.parametrize("game", NINE)
+@pytest.mark.parametrize("game", bundled())
 def test_a_game_is_short(game: str) -> None:
     assert counted_lines(read_source(find_game(game))) <= MOST_LINES
 

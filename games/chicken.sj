@@ -1,0 +1,20 @@
+sj 1
+game chicken "Chicken in the matrix: Arena" extends "pd_arena.sj" {
+  cite "Agapiou et al. 2022"
+  about summary "Players gather two resources, dove and hawk, and meet by beam: a game of chicken is played with the mixture each"
+                "carries. A hawk takes most from a dove, but two hawks get nothing: one does best not to be what the others are."
+  about paradigm "chicken"         # Melting Pot
+  about difficulty "not measured"  # ours: nobody has trained it yet
+
+  param payoff : reward = { dove: { dove: 3, hawk: 2 }, hawk: { dove: 5, hawk: 0 } }  # Melting Pot
+  kind patch "C" {  # on the arena's map `C` is a dove, `D` a hawk
+    field class : { dove, hawk } = dove  glyph "D" with class = hawk
+    field stock : { none, ripe } = ripe
+  }
+  agents { field bag by { dove, hawk } : 0 .. room capped = 0 }
+  metrics { event collected by { dove, hawk } }
+  checks class {
+    require chicken(payoff)  # T > R > S > P
+    expect collected[dove] > collected[hawk] with seek patch where patch.class is dove over 30 episodes
+  }
+}

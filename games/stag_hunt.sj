@@ -1,0 +1,20 @@
+sj 1
+game stag_hunt "Stag Hunt in the matrix: Arena" extends "pd_arena.sj" {
+  cite "Agapiou et al. 2022"
+  about summary "Players gather two resources, stag and hare, and meet by beam: a stag hunt is played with the mixture each carries."
+                "Two who hunt stag earn most, but who hunts stag alone earns nothing; hare pays a little, whoever one meets."
+  about paradigm "stag hunt"       # Melting Pot
+  about difficulty "not measured"  # ours: nobody has trained it yet
+
+  param payoff : reward = { stag: { stag: 4, hare: 0 }, hare: { stag: 2, hare: 2 } }  # Melting Pot
+  kind patch "C" {  # on the arena's map `C` is a stag, `D` a hare
+    field class : { stag, hare } = stag  glyph "D" with class = hare
+    field stock : { none, ripe } = ripe
+  }
+  agents { field bag by { stag, hare } : 0 .. room capped = 0 }
+  metrics { event collected by { stag, hare } }
+  checks class {
+    require stag_hunt(payoff)  # R > T >= P > S
+    expect collected[stag] > collected[hare] with seek patch where patch.class is stag over 30 episodes
+  }
+}

@@ -1,0 +1,94 @@
+sj 1
+game territory "Territory: Rooms" {
+  cite "Agapiou et al. 2022"
+  about summary "Everybody begins in a room of precious bricks: who touches one or paints it owns it, and later it pays. A zap"
+                "breaks walls for ever and throws players out: a plain partition can be kept, or fought over until nothing is left."
+  about paradigm "commons"      # ours: a partition without force is best for all, a raid pays the raider
+  about long_term_impact "yes"  # ours: what is broken never pays again
+  about multi_task "yes"  about difficulty "not measured"  # ours: claiming, guarding, raiding; nobody has trained it yet
+
+  size players : count = 9 in 2 .. 9           # Melting Pot: one for each room
+  size strikes : count = 2                     # Melting Pot: hits that break a brick, or throw a player out
+  param length : steps = 1000  episode length  # Melting Pot: at least
+  param yield  : reward      = 1               # Melting Pot
+  param rate   : probability = 0.01            # Melting Pot: that a brick pays its owner, per step
+  param drying : steps       = 25              # Melting Pot: from the claim until it may pay
+  param mending : steps = 15  param mend : probability = 0.1  # Melting Pot: from the zap until it may mend; that it does
+  param cooling  : steps = 4 in 0 .. 255       # Melting Pot: of one's own zap
+  param frozen   : steps = 25 in 0 .. 255      # Melting Pot: after the first zap
+  param recovery : steps = 50                  # Melting Pot: a second zap within them throws out for ever
+
+  kind floor "."
+  kind post  "#" { blocks agents, zap, paint }
+  kind brick "R" {
+    field paint  : { none, wet, dry } = none          # only a dry one pays
+    field damage : 0 .. strikes capped = 0
+    field owner : agent  field rivals : set of agent  # rivals: all who claim it in this step
+    timer wetness  timer dust
+    blocks agents, zap when brick.damage < strikes    # Melting Pot: paint goes through
+  }
+  kind gate  "P"
+  map "maps/territory.txt"
+
+  agents players {
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, zap, paint
+    moves relative
+    field hits : 0 .. strikes capped = 0  timer recovering
+    timer stunned  forbid all when agent.stunned > 0  timer hot  forbid zap when agent.hot > 0
+  }
+  shape touch = line(1)  shape paint = line(2)  shape zap = fan(2, 1)  # Melting Pot: the brush in one's hand, its beam, the zap
+
+  phase start { each agent { send agent to gate } }
+
+  schedule tick -> age -> walk -> claim -> settle -> fire -> fall -> pay
+
+  phase age {
+    each brick where brick.paint is wet and brick.wetness == 0 { set brick.paint = dry }
+    each brick where brick.damage > 0 and brick.damage < strikes and brick.dust == 0 { chance mend { add -1 to brick.damage } }
+  }
+  phase walk { move each agent }
+  phase claim {  # all claims of a step are collected first ...
+    each agent as a { each brick in touch of a { add a to brick.rivals } }
+    each agent as a where a chose paint { mark paint of a  each brick in paint of a { add a to brick.rivals } }
+  }
+  phase settle {  # ... and one of them holds
+    each brick where brick.rivals is not nobody {
+      pick 1 agent as winner in brick.rivals {
+        when winner is not brick.owner and brick.damage < strikes {
+          set brick.owner = winner  set brick.paint = wet  set brick.wetness = drying  tally claimed for winner
+        }
+      }
+      set brick.rivals = nobody
+    }
+  }
+  phase fire {
+    each agent as zapper where zapper chose zap {
+      mark zap of zapper  set zapper.hot = cooling
+      first agent as victim in zap of zapper { add 1 to victim.hits  set victim.stunned = frozen  set victim.recovering = recovery }
+      each brick in zap of zapper where brick.damage < strikes { add 1 to brick.damage  set brick.dust = mending  tally blows for zapper }
+    }
+  }
+  phase fall {
+    each agent as a { when a.hits == strikes { remove a  tally gone for a } otherwise when a.recovering == 0 { set a.hits = 0 } }
+    each brick as b where b.owner is not nobody and (b.damage == strikes or b.owner.hits == strikes) {
+      set b.owner = nobody  set b.paint = none
+    }
+  }
+  phase pay {
+    each brick as b where b.paint is dry and b.owner is not nobody { chance rate { give yield to b.owner  tally paid for b.owner } }
+  }
+
+  observe {
+    window ahead 9, behind 1, left 5, right 5  show agent.stunned  show agent.hot  show other.hits  # Melting Pot: the window
+    show brick.owner as { mine where brick.owner is agent, free where brick.owner is nobody, theirs }
+    show brick.damage as { whole where brick.damage == 0, cracked where brick.damage < strikes, gone }
+  }
+  metrics { event claimed  event paid  event blows  event gone  mean owned = count(brick where brick.owner is not nobody) }
+  checks {
+    symmetric agents
+    always count(brick where brick.owner is nobody and brick.paint is not none) == 0
+    always count(brick where brick.damage == strikes and brick.owner is not nobody) == 0
+    expect paid > 0 with random over 10 episodes
+    expect blows == 0 and gone == 0 with never(zap) over 10 episodes
+  }
+}
