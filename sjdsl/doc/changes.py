@@ -48,6 +48,11 @@ def texts(what: str, old: Sequence[Line] | Sequence[str], new: Sequence[Line] | 
     return [Change(what, list(before), list(after), lines=tuple(_with_parents(_merged(before, after))))]
 
 
+def whole_texts(what: str, old: Sequence[str], new: Sequence[str]) -> Change:
+    """Returns the change of one text into another, each as a whole: of pictures single lines say nothing."""
+    return Change(what, list(old), list(new), lines=(*(("-", line) for line in old), *(("+", line) for line in new)))
+
+
 def _written(lines: Sequence[Line] | Sequence[str]) -> list[str]:
     """Returns texts as they are, and sentences as the lines of a list without its signs."""
     return [text for line in lines for text in ([line] if isinstance(line, str) else (b.replace("- ", "", 1) for b in bullets([line])))]

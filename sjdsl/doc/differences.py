@@ -4,7 +4,7 @@ from collections import Counter
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.doc.changes import Change, Section, by_name, texts
+from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import blocking, field_line, forbidden, starts
 from sjdsl.doc.numbers import limits_of, unit_of
@@ -134,7 +134,7 @@ def _kinds(a: Vocabulary, b: Vocabulary) -> list[Change]:
 def _shapes(a: Vocabulary, b: Vocabulary) -> list[Change]:
     old, new = ({s.name: shape_lines(s) for s in v.game.shapes} for v in (a, b))
     names = [*old, *(n for n in new if n not in old)]
-    return [change for name in names for change in texts(name, old.get(name, []), new.get(name, []))]
+    return [whole_texts(name, old.get(name, []), new.get(name, [])) for name in names if old.get(name) != new.get(name)]
 
 
 def _phases(a: Vocabulary, b: Vocabulary) -> list[Change]:

@@ -4,7 +4,7 @@ from sjdsl.compiler import ir
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.shapes import shapes
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined, number, table
+from sjdsl.doc.wording import Line, bullets, code, codes, counted, fenced, joined, number, table
 
 RELATIVE = {
     "turn_left": "turns a quarter to the left",
@@ -113,7 +113,7 @@ def _reads_agent(test: ir.Expr) -> bool:
 def world_map(game: ir.Game) -> list[str]:
     """Returns the map with its size."""
     size = f"{counted(len(game.rows), 'row')} of {counted(len(game.rows[0]), 'cell')}; the first row is north, row 0; the first column is column 0."
-    return [size, "", "```text", *game.rows, "```", ""]
+    return [size, "", *fenced(game.rows), ""]
 
 
 def field_line(field: ir.VarField) -> Line:

@@ -9,7 +9,7 @@ from sjdsl.doc.wording import Line, bullets
 ALWAYS = (
     Line("names `like this` are those of the game's file; a number in brackets behind a name is its default value"),
     Line("names *like this* are given by a sentence to an agent, a cell or a value, for this sentence and those inside it"),
-    Line("without such a name, `the agent` or `the soil cell` is the one that the sentence around is about".replace("`", '"')),
+    Line('without such a name, "the agent" or "the … cell" is the one that the sentence around is about'),
     Line("a sentence about each member of a set holds for all of them at once"),
     Line("a phase reads everything as it was when the phase began, and all that it changes shows when it is over"),
     Line("there is at most one agent on a cell"),

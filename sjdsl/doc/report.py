@@ -9,7 +9,7 @@ from sjdsl.doc.written import Written
 
 
 def name_of(w: Written) -> str:
-    """Returns `coins`, `coins, variant socialjax`."""
+    """Returns `yard`, `yard, variant crowd`."""
     return w.game.name + (f", variant {'+'.join(w.chosen)}" if w.chosen else "")
 
 

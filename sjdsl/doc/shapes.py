@@ -2,7 +2,7 @@
 
 from sjdsl.compiler import ir
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import code, codes, counted
+from sjdsl.doc.wording import code, codes, counted, fenced
 
 TALLEST = 12  # rows of a picture; longer shapes are said lane by lane
 LANES = (
@@ -20,7 +20,7 @@ def shapes(v: Vocabulary) -> list[str]:
 
 def _shape(shape: ir.Shape, v: Vocabulary) -> list[str]:
     size, direction, *rows = shape_lines(shape)
-    drawn = ["```text", *rows, "```"] if _is_drawn(shape) else [f"- {row}" for row in rows]
+    drawn = fenced(rows) if _is_drawn(shape) else [f"- {row}" for row in rows]
     return [f"**{code(shape.name)}**, {size} {direction} {_blocking(shape, v)}".rstrip(), "", *drawn, ""]
 
 

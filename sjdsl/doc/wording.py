@@ -94,6 +94,13 @@ def _shortened(line: Line) -> Line:
     return line
 
 
+def fenced(lines: Sequence[str]) -> list[str]:
+    """Returns lines as they are, between fences that none of them can close."""
+    longest = max((len(run) for line in lines for run in re.findall(r"`+", line)), default=0)
+    fence = "`" * max(3, longest + 1)
+    return [f"{fence}text", *lines, fence]
+
+
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Returns a Markdown table; nothing without rows."""
     cells = [[cell.replace("|", "\\|") if "\\|" not in cell else cell for cell in row] for row in rows]

@@ -10,7 +10,7 @@ from sjdsl.compiler import ir
 SILENT = {
     "*": {"origin", "op", "type", "stream"},
     "Send": {"pool", "order_stream", "heading_stream"},  # a pool is the destination as written
-    "Phase": {"name"},  # the label as an identifier
+    "Phase": {"name", "marks"},  # the label as an identifier; the shapes that its sentences mark
     "FieldRead": {"place", "kinds"},  # follow from the owner
     "Kind": {"glyph"},  # also the first of its glyphs
     "VarField": {"place", "kind"},  # where it stands

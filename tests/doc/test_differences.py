@@ -112,7 +112,8 @@ PAIRS = {
         " glyph ~: added, pond `fish` = 1 | Observation | not seen | + The `fish` of pond cells.",
     ),
     "group": ([("group ground = grass, tree", "group ground = grass")], "Kinds of cell | group ground: grass, tree -> grass"),
-    "shape": ([("line(2)", "line(3)")], "Shapes | ray | - 2 cells. | + 3 cells. | + x"),
+    "shape": ([("line(2)", "line(3)")], "Shapes | ray | - 2 cells. | - It turns with the agent, which looks up in the picture. | - x | - x | - ^ |"
+        " + 3 cells. | + It turns with the agent, which looks up in the picture. | + x | + x | + x | + ^"),
     "field of the world": (
         [("{ sun, rain } = sun", "{ sun, rain } = rain")],
         "State of the world | fields | - `weather`: `sun` or `rain`, at first `sun`. | + `weather`: `sun` or `rain`, at first `rain`.",

@@ -135,3 +135,10 @@ def test_a_glyph_that_means_something_to_markdown() -> None:
     rows = rule_sheet(read_written(Source("pit.sj", text.replace('"A pit"', '"A *pit*"')))).splitlines()
     assert rows[0] == "# A \\*pit\\*"
     assert "| `\\|` | grass | 2 |  |" in rows
+
+
+def test_a_map_of_backticks_stays_in_its_fence() -> None:
+    text = (BEFORE + NUMBERS + AFTER).replace('kind grass "#"', 'kind grass "`"').replace('"##"', '"````"')
+    rows = rule_sheet(read_written(Source("pit.sj", text))).splitlines()
+    place = rows.index("````")
+    assert rows[place - 1 : place + 2] == ["`````text", "````", "`````"]
