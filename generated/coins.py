@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.draws import below, ranks, threshold, words
+from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
@@ -139,8 +139,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """Phase `start`: where the agents begin."""
     sent = jnp.full(2, True)  # coins.sj:30
     agent_colour = jnp.where(jnp.arange(2, dtype=jnp.int32) == 1, 1, state.agent_colour)  # coins.sj:31
-    order = ranks(words(key, 0x98bd07c2, 2), jnp.ones((), bool))  # coins.sj:30
-    position, placed = place(CELLS_CORNER, order, state.position, sent)  # coins.sj:30
+    position, placed = place(CELLS_CORNER, jnp.full(2, True), words(key, 0x98bd07c2, 2), state.position, sent)  # coins.sj:30
     heading = jnp.where(placed, below(words(key, 0x0bf964bf, 2), 4), state.heading)  # coins.sj:30
     return state.replace(agent_colour=agent_colour, position=position, heading=heading), out
 

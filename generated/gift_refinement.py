@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.draws import below, ranks, threshold, words
+from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
@@ -168,8 +168,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
     sent = jnp.full(5, True)  # gift_refinement.sj:35
-    order = ranks(words(key, 0x85f9092c, 18), jnp.ones((), bool))  # gift_refinement.sj:35
-    position, placed = place(CELLS_CAMP, order, state.position, sent)  # gift_refinement.sj:35
+    position, placed = place(CELLS_CAMP, jnp.full(18, True), words(key, 0x85f9092c, 5), state.position, sent)  # gift_refinement.sj:35
     heading = jnp.where(placed, below(words(key, 0xf7e7fa1d, 5), 4), state.heading)  # gift_refinement.sj:35
     return state.replace(position=position, heading=heading), out
 

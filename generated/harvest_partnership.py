@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import count_near, occupied
-from sjdsl.runtime.draws import below, ranks, threshold, words
+from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.geometry import cells_of, inside, lane_reach, near_masks, neighbours, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
@@ -151,11 +151,9 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """Phase `start`: where the agents begin."""
     holds = jnp.arange(7, dtype=jnp.int32) < 2  # harvest_open.sj:38
     sent = ~holds  # harvest_open.sj:38
-    order = ranks(words(key, 0x8be3eb0b, 2), jnp.ones((), bool))  # harvest_open.sj:38
-    position, placed = place(CELLS_DEN, order, state.position, holds)  # harvest_open.sj:38
+    position, placed = place(CELLS_DEN, jnp.full(2, True), words(key, 0x8be3eb0b, 7), state.position, holds)  # harvest_open.sj:38
     heading = jnp.where(placed, below(words(key, 0x05fd999c, 7), 4), state.heading)  # harvest_open.sj:38
-    order_2 = ranks(words(key, 0xa452ab5d, 19), jnp.ones((), bool))  # harvest_open.sj:38
-    position, placed_2 = place(CELLS_GATE, order_2, position, sent)  # harvest_open.sj:38
+    position, placed_2 = place(CELLS_GATE, jnp.full(19, True), words(key, 0xa452ab5d, 7), position, sent)  # harvest_open.sj:38
     heading = jnp.where(placed_2, below(words(key, 0xcb7943f8, 7), 4), heading)  # harvest_open.sj:38
     return state.replace(position=position, heading=heading), out
 
@@ -207,8 +205,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     event_hits = out.event_hits + jnp.sum(active_2, axis=1, dtype=jnp.int32)  # harvest_open.sj:63
     gate_under = SITE_OF_GATE[state.position]  # harvest_open.sj:62
     others = jnp.where(sent, 19, gate_under)  # harvest_open.sj:62
-    order = ranks(words(key, 0x586408f2, 19), ~occupied(others, 19))  # harvest_open.sj:62
-    position, placed = place(CELLS_GATE, order, state.position, sent)  # harvest_open.sj:62
+    free = ~occupied(others, 19)  # harvest_open.sj:62
+    position, placed = place(CELLS_GATE, free, words(key, 0x586408f2, 7), state.position, sent)  # harvest_open.sj:62
     heading = jnp.where(placed, below(words(key, 0xba266f0d, 7), 4), state.heading)  # harvest_open.sj:62
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 

@@ -169,8 +169,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
     sent = jnp.full(4, True)  # pd_arena.sj:41
-    order = ranks(words(key, 0xa452ab5d, 64), jnp.ones((), bool))  # pd_arena.sj:41
-    position, placed = place(CELLS_GATE, order, state.position, sent)  # pd_arena.sj:41
+    position, placed = place(CELLS_GATE, jnp.full(64, True), words(key, 0xa452ab5d, 4), state.position, sent)  # pd_arena.sj:41
     heading = jnp.where(placed, below(words(key, 0xcb7943f8, 4), 4), state.heading)  # pd_arena.sj:41
     return state.replace(position=position, heading=heading), out
 
@@ -230,8 +229,8 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     event_met = out.event_met.at[one].add(active.astype(jnp.int32), mode="drop")  # pd_arena.sj:60
     gate_under = SITE_OF_GATE[state.position]  # pd_arena.sj:60
     others = jnp.where(sent, 64, gate_under)  # pd_arena.sj:60
-    order_2 = ranks(words(key, 0xc3ad4b03, 64), ~occupied(others, 64))  # pd_arena.sj:60
-    position, placed = place(CELLS_GATE, order_2, state.position, sent)  # pd_arena.sj:60
+    free = ~occupied(others, 64)  # pd_arena.sj:60
+    position, placed = place(CELLS_GATE, free, words(key, 0xc3ad4b03, 4), state.position, sent)  # pd_arena.sj:60
     heading = jnp.where(placed, below(words(key, 0xc2abf391, 4), 4), state.heading)  # pd_arena.sj:60
     return state.replace(agent_resting=agent_resting, agent_bag=agent_bag, position=position, heading=heading, mark_meet=marked), out.replace(reward=reward, event_met=event_met)
 

@@ -80,8 +80,11 @@ class Each(Sentence):
 
 
 class Pick(Sentence):
+    """`most`: the largest value `number` can have, as written; it fixes how many words of the stream an instance owns."""
+
     op: Literal["pick"] = "pick"
     number: Expr
+    most: int
     domain: Domain
     body: tuple[Stmt, ...]
     otherwise: tuple[Stmt, ...] = ()

@@ -188,7 +188,8 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
             return ir.First(domain=built, body=body, otherwise=otherwise, origin=s.span)
         case ast.Pick():
             assert how_many is not None
-            return ir.Pick(number=how_many, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
+            most = int(min(max(how_many.type.high, 0), limits.MAX_DRAWN))
+            return ir.Pick(number=how_many, most=most, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
 
 
 def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Domain, Scope]:

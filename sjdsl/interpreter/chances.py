@@ -66,15 +66,16 @@ def _is_computed(share: ir.Expr) -> bool:
 
 
 def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[tuple[Found, Drawn]]:
-    """Returns all members in a uniformly random order; as many as the sentence says are picked."""
-    radix = members.radix(sentence.domain, here.board)
-    words = {m.number: here.word(sentence.stream, here.number * radix + m.number) for m in all_members}
-    order = sorted(all_members, key=lambda m: (-(words[m.number] >> 1), m.number))
-    taken = max(0, evaluate(sentence.number, here))
-    return [
-        (m, Drawn(sentence, here.number * radix + m.number, words[m.number], i < taken, names={**here.names, **m.names}))
-        for i, m in enumerate(order)
-    ]
+    """Returns as many members as the sentence says, one word and one of those still left for each turn."""
+    turns = min(sentence.most, members.radix(sentence.domain, here.board))
+    left = sorted(all_members, key=lambda m: m.number)
+    taken: list[tuple[Found, Drawn]] = []
+    for turn in range(min(max(0, evaluate(sentence.number, here)), len(left))):
+        number = here.number * turns + turn
+        word = here.word(sentence.stream, number)
+        member = left.pop(word * len(left) >> 32)
+        taken.append((member, Drawn(sentence, number, word, True, names={**here.names, **member.names})))
+    return taken
 
 
 def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Drawn]]:

@@ -5,7 +5,8 @@ from typing import NamedTuple, Protocol
 
 WORD = 0xFFFFFFFF
 _PARITY = 0x1BD11BDA
-_ROTATIONS = ((13, 15, 26, 6), (17, 29, 16, 24))
+_ROTATIONS = (13, 15, 26, 6, 17, 29, 16, 24)
+ROUNDS = 13
 _RETURN = 0x52455455
 
 
@@ -18,18 +19,20 @@ class Draws(Protocol):
 
 
 def threefry(key: tuple[int, int], counter: tuple[int, int]) -> tuple[int, int]:
-    """Returns threefry-2x32 of 20 rounds.
+    """Returns threefry-2x32 of 13 rounds.
 
     Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
     """
     schedule = (*key, key[0] ^ key[1] ^ _PARITY)
     x0, x1 = (counter[0] + key[0]) & WORD, (counter[1] + key[1]) & WORD
-    for group in range(5):
-        for distance in _ROTATIONS[group % 2]:
-            x0 = (x0 + x1) & WORD
-            x1 = ((x1 << distance | x1 >> (32 - distance)) & WORD) ^ x0
-        x0 = (x0 + schedule[(group + 1) % 3]) & WORD
-        x1 = (x1 + schedule[(group + 2) % 3] + group + 1) & WORD
+    for turn in range(ROUNDS):
+        distance = _ROTATIONS[turn % 8]
+        x0 = (x0 + x1) & WORD
+        x1 = ((x1 << distance | x1 >> (32 - distance)) & WORD) ^ x0
+        if turn % 4 == 3:
+            group = turn // 4
+            x0 = (x0 + schedule[(group + 1) % 3]) & WORD
+            x1 = (x1 + schedule[(group + 2) % 3] + group + 1) & WORD
     return x0, x1
 
 
@@ -43,7 +46,7 @@ class Threefry:
     def word(self, stream: int, number: int) -> int:
         assert 0 <= stream <= WORD, stream
         assert 0 <= number <= WORD, number
-        return threefry((self.k0, self.k1), (stream, number))[0]
+        return threefry((self.k0, self.k1), (stream, number // 2))[number % 2]
 
 
 class Used(NamedTuple):

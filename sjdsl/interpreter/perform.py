@@ -90,8 +90,7 @@ def _pick(sentence: ir.Pick, here: Instance, writes: Writes) -> None:
     if not all_members:
         perform(sentence.otherwise, here, writes)
     for member, drawn in chances.picked(sentence, all_members, here):
-        if _noted(drawn, writes).result:
-            _inside(sentence.body, sentence.domain, member, here.because(drawn), writes)
+        _inside(sentence.body, sentence.domain, member, here.because(_noted(drawn, writes)), writes)
 
 
 def _first(sentence: ir.First, here: Instance, writes: Writes) -> None:

@@ -1,4 +1,4 @@
-"""Agents sent somewhere: the free cells of a destination in random order, leaving for a while, coming back at a `tick`."""
+"""Agents sent somewhere: a free cell of a destination at random, leaving for a while, coming back at a `tick`."""
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import cells_of
@@ -16,12 +16,12 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
         order = together[0].send.order_stream
         # who may have to stay does not make room for others
         leaving = set() if _may_stay(order, here) else {s.agent for s in together}
-        free = ranked_cells(together[0].send.domain, order, leaving, here)
+        free = free_cells(together[0].send.domain, leaving, here)
         for agent, sentence, ticks in together:
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), sentence.facing), world)
             elif free:
-                _enter(agent, free.pop(0), sentence.facing, sentence.heading_stream, here, world)
+                _enter(agent, taken(free, here.word(order, agent)), sentence.facing, sentence.heading_stream, here, world)
             else:
                 assert sentence.stay, f"no free cell for agent {agent}"
 
@@ -48,24 +48,27 @@ def bring_back(here: Instance, world: World) -> None:
     for pool in (p for p in here.board.pools if p in due):
         sentence = here.board.pools[pool]
         # Two pools may share cells: what an earlier one filled is not free any more.
-        taken = {cell for cell in world.position if cell is not None}
-        free = [c for c in ranked_cells(sentence.domain, return_stream(sentence.order_stream), set(), here) if c not in taken]
+        filled = {cell for cell in world.position if cell is not None}
+        free = [c for c in free_cells(sentence.domain, set(), here) if c not in filled]
+        order = return_stream(sentence.order_stream)
         for agent in due[pool]:
             away = here.world.away[agent]
             if free and away is not None:
-                _enter(agent, free.pop(0), away.facing, return_stream(sentence.heading_stream), here, world)
+                _enter(agent, taken(free, here.word(order, agent)), away.facing, return_stream(sentence.heading_stream), here, world)
 
 
-def ranked_cells(domain: ir.Domain, stream: int, leaving: set[int], here: Instance) -> list[Cell]:
-    """Returns the destination's free cells in their random order. The cells of `leaving` agents are free."""
+def free_cells(domain: ir.Domain, leaving: set[int], here: Instance) -> list[Cell]:
+    """Returns the destination's free cells in reading order. The cells of `leaving` agents are free."""
     assert domain.place is None, "a destination is not around anything"
-    taken = {cell for agent, cell in enumerate(here.world.position) if agent not in leaving}
-    ranks: dict[Cell, tuple[int, int]] = {}
-    for number, cell in enumerate(cells_of(here.board, domain.var.kinds)):
-        where = domain.where is None or evaluate(domain.where, here.only({domain.var.name: cell}))
-        if where and cell not in taken:
-            ranks[cell] = (-(here.word(stream, number) >> 1), number)
-    return sorted(ranks, key=lambda cell: ranks[cell])
+    covered = {cell for agent, cell in enumerate(here.world.position) if agent not in leaving}
+    cells = cells_of(here.board, domain.var.kinds)
+    wanted = [c for c in cells if domain.where is None or evaluate(domain.where, here.only({domain.var.name: c}))]
+    return [c for c in wanted if c not in covered]
+
+
+def taken(free: list[Cell], word: int) -> Cell:
+    """Takes one cell out of those that are free, all equally likely, and returns it."""
+    return free.pop(word * len(free) >> 32)
 
 
 def _enter(agent: int, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World) -> None:

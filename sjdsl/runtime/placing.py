@@ -1,15 +1,69 @@
-"""Sending agents to free cells, choosing members at random, pairing agents."""
+"""Members picked at random, agents sent to free cells, agents paired."""
 
 import jax.numpy as jnp
 from jax import Array, lax
 
+from sjdsl.runtime import bits
+from sjdsl.runtime.draws import below
 
-def place(cells: Array, ranks: Array, position: Array, sent: Array) -> tuple[Array, Array]:
-    """Returns the cells after sending agents, in id order, to the free cells of largest rank.
+
+def pick(member: Array, word: Array) -> tuple[Array, Array]:
+    """Returns one member, all equally likely: number floor(word * members / 2^32) of them.
+
+    Args:
+      member: `[..., S]` bool.
+      word: `[...]` uint32.
+    Returns:
+      `[...]` int32 its number among all S, and `[...]` bool whether there is a member at all.
+    """
+    packed = bits.pack(member)
+    number = bits.count(packed)
+    return bits.nth(packed, below(word, number)), number > 0
+
+
+def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
+    """Returns one agent of each set that is kept as bits: as `pick`, from `[...]` unsigned."""
+    number = lax.population_count(members).astype(jnp.int32)
+    return bits.nth_bit(members, below(word, number)), number > 0
+
+
+def choose(member: Array, words: Array, number: Array) -> Array:
+    """Returns which members are picked when so many are, one after the other, none twice.
+
+    Args:
+      member: `[..., S]` bool.
+      words: `[..., T]` uint32, one for each turn; `number` is never more than T while members are left.
+      number: `[...]` int32.
+    Returns:
+      `[..., S]` bool.
+    """
+    if 0 in (member.shape[-1], words.shape[-1]):
+        return jnp.zeros(member.shape, bool)
+    packed = bits.pack(member)
+
+    def more(state: tuple[Array, Array]) -> Array:
+        turn, left = state
+        return jnp.any((turn < number) & (bits.count(left) > 0))
+
+    def take(state: tuple[Array, Array]) -> tuple[Array, Array]:
+        turn, left = state
+        remaining = bits.count(left)
+        word = lax.dynamic_index_in_dim(words, turn, axis=-1, keepdims=False)
+        taken = bits.without(left, bits.nth(left, below(word, remaining)))
+        goes_on = (turn < number) & (remaining > 0)
+        return turn + 1, jnp.where(goes_on[..., None], taken, left)
+
+    left = lax.while_loop(more, take, (jnp.int32(0), packed))[1]
+    return bits.unpack(packed & ~left, member.shape[-1])
+
+
+def place(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """Returns the places after sending agents, in id order, each to one of the cells that are still free, all equally likely.
 
     Args:
       cells: `[S]` int32, the destination.
-      ranks: `[S]` uint32, larger first, 0 for cells that are not free.
+      free: `[S]` bool.
+      words: `[N]` uint32, one for each agent.
       position: `[N]` int32; sent: `[N]` bool.
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
@@ -22,43 +76,17 @@ def place(cells: Array, ranks: Array, position: Array, sent: Array) -> tuple[Arr
         return jnp.any(state[0])
 
     def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
-        left, ranks, position, placed = state
-        first = index == jnp.argmax(left).astype(jnp.int32)
-        best = jnp.argmax(ranks)
-        there = first & left & (ranks[best] > 0)
-        ranks = ranks.at[best].set(jnp.uint32(0), mode="promise_in_bounds")
-        return left & ~first, ranks, jnp.where(there, cells[best], position), placed | there
+        left, free, position, placed = state
+        who = jnp.argmax(left).astype(jnp.int32)
+        number = bits.count(free)
+        cell = bits.nth(free, below(words[who], number))
+        there = (index == who) & left & (number > 0)
+        free = bits.without(free, cell)
+        return left & (index != who), free, jnp.where(there, cells[cell], position), placed | there
 
     # a turn for each agent sent, not for each agent: most steps send nobody
-    start = (sent, ranks, position, jnp.zeros_like(sent))
+    start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, start)[2:]
-
-
-def choose(ranks: Array, number: Array) -> Array:
-    """Returns which members are among the `number` of largest rank.
-
-    Args:
-      ranks: `[..., S]` uint32, 0 for what is no member; equal ranks: the earlier first.
-      number: `[...]` int32.
-    Returns:
-      `[..., S]` bool.
-    """
-    if ranks.shape[-1] == 0:
-        return jnp.zeros(ranks.shape, bool)
-    index = jnp.arange(ranks.shape[-1]).reshape((1,) * (ranks.ndim - 1) + (-1,))
-
-    def more(state: tuple[Array, Array, Array]) -> Array:
-        turn, left, _ = state
-        return jnp.any((turn < number) & (jnp.max(left, axis=-1) > 0))
-
-    def take(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        turn, left, chosen = state
-        best = jnp.argmax(left, axis=-1)[..., None]
-        hit = (index == best) & (left > 0) & (turn < number)[..., None]
-        return turn + 1, jnp.where(hit, jnp.uint32(0), left), chosen | hit
-
-    start = (jnp.int32(0), ranks, jnp.zeros(ranks.shape, bool))
-    return lax.while_loop(more, take, start)[2]
 
 
 def pair(ranks: Array, alike: bool) -> Array:

@@ -26,6 +26,11 @@ class Table:
         return self.words.get((stream, number), self.rest)
 
 
+def turn(number: int, of: int) -> int:
+    """Returns a word that takes member `number` of so many."""
+    return -(-number * 2**32 // of)
+
+
 def number(value: int | float) -> ir.Number:
     return ir.Number(type=INT if isinstance(value, int) else REAL, value=value)
 

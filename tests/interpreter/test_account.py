@@ -37,10 +37,10 @@ def test_a_write_comes_with_its_instance_and_its_draws():
     assert account.after.cells["soil", "fruit"] == ["none", "none", "red"]
 
 
-def test_picks_tell_who_was_not_picked():
-    pick = ir.Pick(number=g.number(1), domain=g.agents(), body=(set_(score(), g.number(7)),), stream=9)
-    (account,) = told(small(pick), {(9, 0): 10, (9, 1): 20})
-    assert [(d.word, d.result) for d in account.drawn] == [(20, True), (10, False)]
+def test_picks_tell_who_was_picked():
+    pick = ir.Pick(number=g.number(1), most=1, domain=g.agents(), body=(set_(score(), g.number(7)),), stream=9)
+    (account,) = told(small(pick), {(9, 0): g.LAST})
+    assert [(d.word, d.result) for d in account.drawn] == [(g.LAST, True)]
     (done,) = account.done
     assert done.names["agent"] == 1
     assert done.causes == account.drawn[:1]

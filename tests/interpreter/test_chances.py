@@ -88,14 +88,14 @@ def test_draw_of_a_weighted_word(word, drawn):
 
 
 def pick(n, domain, *body, otherwise=()):
-    return ir.Pick(number=g.number(n), domain=domain, body=body, otherwise=otherwise, stream=7)
+    return ir.Pick(number=g.number(n), most=n, domain=domain, body=body, otherwise=otherwise, stream=7)
 
 
-def test_pick_takes_the_largest_words_and_the_smaller_number_among_equals():
+def test_pick_takes_one_of_those_left_in_each_turn():
     game = small(pick(2, g.cells("soil"), set_(SOIL_FRUIT, g.word("red"))))
-    fruit = run(game, draws=g.Table({(7, 0): 4, (7, 1): 9, (7, 2): 8}))[0].cells["soil", "fruit"]
+    fruit = run(game, draws=g.Table({(7, 0): g.turn(1, 3), (7, 1): g.turn(1, 2)}))[0].cells["soil", "fruit"]
     assert fruit == ["none", "red", "red"]
-    fruit = run(game, draws=g.Table({(7, 0): 4, (7, 1): 5, (7, 2): 8}))[0].cells["soil", "fruit"]
+    fruit = run(game, draws=g.Table({(7, 0): g.turn(1, 3) - 1, (7, 1): g.turn(1, 2)}))[0].cells["soil", "fruit"]
     assert fruit == ["red", "none", "red"]
 
 
@@ -112,9 +112,9 @@ def test_pick_takes_all_if_there_are_fewer_and_otherwise_only_if_there_is_none()
 def test_a_pick_inside_another_quantifier_has_words_of_its_own_and_so_has_what_it_holds():
     inner = ir.Chance(branches=(ir.Branch(test=ir.Number(type=g.REAL, value=1.0), body=()),), stream=8)
     game = small(g.each(g.agents(), pick(1, g.cells("soil"), inner)))
-    draws = Recorded(g.Table({(7, 1): 100, (7, 5): 100}))
+    draws = Recorded(g.Table({(7, 0): g.turn(1, 3), (7, 1): g.turn(2, 3)}))
     run(game, draws=draws)
-    assert sorted(u.number for u in draws.used if u.stream == 7) == [0, 1, 2, 3, 4, 5]
+    assert sorted(u.number for u in draws.used if u.stream == 7) == [0, 1]
     assert [u.number for u in draws.used if u.stream == 8] == [1, 5]
 
 

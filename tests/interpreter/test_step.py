@@ -144,7 +144,7 @@ def test_reset_starts_from_the_declared_values_and_the_maps_own():
         agents=forbidding(number=2),
         start=start,
     )
-    world = reset(game, default_params(game), g.Table({(1000, 2): 9}))
+    world = reset(game, default_params(game), g.Table({(1000, 0): g.LAST}))
     assert world.cells == {("tree", "fruit"): ["none", "ripe", "none"], ("tree", "age"): [3, 7, 3]}
     assert (world.position, world.heading, world.step) == ([(1, 1), (0, 1)], [3, 3], 0)
     assert (world.agents["resting"], world.moved, world.away) == ([4, 4], [False, False], [None, None])

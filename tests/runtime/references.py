@@ -8,10 +8,10 @@ DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))  # (row, column) of north, east,
 
 
 def threefry(key: tuple[int, int], counter: tuple[int, int]) -> tuple[int, int]:
-    """Returns threefry-2x32 with 20 rounds. Source: Salmon et al., SC 2011, section 4.2 and table 2."""
+    """Returns threefry-2x32 with 13 rounds. Source: Salmon et al., SC 2011, section 4.2 and table 2."""
     injected = (key[0], key[1], 0x1BD11BDA ^ key[0] ^ key[1])
     left, right = (counter[0] + injected[0]) % WORD, (counter[1] + injected[1]) % WORD
-    for round_ in range(20):
+    for round_ in range(13):
         distance = (13, 15, 26, 6, 17, 29, 16, 24)[round_ % 8]
         left = (left + right) % WORD
         right = ((right * 2**distance) % WORD + right // 2 ** (32 - distance)) ^ left
@@ -49,20 +49,28 @@ def resolve(position: Sequence[int], target: Sequence[int], word: Sequence[int])
         movers -= stopped
 
 
-def place(cells: Sequence[int], ranks: Sequence[int], position: Sequence[int], sent: Sequence[bool]) -> tuple[list[int], list[bool]]:
-    """Returns the cells and who was placed: agents in id order take the free cells (rank above 0), larger rank first."""
-    free = sorted((s for s in range(len(cells)) if ranks[s] > 0), key=lambda s: (-ranks[s], s))
+def turn_of(word: int, left: list[int]) -> int:
+    """Takes one out of a list, all equally likely, and returns it."""
+    return left.pop(int(Fraction(word, WORD) * len(left)))
+
+
+def place(
+    cells: Sequence[int], free: Sequence[bool], words: Sequence[int], position: Sequence[int], sent: Sequence[bool]
+) -> tuple[list[int], list[bool]]:
+    """Returns the cells and who was placed: agents in id order take a free cell each, by their own words."""
+    left = [s for s in range(len(cells)) if free[s]]
     places, placed = list(position), [False] * len(position)
     for agent in range(len(position)):
-        if sent[agent] and free:
-            places[agent], placed[agent] = cells[free.pop(0)], True
+        if sent[agent] and left:
+            places[agent], placed[agent] = cells[turn_of(words[agent], left)], True
     return places, placed
 
 
-def choose(ranks: Sequence[int], number: int) -> list[bool]:
-    """Returns who is among the `number` members (rank above 0) of largest rank, among equals the earlier."""
-    members = sorted((m for m in range(len(ranks)) if ranks[m] > 0), key=lambda m: (-ranks[m], m))
-    return [m in members[:number] for m in range(len(ranks))]
+def choose(member: Sequence[bool], words: Sequence[int], number: int) -> list[bool]:
+    """Returns who is picked when `number` are, one after the other."""
+    left = [m for m in range(len(member)) if member[m]]
+    taken = {turn_of(words[turn], left) for turn in range(min(max(number, 0), len(left)))}
+    return [m in taken for m in range(len(member))]
 
 
 def pair(ranks: Sequence[Sequence[int]], alike: bool) -> list[int]:

@@ -13,11 +13,11 @@ from . import references
 
 LAST = 2**32 - 1
 EDGES = [0, 1, 2, 3, 2**16 - 1, 2**16, 2**31 - 1, 2**31, 2**31 + 1, LAST - 1, LAST]
-# (key, counter, both outputs): threefry2x32 with 20 rounds. Source: Random123 1.14, kat_vectors
+# (key, counter, both outputs): threefry2x32 with 13 rounds. Source: Random123 1.14, kat_vectors
 VECTORS = [
-    ((0, 0), (0, 0), (0x6B200159, 0x99BA4EFE)),
-    ((LAST, LAST), (LAST, LAST), (0x1CB996FC, 0xBB002BE7)),
-    ((0x13198A2E, 0x03707344), (0x243F6A88, 0x85A308D3), (0xC4923A9C, 0x483DF7A0)),
+    ((0, 0), (0, 0), (0x9D1C5EC6, 0x8BD50731)),
+    ((LAST, LAST), (LAST, LAST), (0xFD36D048, 0x2D17272C)),
+    ((0x13198A2E, 0x03707344), (0x243F6A88, 0x85A308D3), (0xBA3E4725, 0xF27D669E)),
 ]
 
 
@@ -32,7 +32,9 @@ def key_of(key: tuple[int, int]) -> jax.Array:
 @pytest.mark.parametrize(("key", "counter", "output"), VECTORS)
 def test_published_vectors(key: tuple[int, int], counter: tuple[int, int], output: tuple[int, int]) -> None:
     assert references.threefry(key, counter) == output
-    assert int(words_at(key_of(key), counter[0], jnp.uint32(counter[1]))) == output[0]
+    if counter[1] < 2**31:  # word numbers are 32 bits
+        numbers = jnp.array([2 * counter[1], 2 * counter[1] + 1], jnp.uint32)
+        assert words_at(key_of(key), counter[0], numbers).tolist() == list(output)
 
 
 def test_words_are_threefry_of_stream_and_number() -> None:
@@ -41,7 +43,7 @@ def test_words_are_threefry_of_stream_and_number() -> None:
         key = tuple(random.integers(0, 2**32, 2).tolist())
         stream = int(random.choice([0, 1, LAST, *random.integers(0, 2**32, 3)]))
         numbers = np.array([0, 1, LAST, *random.integers(0, 2**32, 20)], np.uint32)
-        expected = [references.threefry(key, (stream, int(n)))[0] for n in numbers]
+        expected = [references.threefry(key, (stream, int(n) // 2))[int(n) % 2] for n in numbers]
         assert words_at(key_of(key), stream, jnp.asarray(numbers)).tolist() == expected
 
 
@@ -49,7 +51,7 @@ def test_words_are_numbered_in_row_major_order() -> None:
     key = key_of((3, 4))
     line = words(key, 77, 24)
     assert line.dtype == jnp.uint32
-    assert line.tolist() == [references.threefry((3, 4), (77, i))[0] for i in range(24)]
+    assert line.tolist() == [references.threefry((3, 4), (77, i // 2))[i % 2] for i in range(24)]
     np.testing.assert_array_equal(words(key, 77, 2, 3, 4), line.reshape(2, 3, 4))
     np.testing.assert_array_equal(words(key, 77, 7), line[:7])  # how many are drawn changes none
     assert words(key, 77).shape == ()
@@ -64,7 +66,7 @@ def test_streams_and_keys_differ() -> None:
 def test_words_of_a_batch_of_keys() -> None:
     keys = jax.random.bits(jax.random.key(0), (5, 2), jnp.uint32)
     batch = jax.vmap(lambda k: words(k, 9, 6))(keys)
-    assert batch.tolist() == [[references.threefry(tuple(k), (9, i))[0] for i in range(6)] for k in keys.tolist()]
+    assert batch.tolist() == [[references.threefry(tuple(k), (9, i // 2))[i % 2] for i in range(6)] for k in keys.tolist()]
 
 
 @pytest.mark.parametrize("impl", ["threefry2x32", "rbg", "unsafe_rbg"])

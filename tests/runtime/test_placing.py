@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sjdsl.runtime.draws import ranks
-from sjdsl.runtime.placing import choose, pair, pair_reached, place
+from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, place
 
 from . import references
 
-PLACE = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0)))
+PLACE = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0, 0)))
 CHOOSE = jax.jit(jax.vmap(choose))
 
 
@@ -20,63 +20,87 @@ def random_ranks(random: np.random.Generator, shape: tuple[int, ...]) -> np.ndar
     return np.choose(random.integers(0, 3, shape), [np.zeros(shape, int), few, random.integers(1, 2**31 + 1, shape)])
 
 
-@pytest.mark.parametrize(("cells", "agents"), [(1, 1), (1, 3), (4, 2), (3, 5), (6, 6), (60, 7), (9, 20)])
+@pytest.mark.parametrize(("cells", "agents"), [(1, 1), (1, 3), (4, 2), (3, 5), (6, 6), (60, 7), (9, 20), (300, 3)])
 def test_place(cells: int, agents: int) -> None:
-    """Distinct free cells in the order of their ranks, for agents in id order; who finds none stays."""
+    """Distinct free cells, for agents in id order, each by its own word; who finds none stays."""
     random = np.random.default_rng(100 * cells + agents)
     cases = 150
-    site = np.sort(random.permutation(200)[:cells]) + 1
-    rank = random_ranks(random, (cases, cells))
-    position = random.integers(300, 400, (cases, agents))
+    site = np.sort(random.permutation(400)[:cells]) + 1
+    free = random.random((cases, cells)) < random.choice([0, 0.1, 0.7, 1], (cases, 1))
+    word = random.integers(0, 2**32, (cases, agents))
+    position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < random.choice([0, 0.5, 1], (cases, 1))
-    found, placed = PLACE(jnp.asarray(site, jnp.int32), jnp.asarray(rank, jnp.uint32), jnp.asarray(position, jnp.int32), jnp.asarray(sent))
+    arrays = jnp.asarray(free), jnp.asarray(word, jnp.uint32), jnp.asarray(position, jnp.int32), jnp.asarray(sent)
+    found, placed = PLACE(jnp.asarray(site, jnp.int32), *arrays)
     assert (found.dtype, placed.dtype) == (jnp.int32, jnp.bool_)
     for case in range(cases):
-        expected = references.place(site.tolist(), rank[case].tolist(), position[case].tolist(), sent[case].tolist())
+        expected = references.place(site.tolist(), *(x[case].tolist() for x in (free, word, position, sent)))
         assert (found[case].tolist(), placed[case].tolist()) == expected
         new = np.asarray(found[case])[np.asarray(placed[case])]
-        assert len(set(new.tolist())) == len(new) <= (rank[case] > 0).sum()
+        assert len(set(new.tolist())) == len(new) <= free[case].sum()
 
 
 def test_place_by_hand() -> None:
-    """Agent 0 is not sent; 1 has the best cell, 2 the next; the third free cell is not there."""
+    """Agent 0 is not sent; 1 takes the second of two cells, 2 the one left; there is no third."""
     cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([1, 2, 3, 4], jnp.int32)
-    found, placed = place(cells, jnp.array([5, 0, 9], jnp.uint32), position, jnp.array([False, True, True, True]))
+    words = jnp.array([0, 2**31, 2**32 - 1, 0], jnp.uint32)
+    found, placed = place(cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True]))
     assert found.tolist() == [1, 30, 10, 4]
     assert placed.tolist() == [False, True, True, False]
 
 
-def test_place_takes_the_largest_rank_there_is() -> None:
-    found, placed = place(
-        jnp.array([10, 20], jnp.int32), jnp.array([2**31, 2**31], jnp.uint32), jnp.array([1], jnp.int32), jnp.array([True])
-    )
-    assert (found.tolist(), placed.tolist()) == ([10], [True])
+@pytest.mark.parametrize("members", [1, 2, 6, 32, 33, 147, 600])
+def test_pick(members: int) -> None:
+    """One of the members; nobody if there are none."""
+    random = np.random.default_rng(members)
+    member = random.random((200, members)) < random.choice([0, 0.05, 0.5, 1], (200, 1))
+    word = np.concatenate([random.integers(0, 2**32, 196), [0, 1, 2**32 - 1, 2**31]])
+    number, found = jax.jit(jax.vmap(pick))(jnp.asarray(member), jnp.asarray(word, jnp.uint32))
+    assert (number.dtype, found.dtype) == (jnp.int32, jnp.bool_)
+    for case in range(200):
+        there = np.flatnonzero(member[case]).tolist()
+        assert bool(found[case]) == bool(there)
+        assert not there or int(number[case]) == references.turn_of(int(word[case]), there)
 
 
-@pytest.mark.parametrize("members", [1, 2, 6, 40])
-def test_choose(members: int) -> None:
+@pytest.mark.parametrize("dtype", [jnp.uint8, jnp.uint32])
+def test_pick_of_set(dtype: jnp.dtype) -> None:
+    """A set kept as bits is the same as its members spelt out."""
+    size = jnp.iinfo(dtype).bits
+    random = np.random.default_rng(size)
+    sets = np.concatenate([random.integers(0, 2**size, 300), [0, 1, 2 ** (size - 1), 2**size - 1]])
+    word = jnp.asarray(random.integers(0, 2**32, len(sets)), jnp.uint32)
+    number, found = pick_of_set(jnp.asarray(sets, dtype), word)
+    expected, there = pick(jnp.asarray((sets[:, None] >> np.arange(size)) & 1 != 0), word)
+    assert found.tolist() == there.tolist()
+    assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
+
+
+@pytest.mark.parametrize(("members", "turns"), [(1, 1), (2, 5), (6, 3), (40, 8), (100, 20)])
+def test_choose(members: int, turns: int) -> None:
     random = np.random.default_rng(members)
     cases = 200
-    rank, number = random_ranks(random, (cases, members)), random.integers(0, members + 3, cases)
-    found = CHOOSE(jnp.asarray(rank, jnp.uint32), jnp.asarray(number, jnp.int32))
+    member = random.random((cases, members)) < random.choice([0, 0.3, 1], (cases, 1))
+    word, number = random.integers(0, 2**32, (cases, turns)), random.integers(-1, turns + 1, cases)
+    found = CHOOSE(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32))
     for case in range(cases):
-        assert found[case].tolist() == references.choose(rank[case].tolist(), int(number[case]))
+        assert found[case].tolist() == references.choose(member[case].tolist(), word[case].tolist(), int(number[case]))
 
 
 def test_choose_for_each_of_the_surroundings() -> None:
     """Rows choose apart, each its own number."""
     random = np.random.default_rng(0)
-    rank, number = random_ranks(random, (3, 4, 5)), random.integers(0, 6, (3, 4))
-    found = np.asarray(choose(jnp.asarray(rank, jnp.uint32), jnp.asarray(number, jnp.int32)))
+    member, word, number = random.random((3, 4, 5)) < 0.7, random.integers(0, 2**32, (3, 4, 5)), random.integers(0, 6, (3, 4))
+    found = np.asarray(choose(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)))
     for i, j in np.ndindex(3, 4):
-        assert found[i, j].tolist() == references.choose(rank[i, j].tolist(), int(number[i, j]))
+        assert found[i, j].tolist() == references.choose(member[i, j].tolist(), word[i, j].tolist(), int(number[i, j]))
 
 
 def test_choose_is_uniform() -> None:
     """Every pair of 5 members equally often; chi-square with 9 degrees of freedom, passed by chance with probability 1e-6."""
     draws = 40_000
-    word = jax.random.bits(jax.random.key(1), (draws, 5), jnp.uint32)
-    chosen = np.asarray(CHOOSE(ranks(word, jnp.ones((), bool)[None, None]), jnp.full(draws, 2, jnp.int32)))
+    word = jax.random.bits(jax.random.key(1), (draws, 2), jnp.uint32)
+    chosen = np.asarray(CHOOSE(jnp.ones((draws, 5), bool), word, jnp.full(draws, 2, jnp.int32)))
     assert (chosen.sum(axis=1) == 2).all()
     _, counts = np.unique(chosen @ (1 << np.arange(5)), return_counts=True)
     assert len(counts) == 10

@@ -41,25 +41,49 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
     member_var = inner.variables[s.domain.var.name]
     near = isinstance(s.domain.place, ir.Near) and isinstance(member_var, CellVar)
     total = axis.size if near else reads.member_total(member_var, w)
-    word = words(s.stream, frame, (axis, total))
-    axes = union(word.axes, (inner.mask or word).axes)
-    mask = _mask_over(inner, axes)
-    ranks = w.keep("order", Value(f"ranks({aligned(word, axes)}, {mask.text})", "u32", axes))
     number = as_dtype(lower(s.number, frame.always(), w), "i32")
-    last = f"axis={len(axes) - 1}"
-    outer_axes = axes[:-1]
-    found = w.keep("found", Value(f"jnp.max({ranks.text}, {last}) > 0", "bool", outer_axes))
-    if number.literal and int(number.text) == 1:
-        best = w.keep(s.domain.var.name, Value(f"jnp.argmax({ranks.text}, {last}).astype(jnp.int32)", "i32", outer_axes))
+    one = number.literal and int(number.text) == 1
+    turns = w.axis("turn", min(s.most, total))
+    word = words(s.stream, frame, (turns, turns.size))
+    members = _set_of(s.domain, frame, w) if one else None
+    around = (members or inner.mask or literal(True, "bool")).axes
+    outer_axes = union(word.axes[:-1], tuple(a for a in around if a != axis))
+    axes = (*outer_axes, axis)
+    if one:
+        lead = ":, " * (len(word.axes) - 1)
+        single = Value(f"{word.text}[{lead}0]", "u32", word.axes[:-1])
+        kernel, source = ("pick_of_set", aligned(members, outer_axes)) if members else ("pick", _mask_over(inner, axes).text)
+        best = Value(w.names.fresh(s.domain.var.name), "i32", outer_axes)
+        found = Value(w.names.fresh("found"), "bool", outer_axes)
+        w.line(f"{best.text}, {found.text} = {kernel}({source}, {_spread(single, outer_axes)})")
         chosen = _chosen_variable(member_var, axis, best)
         variables = {**frame.variables, s.domain.var.name: chosen}
         variables |= _under(s.domain, chosen, w)
         digit = (best, total)
         place = replace(frame, digits=(*frame.digits, digit), variables=variables)
         return place.when(found), invert(found)
-    text = f"choose({ranks.text}, {_number_array(number, outer_axes)})"
+    mask = w.keep("member", _mask_over(inner, axes))
+    found = w.keep("found", Value(f"jnp.any({mask.text}, axis={len(axes) - 1})", "bool", outer_axes))
+    text = f"choose({mask.text}, {_spread(word, (*outer_axes, turns))}, {_number_array(number, outer_axes)})"
     taken = w.keep("taken", Value(text, "bool", axes))
     return replace(inner, mask=both(frame.mask, taken)), invert(found)
+
+
+def _spread(word: Value, axes: tuple[Axis, ...]) -> str:
+    """Returns words over exactly these axes."""
+    if word.axes == axes:
+        return word.text
+    shape = ", ".join(str(a.size) for a in axes)
+    return f"jnp.broadcast_to({aligned(word, axes)}, ({shape},))"
+
+
+def _set_of(d: ir.Domain, frame: Frame, w: Writer) -> Value | None:
+    """Returns the set that a domain is, as bits, if it is nothing but a set of agents none of whom can be away."""
+    whole = isinstance(d.place, ir.InAgents) and d.place.value.type.kind == "agents" and d.on is None and d.where is None
+    if not whole or w.module.can_be_away:
+        return None
+    assert isinstance(d.place, ir.InAgents)
+    return lower(d.place.value, frame.always(), w)
 
 
 def _number_array(number: Value, axes: tuple[Axis, ...]) -> str:

@@ -11,9 +11,9 @@ def words(stream: int, frame: Frame, extra: tuple[Axis, int] | None = None) -> V
     digits = [*frame.digits]
     if extra is not None:
         digits.append((Value(f"jnp.arange({extra[0].size}, dtype=jnp.int32)", "i32", (extra[0],)), extra[1]))
-    if all(_plain(digit, radix) for digit, radix in digits):
-        shape = "".join(f", {radix}" for _, radix in digits)
+    if all(_counts(digit) and (i == 0 or digit.axes[0].size == radix) for i, (digit, radix) in enumerate(digits)):
         axes = tuple(d.axes[0] for d, _ in digits)
+        shape = "".join(f", {axis.size}" for axis in axes)
         return Value(f"words(key, 0x{stream:08x}{shape})", "u32", axes)
     number = literal(0, "i32")
     for digit, radix in digits:
@@ -21,9 +21,9 @@ def words(stream: int, frame: Frame, extra: tuple[Axis, int] | None = None) -> V
     return Value(f"words_at(key, 0x{stream:08x}, {_unsigned(number)})", "u32", number.axes)
 
 
-def _plain(digit: Value, radix: int) -> bool:
+def _counts(digit: Value) -> bool:
     """Whether a digit simply counts along its axis."""
-    return digit.text.startswith("jnp.arange(") and len(digit.axes) == 1 and digit.axes[0].size == radix
+    return digit.text.startswith("jnp.arange(") and len(digit.axes) == 1
 
 
 def _unsigned(number: Value) -> str:

@@ -150,14 +150,13 @@ def place(pool: Pool, sent: str, leaving: str, w: Writer, stream_change: int) ->
         variable = CellVar(iota(axis), kinds, axis)
         test = lower(pool.send.domain.where, Frame(axes=(axis,), variables={pool.send.domain.var.name: variable}), w)
         free = both(free, test)
-    member = "jnp.ones((), bool)" if free is None else free.text
     stream = pool.send.order_stream ^ stream_change
-    ranks = w.keep("order", Value(f"ranks(words(key, 0x{stream:08x}, {axis.size}), {member})", "u32", (axis,)))
+    free = Value(f"jnp.full({axis.size}, True)", "bool", (axis,)) if free is None else w.keep("free", free)
     placed = w.names.fresh("placed")
     before = w.current("position")
     if "position" not in w.changed:
         w.changed["position"] = w.names.fresh("position")
-    w.line(f"{w.changed['position']}, {placed} = place({cells}, {ranks.text}, {before}, {sent})")
+    w.line(f"{w.changed['position']}, {placed} = place({cells}, {free.text}, words(key, 0x{stream:08x}, {n}), {before}, {sent})")
     return placed
 
 

@@ -1,0 +1,62 @@
+"""Members as bits of 32-bit words: packing them, and finding the n-th of them without a scan."""
+
+import jax.numpy as jnp
+from jax import Array, lax
+
+WIDTH = 32
+
+
+def pack(members: Array) -> Array:
+    """Returns members as bits: `[..., S]` bool -> `[..., W]` uint32, member i in bit i % 32 of word i // 32."""
+    missing = -members.shape[-1] % WIDTH
+    padded = lax.pad(members, jnp.asarray(False), [*[(0, 0, 0)] * (members.ndim - 1), (0, missing, 0)])
+    words = padded.reshape(*members.shape[:-1], -1, WIDTH)
+    places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * members.ndim + (-1,))
+    return jnp.sum(words.astype(jnp.uint32) << places, axis=-1, dtype=jnp.uint32)
+
+
+def unpack(words: Array, size: int) -> Array:
+    """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
+    places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * words.ndim + (-1,))
+    members = (words[..., None] >> places) & jnp.uint32(1)
+    return members.reshape(*words.shape[:-1], -1)[..., :size] != 0
+
+
+def count(words: Array) -> Array:
+    """Returns how many bits are set in all words: `[..., W]` -> `[...]` int32."""
+    return jnp.sum(lax.population_count(words).astype(jnp.int32), axis=-1, dtype=jnp.int32)
+
+
+def nth_bit(word: Array, n: Array) -> Array:
+    """Returns the place of the n-th set bit, n from 0: `[...]` unsigned and int32 -> `[...]` int32. Anything if there are fewer."""
+    place, width = jnp.zeros_like(n), word.dtype.itemsize * 4
+    while width:
+        low = lax.population_count(word & word.dtype.type((1 << width) - 1)).astype(jnp.int32)
+        above = n >= low
+        n = jnp.where(above, n - low, n)
+        word = jnp.where(above, word >> word.dtype.type(width), word)
+        place = place + above.astype(jnp.int32) * width
+        width //= 2
+    return place
+
+
+def nth(words: Array, n: Array) -> Array:
+    """Returns which member is the n-th, n from 0: `[..., W]` uint32 and `[...]` int32 -> `[...]` int32. Anything if there are fewer."""
+    if words.shape[-1] == 1:
+        return nth_bit(words[..., 0], n)
+    index = jnp.arange(words.shape[-1], dtype=jnp.int32)
+    counts = lax.population_count(words).astype(jnp.int32)
+    earlier = (index[None] < index[:, None]).reshape((1,) * n.ndim + (index.size, index.size))
+    before = jnp.sum(jnp.where(earlier, counts[..., None, :], 0), axis=-1, dtype=jnp.int32)
+    here = (before <= n[..., None]) & (n[..., None] < before + counts)
+    word = jnp.sum(jnp.where(here, words, jnp.uint32(0)), axis=-1, dtype=jnp.uint32)
+    passed = jnp.sum(jnp.where(here, before, 0), axis=-1, dtype=jnp.int32)
+    number = jnp.sum(jnp.where(here, index.reshape((1,) * n.ndim + (-1,)), 0), axis=-1, dtype=jnp.int32)
+    return number * WIDTH + nth_bit(word, n - passed)
+
+
+def without(words: Array, member: Array) -> Array:
+    """Returns the members without one: `[..., W]` uint32 and `[...]` int32 -> `[..., W]` uint32."""
+    index = jnp.arange(words.shape[-1], dtype=jnp.int32).reshape((1,) * member.ndim + (-1,))
+    bit = jnp.uint32(1) << (member & (WIDTH - 1)).astype(jnp.uint32)
+    return jnp.where(index == (member >> 5)[..., None], words & ~bit[..., None], words)
