@@ -166,7 +166,9 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     header = use.streams.header(s.span, s.block.span.start)
     how_many = number(s.number, scope, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if how_many is not None and how_many.type.low < 0:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.number.span, name="the number picked", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
+        raise scope.problems.fail(
+            errors.OUT_OF_LIMITS, s.number.span, name="the number picked", value="negative", low=0, high="any", reason=""
+        )  # type: ignore[union-attr]
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_sentence(header)
     if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
