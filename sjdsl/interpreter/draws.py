@@ -18,14 +18,14 @@ class Draws(Protocol):
         ...
 
 
-def threefry(key: tuple[int, int], counter: tuple[int, int]) -> tuple[int, int]:
-    """Returns threefry-2x32 of 13 rounds.
+def threefry(key: tuple[int, int], counter: tuple[int, int], rounds: int = ROUNDS) -> tuple[int, int]:
+    """Returns threefry-2x32.
 
     Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
     """
     schedule = (*key, key[0] ^ key[1] ^ _PARITY)
     x0, x1 = (counter[0] + key[0]) & WORD, (counter[1] + key[1]) & WORD
-    for turn in range(ROUNDS):
+    for turn in range(rounds):
         distance = _ROTATIONS[turn % 8]
         x0 = (x0 + x1) & WORD
         x1 = ((x1 << distance | x1 >> (32 - distance)) & WORD) ^ x0

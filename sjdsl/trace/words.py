@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from sjdsl.interpreter.draws import WORD, Draws, threefry
 
+JAX_ROUNDS = 20
+
 Key = tuple[int, int]
 
 
@@ -29,7 +31,7 @@ def key_of(seed: int) -> Key:
 
 def split(key: Key, count: int) -> list[Key]:
     """Returns the keys of `jax.random.split(key, count)`."""
-    return [threefry(key, (0, number)) for number in range(count)]
+    return [threefry(key, (0, number), JAX_ROUNDS) for number in range(count)]
 
 
 def random_numbers(key: Key, count: int, below: int) -> list[int]:
@@ -38,6 +40,6 @@ def random_numbers(key: Key, count: int, below: int) -> list[int]:
     weight = (2**16 % below) ** 2 % below
     found = []
     for number in range(count):
-        (a, b), (c, d) = threefry(high, (0, number)), threefry(low, (0, number))
+        (a, b), (c, d) = threefry(high, (0, number), JAX_ROUNDS), threefry(low, (0, number), JAX_ROUNDS)
         found.append((((a ^ b) % below * weight + (c ^ d) % below) & WORD) % below)
     return found
