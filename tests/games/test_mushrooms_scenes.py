@@ -281,14 +281,6 @@ def test_two_hit_each_other(stage: Stage) -> None:
     assert scene.places()[0] != (3, 2) and scene.places()[1] != (2, 2)
 
 
-def test_with_a_delay_who_is_hit_is_away_and_digests() -> None:
-    stage = Stage("mushrooms", ROWS, 5, params={"respawn_delay": 3})
-    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv", fields={"agent.digesting": {1: 9}})
-    scene.step("zap").has({"agent.away": {1: True}, "agent.ticks": {1: 3}, "agent.digesting": {1: 8}})
-    scene.step(times=2).has({"agent.away": {1: True}, "agent.digesting": {1: 6}})
-    scene.step().has({"agent.away": False, "agent.digesting": {1: 5}})
-
-
 # Episodes, moves, what is seen
 
 

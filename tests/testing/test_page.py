@@ -6,8 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 PAGE = (Path(__file__).parents[2] / "docs" / "testing.md").read_text(encoding="utf-8")
 
 
@@ -15,26 +13,34 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    (tmp_path / "orchard.sj").write_text(blocks("sj")[0], encoding="utf-8")
-    (tmp_path / "test_orchard.py").write_text(blocks("python")[0], encoding="utf-8")
-    return tmp_path
+SHOWN = """
+from pathlib import Path
+
+from test_orchard import STAGE
 
 
-def test_its_tests_pass_under_plain_pytest(folder: Path) -> None:
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--rootdir", str(folder), str(folder)]
-    run = subprocess.run(command, cwd=folder, env={**os.environ, "PYTEST_ADDOPTS": ""}, capture_output=True, text=True, check=False)
+def test_failure():
+    try:
+        {block}
+    except AssertionError as failure:
+        (Path(__file__).parent / "failure.txt").write_text(str(failure))
+"""
+
+
+def test_its_tests_pass_under_plain_pytest_and_its_failure_is_shown(tmp_path: Path) -> None:
+    files = {
+        "orchard.sj": blocks("sj")[0],
+        "test_orchard.py": blocks("python")[0],
+        "test_shown.py": SHOWN.format(block=blocks("python")[1]),
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--rootdir", str(tmp_path), str(tmp_path)]
+    run = subprocess.run(command, cwd=tmp_path, env={**os.environ, "PYTEST_ADDOPTS": ""}, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stdout
-    assert f"{blocks('python')[0].count('def test_')} passed" in run.stdout
-
-
-def test_its_failure(folder: Path) -> None:
-    names: dict = {"__file__": str(folder / "test_orchard.py")}
-    exec(blocks("python")[0], names)
-    with pytest.raises(AssertionError) as failure:
-        exec(blocks("python")[1], names)
-    assert str(failure.value).splitlines() == [line.rstrip() for line in blocks("text")[0].splitlines()]
+    assert f"{1 + blocks('python')[0].count('def test_')} passed" in run.stdout
+    failure = (tmp_path / "failure.txt").read_text(encoding="utf-8")
+    assert failure.splitlines() == blocks("text")[0].splitlines()
 
 
 def test_its_table_names_what_there_is() -> None:

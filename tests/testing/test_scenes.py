@@ -103,11 +103,16 @@ def test_who_is_away_comes_back() -> None:
     gone.step(times=5).has({"agent.away": True})
 
 
-def test_numbers_of_a_stage_of_a_scene_and_of_a_step() -> None:
+def test_numbers_of_a_stage_and_of_a_scene() -> None:
     stage = Stage(GAME, params={"pay": {"blue": 7}, "heat": 9})
-    scene = stage.put("PPP..#", "..TT..", "..^^.<", params={"pay": {"red": 4}}, fields={"agent.hue": {1: "blue"}, "rate": 0})
+    scene = stage.put("PPP..#", "..TT..", "..^^.<", params={"pay": {"red": 4}})
+    assert (scene.params.pay.tolist(), int(scene.params.heat)) == ([4, 7], 9)
+    scene = put(
+        "PPP..#", "..TT..", "..^^.<", params={"pay": {"red": 4, "blue": 7}, "heat": 9}, fields={"agent.hue": {1: "blue"}, "rate": 0}
+    )
     scene.step("forward, forward").has({"reward": [4, 7, 0], "tree.bare": 8})
-    scene = stage.put("PPP..#", "..TT..", "..^^.<").change(pay={"red": 5}).change(pay={"blue": 6}, heat=2)
+    scene = put("PPP..#", "..TT..", "..^^.<").change(pay={"red": 5}).change(pay={"blue": 6}, heat=2)
+    assert scene.params.pay.tolist() == [5, 6]
     scene.step("forward, forward").has({"reward": [5.5, 5.5, 0], "tree.bare": 1})
 
 
