@@ -120,8 +120,8 @@ def test_who_was_eaten_is_away_for_two_hundred_steps() -> None:
 
 
 def test_grass_keeps_predators_out_but_not_their_teeth() -> None:
-    scene = put(*FIELD[:4], "^ggg.....  3", "^.^......  05", *FIELD[6:], under={3: "g"})
-    scene.step("forward, stay, stay, stay, stay, forward").has({"agent.row": {0: 5, 5: 4}})
+    scene = put(*FIELD[:5], "^.^......  05", *FIELD[6:]).step("forward, stay, stay, stay, stay, forward")
+    scene.has({"agent.row": {0: 5, 5: 4}})
     scene = put(*FIELD[:4], "^ggg.....  3", "^........  0", *FIELD[6:], under={3: "g"})
     scene.step("bite").has({"reward": {0: 1}, "agent.away": {3: True}})
 
