@@ -137,9 +137,9 @@ def test_a_mining_agent_stays_and_keeps_its_heading(stage: Stage) -> None:
 
 
 @BOTH
-@pytest.mark.parametrize(("miners", "runs"), [(2, 10), (6, 1)])
+@pytest.mark.parametrize(("miners", "runs"), [(2, 20), (6, 1)])
 def test_contested_iron_goes_to_one_of_the_miners(stage: Stage, miners: int, runs: int) -> None:
-    """Of two, each gets it in some run."""
+    """Of two, each gets it in some run: else one of them has lost 20 times, a chance of 2e-6."""
     winners = set()
     for seed in range(runs):
         scene = around(miners, stage, seed, under="i").step(mine(*range(miners)))

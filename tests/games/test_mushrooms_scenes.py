@@ -237,13 +237,13 @@ def test_the_beam_passes_agents_and_spares_mushrooms(stage: Stage) -> None:
 
 @BOTH
 def test_who_is_hit_goes_to_bare_floor_where_nobody_stands(stage: Stage) -> None:
-    """The one cell that is left; without one it stays."""
+    """The one cell that is left; of two, each in some of 20 runs (but for a chance of 2e-6); without one it stays."""
     rows = ["O" * 8, "O" * 8, "OOvOOOOO  1", "OO^OOOOO  0", "O" * 8, "OOOOOvvv  234"]
     put(stage, *rows).step("zap").has({"event hits": {0: 1}, "agent.row": {1: 2}, "agent.col": {1: 2}, "agent.heading": {1: "south"}})
     rows[4] = "OOOOOO.O"
     assert put(stage, *rows).step("zap").places()[1] == (4, 6)
     rows[0] = ".OOOOOOO"
-    assert {put(stage, *rows, seed=seed).step("zap").places()[1] for seed in range(12)} == {(4, 6), (0, 0)}
+    assert {put(stage, *rows, seed=seed).step("zap").places()[1] for seed in range(20)} == {(4, 6), (0, 0)}
 
 
 @BOTH

@@ -186,9 +186,9 @@ def test_in_the_released_rules_they_meet_twice() -> None:
 
 
 def test_of_two_who_fire_at_one_one_meets_it() -> None:
-    """By chance; the other keeps its place, its bag and its freedom."""
+    """By chance (one of them never in 20 runs: 2e-6); the other keeps its place, its bag and its freedom."""
     winners = set()
-    for seed in range(10):
+    for seed in range(20):
         scene = in_line(DEFAULT, "..>v<...", bags={0: (1, 0), 1: (0, 1), 2: (2, 0)}, seed=seed).step("interact, stay, interact")
         winner = 0 if scene.reward[0] else 2
         other = 2 - winner
@@ -206,9 +206,9 @@ def test_in_the_released_rules_both_meet_it() -> None:
 
 
 def test_in_a_chain_one_pair_meets() -> None:
-    """0 fires at 1, and 1 at 2: the two pairs are never both taken."""
+    """0 fires at 1, and 1 at 2: the two pairs are never both taken; each is in some of 20 runs (but for a chance of 2e-6)."""
     met = set()
-    for seed in range(10):
+    for seed in range(20):
         scene = in_line(DEFAULT, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}, seed=seed).step("interact, interact")
         met.add(tuple(scene.events["met"]))
     assert met == {(1, 1, 0, 0), (0, 1, 1, 0)}
@@ -240,13 +240,13 @@ def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
 
 @BOTH
 def test_who_is_sent_off_goes_to_a_free_gate(stage: Stage) -> None:
-    """Each of those that are free, in some run."""
+    """To four of the six at least: three at most in 25 runs have a chance of 6e-7."""
     places = set()
     for seed in range(25):
         scene = put(stage, *ROWS[:2], "..><....  01", *ROWS[3:5], "vvPPPPPP  23", bags={0: (1, 0), 1: (0, 1)}, seed=seed).step("interact")
         assert len(set(scene.places())) == 4
         places.add(scene.places()[1])
-    assert places == {(5, column) for column in range(2, 8)}
+    assert places <= {(5, column) for column in range(2, 8)} and len(places) >= 4
 
 
 def test_payoffs_are_parameters() -> None:

@@ -117,12 +117,12 @@ def test_numbers_of_a_stage_and_of_a_scene() -> None:
 
 
 def test_the_next_step_has_the_next_seed() -> None:
-    """Two who want one cell: who gets it depends on the seed and on nothing else."""
-    one = [put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places() for seed in range(8)]
-    two = [put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places() for seed in range(8)]
-    later = [put("PPP..#", "..TT..", ".>.<.^", seed=seed - 1).step().step("forward, forward").places() for seed in range(1, 8)]
-    assert one == two
-    assert one[1:] == later
+    """Two who want one cell: who gets it depends on the seed and on nothing else, and not always the same (in 20 runs: 2e-6)."""
+    one = [put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places() for seed in range(20)]
+    two = [put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places() for seed in range(5)]
+    later = [put("PPP..#", "..TT..", ".>.<.^", seed=seed - 1).step().step("forward, forward").places() for seed in range(1, 5)]
+    assert one[:5] == two
+    assert one[1:5] == later
     assert len({str(places) for places in one}) == 2
 
 
