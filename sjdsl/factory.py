@@ -8,7 +8,7 @@ from types import ModuleType
 from typing import Any, Literal
 
 from sjdsl.cache import cached_text
-from sjdsl.compiler import build, compile_build, number_names
+from sjdsl.compiler import Build, build, compile_build, number_names
 from sjdsl.compiler.diagnostics import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.read import read_source
@@ -47,10 +47,17 @@ def make(
     made = build(source, variants, Overrides(sizes, num_agents, *map_rows(map, source)))
     if num_agents is not None and made.game.agents.number != num_agents:
         raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
+    return environment_of(made, source, run_time, observation)
+
+
+def environment_of(
+    made: Build, source: Source, params: Mapping[str, Any], observation: Literal["tokens", "onehot"] = "tokens"
+) -> Environment:
+    """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
     key = game_hash(made.game)
     text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))
     module = load_module(text, file, made.game.name)
-    return Environment(made.game, module, build_params(made.game, module, run_time), key, observation)
+    return Environment(made.game, module, build_params(made.game, module, params), key, observation)
 
 
 def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:

@@ -12,7 +12,7 @@ from sjdsl.compiler.expressions import action_number, build, condition, number
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.require import holds
 from sjdsl.compiler.scope import Scope
-from sjdsl.compiler.types import is_number
+from sjdsl.compiler.types import describe, is_number
 
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
@@ -99,7 +99,7 @@ def _check(check: ast.Check, scope: Scope) -> ir.Check:
             values = (condition(check.trigger, scope), condition(check.condition, scope))
             return ir.Check(sort="once", values=values, origin=check.span)
         case ast.Conserved():
-            return ir.Check(sort="conserved", values=(build(check.value, scope),), origin=check.span)
+            return ir.Check(sort="conserved", values=(_single(check.value, build(check.value, scope), scope),), origin=check.span)
         case ast.Monotone():
             return _monotone(check, scope)
         case ast.Symmetric():
@@ -111,6 +111,14 @@ def _check(check: ast.Check, scope: Scope) -> ir.Check:
             return _expect(check, scope)
 
 
+def _single(tree: ast.Expr, value: ir.Expr, scope: Scope) -> ir.Expr:
+    if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
+        from sjdsl.compiler.expressions import wrong_type
+
+        raise wrong_type(scope, tree, "one value (a number, a word, a condition)", value.type)
+    return value
+
+
 def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
     values = []
     for name in (check.value, check.argument):
@@ -118,6 +126,8 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
             near = nearest(name.text, scope.static.defines)
             raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="no define", wanted="a define", nearest=near)
         values.append(use_define(name, (), scope))
+        if not is_number(values[-1].type):
+            raise scope.problems.fail(errors.WRONG_TYPE, name.span, wanted="a number", given=describe(values[-1].type), help="")
     if check.direction.text not in ("falling", "rising"):
         near = nearest(check.direction.text, ("falling", "rising"))
         raise scope.problems.fail(errors.UNKNOWN_NAME, check.direction.span, name=check.direction.text, nearest=near)
