@@ -92,6 +92,8 @@ def _check_names(game: Composition, static: Static, problems: Problems) -> None:
         for name, node in table.items():
             if name in RESERVED_VARIABLES:
                 problems.add(errors.NAME_TAKEN, node.name.span, name=name, what="something of the language")
+            elif name == "outside" and what == "a kind":
+                problems.add(errors.NAME_TAKEN, node.name.span, name=name, what="what an agent sees off the map")
             elif name in taken:
                 problems.add(errors.NAME_TAKEN, node.name.span, name=name, what=taken[name])
             elif static.is_word(name):

@@ -87,5 +87,5 @@ def _field_plane(sight: ir.Sight) -> Plane:
     owner = {"other": "other.", "own": "agent.", "world": ""}[sight.what]
     words = sight_words(sight)
     if sight.what == "other" and words:
-        words = ("none", *words)
+        words = ("nobody", *words)
     return Plane(owner + field_name(sight), "word" if words else "number", words, sight.what, sight)

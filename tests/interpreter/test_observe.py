@@ -190,9 +190,9 @@ def test_fields_of_others_show_where_they_stand():
         ),
         number=3,
     )
-    assert planes(game)[2].labels == ("none", "red", "blue")
+    assert planes(game)[2].labels == ("nobody", "red", "blue")
     assert planes(game)[3].labels == ()
-    assert planes(game)[4].labels == ("none", "b", "a")
+    assert planes(game)[4].labels == ("nobody", "b", "a")
     world = g.world_of(game, (1, 1), (0, 1), (2, 1))
     world.agents |= {"team": ["red", "blue", "red"], "bag": [(9, 0), (5, 0), (4, 0)]}
     first = observe(game, world)[0]
