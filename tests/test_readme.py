@@ -21,7 +21,7 @@ def test_the_game_in_twenty_lines(tmp_path: Path) -> None:
     path = tmp_path / "orchard.sj"
     path.write_text(block("sj"), encoding="utf-8")
     assert len(block("sj").splitlines()) <= 24
-    env = sjdsl.make(path)
+    env = sjdsl.make(path, params={"regrow": 0})
     _, state = env.reset(jax.random.key(0))
     forward = jax.numpy.full(env.num_agents, env.action_names.index("forward"))
     eaten = 0
