@@ -22,6 +22,7 @@ COMMANDS = {
     "fmt": "Lay out the text of games.",
     "list": "List games: agents, actions, parameters, variants.",
     "render": "Draw a game as a GIF or PNG.",
+    "test": "Put the promises of a game to the test.",
     "trace": "Tell what happens in a game, rule by rule and draw by draw.",
     "train": "Train agents in a game.",
 }

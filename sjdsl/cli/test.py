@@ -1,0 +1,91 @@
+"""`sjdsl test`: are the promises of games kept?"""
+
+import json
+from collections.abc import Iterator
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.cli.diagnostics import print_diagnostics
+from sjdsl.cli.game_file import open_game, split_variants, variant_option
+from sjdsl.compiler.diagnostics import CompileError
+
+if TYPE_CHECKING:
+    from sjdsl.promises import Effort, Report, Verdict
+
+WORDS = {True: "kept", False: "BROKEN", None: "not decided"}
+
+
+@click.command("test")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("--examples", type=click.IntRange(min=1), default=200, show_default=True, metavar="N", help="Random courses on small maps.")
+@click.option("--seed", type=click.IntRange(min=0, max=2**32 - 1), default=0, show_default=True, help="The same seed plays the same.")
+@variant_option
+@click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
+def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, as_json: bool) -> int:
+    """Puts the promises of games (`checks`) to the test: FILE is a `.sj` file or the name of a bundled game.
+
+    What can be decided is proved. The rest is played: random courses on small maps, whole episodes on the game's own map. A promise that
+    breaks is shown in the shortest course found. The exit status is 1 if one breaks, or cannot be put to the test.
+    """
+    from sjdsl.promises import Effort
+
+    effort, documents, failed = Effort(examples, seed=seed), [], False
+    for file in files:
+        try:
+            report = test_file(file, variant, effort)
+        except CompileError as error:
+            print_diagnostics(error.diagnostics, err=as_json)
+            failed = True
+            continue
+        failed |= not all(verdict.kept for verdict in report.verdicts)
+        documents.append({"file": file, "variant": variant, **as_document(report)})
+        if not as_json:
+            name = f"{file}, variant {variant}" if variant else file
+            click.echo("\n".join(report_lines(name, report)))
+    if as_json:
+        click.echo(json.dumps(documents, indent=2))
+    return int(failed)
+
+
+def test_file(file: str, variant: str | None, effort: "Effort") -> "Report":
+    """Returns what becomes of the promises of a game. Raises CompileError for what is wrong with it."""
+    from sjdsl.promises import Ground, examine
+
+    return examine(Ground(open_game(file), split_variants(variant)), effort)
+
+
+def report_lines(name: str, report: "Report") -> Iterator[str]:
+    """Yields a line for each promise; under a broken one its trace."""
+    verdicts = report.verdicts
+    missed = sum(not verdict.kept for verdict in verdicts)
+    count = f"{len(verdicts)} promise{'s' * (len(verdicts) != 1)}"
+    yield f"{name}: {count}{f', {missed} not kept' if missed else ' kept' if verdicts else ' (write them in `checks { … }`)'}"
+    for verdict in verdicts:
+        yield f"  {WORDS[verdict.kept]:6}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
+        yield from (f"            {line}" for line in verdict.trace)
+    if report.idle:
+        yield f"  what these lines change never took place in the courses: {', '.join(map(str, report.idle))}"
+
+
+def how(verdict: "Verdict") -> str:
+    """Returns how a verdict was found."""
+    return f"{verdict.how}: {verdict.said}" if verdict.how in ("proved", "decided") else verdict.said
+
+
+def as_document(report: "Report") -> dict[str, Any]:
+    """Returns a report as values that JSON can hold."""
+    promises = [
+        {
+            "promise": v.text,
+            "file": v.file,
+            "line": v.line,
+            "verdict": WORDS[v.kept].lower(),
+            "how": v.how,
+            "said": v.said,
+            "trace": list(v.trace),
+        }
+        for v in report.verdicts
+    ]
+    return {"promises": promises, "courses": report.courses, "idle_lines": list(report.idle)}

@@ -1,0 +1,29 @@
+"""How far what was counted in some episodes holds for all of them."""
+
+import math
+from collections.abc import Sequence
+
+CONFIDENCE = 0.95
+# Two-sided 95% quantiles of Student's t for 1 .. 30 degrees of freedom. Source: any table of the distribution.
+T = (
+    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131,
+    2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042,
+)  # fmt: skip
+
+
+def least_share(trials: int) -> float:
+    """Returns the smallest share of successes that goes with successes in all of so many trials, with confidence 95%; exact.
+
+    Source: Clopper and Pearson 1934, one-sided, all trials successes: share^n = 5%.
+    """
+    return (1 - CONFIDENCE) ** (1 / trials)
+
+
+def mean_and_half(values: Sequence[float]) -> tuple[float, float]:
+    """Returns the mean of episodes and half of its 95% interval (Student's t: about right for the means of many steps, not exact)."""
+    n = len(values)
+    mean = sum(values) / n
+    if n < 2:
+        return mean, math.inf
+    variance = sum((v - mean) ** 2 for v in values) / (n - 1)
+    return mean, T[min(n - 1, len(T)) - 1] * math.sqrt(variance / n)

@@ -1,0 +1,118 @@
+"""Random courses: a small map of the game's glyphs, few agents, numbers within their limits, actions with habits, words with luck."""
+
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.require import holds
+from sjdsl.interpreter.state import Value
+from sjdsl.promises.course import Course
+from sjdsl.promises.draws import LUCKS, Luck
+from sjdsl.promises.ground import Ground
+from sjdsl.promises.ways import STEPS, TURNS
+
+MOST_STEPS, MOST_ROWS, MOST_COLUMNS = 16, 4, 5
+LONGEST = 48  # steps after which a course is not continued
+OTHERS = 0.3  # how often a number is not the file's
+HABIT = 0.5  # how often an agent does what it always does
+MOVES = {*STEPS, *TURNS, "stay"}
+WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
+COUNTS = (0, 1, 2, 5)  # of a whole number without limits
+
+
+def random_course(ground: Ground, random: Random) -> Course | None:
+    """Returns a course from a random start; None if the compiler refuses its map."""
+    agents = min(random.choice(ground.few_agents), random.choice(ground.few_agents))
+    rows = random_map(ground, agents, random)
+    if ground.on(rows, agents) is None:
+        rows += _of_each(ground.glyphs, len(rows[0]))
+    game = ground.on(rows, agents)
+    if game is None:
+        return None
+    params = _required(game, random_numbers(game, random))
+    actions, luck = _random_steps(game, agents, random)
+    return Course(rows, agents, params, random.randrange(2**16), luck, actions, _random_policies(game, agents, random))
+
+
+def continued(ground: Ground, old: Course, random: Random) -> Course:
+    """Returns an old course that goes on in another way."""
+    game = ground.on(old.rows, old.agents)
+    assert game is not None
+    actions, luck = _random_steps(game, old.agents, random)
+    return replace(old, actions=old.actions + actions, luck=old.luck + luck)
+
+
+def random_map(ground: Ground, agents: int, random: Random) -> tuple[str, ...]:
+    """Returns a small map: any glyphs of the game, with enough cells for all the agents wherever they are sent."""
+    needed = agents * len(ground.destinations) + random.randrange(2 * len(ground.glyphs))
+    width = random.randint(2, MOST_COLUMNS)
+    least = max(2, -(-needed // width))
+    height = random.randint(least, max(MOST_ROWS, least))
+    often = (*ground.glyphs, *ground.open_glyphs * random.randrange(4))
+    cells = [random.choice(often) for _ in range(width * height)]
+    kept: set[int] = set()
+    for _, glyphs in ground.destinations:
+        here = [i for i, glyph in enumerate(cells) if glyph in glyphs and i not in kept][:agents]
+        free = [i for i in range(len(cells)) if i not in kept and i not in here]
+        more = random.sample(free, agents - len(here))
+        for i in more:
+            cells[i] = glyphs[0]
+        kept.update(here, more)
+    return tuple("".join(cells[r * width : (r + 1) * width]) for r in range(height))
+
+
+def _of_each(glyphs: tuple[str, ...], width: int) -> tuple[str, ...]:
+    """Returns rows with every glyph: some games need a cell of each kind, to divide by their number, say."""
+    rows = ["".join(glyphs[i : i + width]) for i in range(0, len(glyphs), width)]
+    return tuple(row.ljust(width, glyphs[0]) for row in rows)
+
+
+def random_numbers(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...]:
+    """Returns some numbers that differ from the file's, inside their limits; the length of an episode stays."""
+    fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
+    changed = [p for p in game.params if p.name not in fixed and random.random() < OTHERS]
+    return tuple((p.name, _value(p.value, p.type, random)) for p in changed)
+
+
+def _value(own: Any, type_: ir.Type, random: Random) -> Value:
+    if type_.by:
+        inner = type_.model_copy(update={"by": type_.by[1:]})
+        return tuple(_value(entry, inner, random) for entry in own)
+    if type_.kind == "word":
+        return random.choice(type_.words)
+    ends = [x for x in (type_.low, type_.high) if abs(x) < 2**31]
+    inside = [x for x in (COUNTS if type_.kind == "int" else WORTHS) if type_.low <= x <= type_.high]
+    if len(ends) == 2:
+        inside.append((type_.low + type_.high) // 2 if type_.kind == "int" else random.uniform(type_.low, type_.high))
+    value = random.choice([own, *ends, *inside])
+    return int(value) if type_.kind == "int" else float(value)
+
+
+def _required(game: ir.Game, changed: tuple[tuple[str, Value], ...]) -> tuple[tuple[str, Value], ...]:
+    """Returns the changed numbers, without those of a `require` that they break: the file's keep it."""
+    own = {p.name: p.value for p in game.params}
+    requires = [c for c in game.checks if c.sort == "require"]
+    for check in requires:
+        if not holds(check.values[0], own | dict(changed)):
+            named = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
+            changed = tuple((name, value) for name, value in changed if name not in named)
+    return changed if all(holds(c.values[0], own | dict(changed)) for c in requires) else ()
+
+
+def _random_steps(game: ir.Game, agents: int, random: Random) -> tuple[tuple[tuple[int, ...], ...], tuple[Luck, ...]]:
+    """Returns actions and luck of some steps: each agent has a habit, rather an action of the game's own than a move."""
+    count = len(game.agents.actions)
+    special = [a for a, name in enumerate(game.agents.actions) if name not in MOVES]
+    habits = [random.choice((special if special and random.random() < HABIT else None) or range(count)) for _ in range(agents)]
+    steps = random.randint(1, MOST_STEPS)
+    actions = tuple(tuple(habits[a] if random.random() < HABIT else random.randrange(count) for a in range(agents)) for _ in range(steps))
+    return actions, (random.choice(LUCKS),) * steps
+
+
+def _random_policies(game: ir.Game, agents: int, random: Random) -> tuple[ir.Policy | None, ...]:
+    """Returns what the agents do: as drawn, or, some of them, walk to what a promise of the game speaks of."""
+    seekers = [p for c in game.checks for p in c.policies if p.domain is not None]
+    if not seekers:
+        return (None,) * agents
+    return tuple(random.choice(seekers) if random.random() < HABIT / 2 else None for _ in range(agents))

@@ -1,0 +1,50 @@
+"""What the ranges of numbers alone decide: conditions that hold, or do not, whatever the state."""
+
+from sjdsl.compiler import ir
+
+
+def decide(e: ir.Expr) -> bool | None:
+    """Returns whether a condition holds in every state and for all numbers the game takes; None if its ranges do not tell."""
+    match e:
+        case ir.Truth():
+            return e.value
+        case ir.Named():
+            return decide(e.value)
+        case ir.Not():
+            inner = decide(e.value)
+            return None if inner is None else not inner
+        case ir.Logic():
+            return _logic(e.fn == "and", [decide(a) for a in e.args])
+        case ir.Compare():
+            return _compare(e.fn, e.left.type, e.right.type)
+        case ir.InRange():
+            return _logic(True, [_compare("<=", e.low.type, e.value.type), _compare("<=", e.value.type, e.high.type)])
+        case ir.InWords():
+            return True if set(e.value.type.words) <= set(e.words) else None
+        case _:
+            return None
+
+
+def _logic(is_and: bool, parts: list[bool | None]) -> bool | None:
+    deciding = not is_and
+    if deciding in parts:
+        return deciding
+    return None if None in parts else is_and
+
+
+def _compare(fn: str, a: ir.Type, b: ir.Type) -> bool | None:
+    match fn:
+        case "<":
+            return True if a.high < b.low else False if a.low >= b.high else None
+        case "<=":
+            return True if a.high <= b.low else False if a.low > b.high else None
+        case ">":
+            return _compare("<", b, a)
+        case ">=":
+            return _compare("<=", b, a)
+        case "==":
+            equal = a.low == a.high == b.low == b.high
+            return True if equal else False if a.high < b.low or b.high < a.low else None
+        case _:
+            same = _compare("==", a, b)
+            return None if same is None else not same

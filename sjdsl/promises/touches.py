@@ -1,0 +1,76 @@
+"""What an expression reads of the state and what the rules ever write: what decides `conserved` without playing."""
+
+from collections.abc import Iterator
+
+from sjdsl.compiler import ir
+
+Part = tuple[str, ...]  # ("agent", field), ("cell", kind, field), ("world", field), or one of those below
+PLACE, HEADING, MOVED, AWAY, STEP = ("place",), ("heading",), ("moved",), ("away",), ("step",)
+
+
+def is_untouched(e: ir.Expr, game: ir.Game) -> bool:
+    """Returns whether no rule writes anything that the expression reads."""
+    return not set(reads(e)) & set(writes(game))
+
+
+def reads(node: ir.Node) -> Iterator[Part]:
+    """Yields what an expression reads; who is there (not away) is read wherever agents are counted."""
+    for n in ir.walk(node):
+        match n:
+            case ir.FieldRead():
+                yield from _field(n)
+            case ir.Attribute(name="heading" | "moved" | "away"):
+                yield (n.name,)
+            case ir.Attribute(name="row" | "col", owner=owner) if not (isinstance(owner, ir.Member) and owner.who == "cell"):
+                yield PLACE
+            case ir.Step():
+                yield STEP
+            case ir.EventTotal():
+                yield ("event", n.name)
+            case ir.Unoccupied() | ir.StandsOn() | ir.Near():
+                yield from (PLACE, HEADING)
+            case ir.Domain(var=ir.Member(who="agent")):
+                yield AWAY
+                if n.on is not None:
+                    yield PLACE
+            case _:
+                pass
+
+
+def writes(game: ir.Game) -> Iterator[Part]:
+    """Yields what the turns of the schedule can write; nobody is away where every `send` is at once and nobody is removed."""
+    yield STEP
+    if any(isinstance(turn, ir.Tick) for turn in game.schedule):
+        fields = [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
+        yield from (_part(f.place, f.kind, f.name) for f in fields if f.timer)
+    for n in (node for turn in game.schedule for node in ir.walk(turn)):
+        match n:
+            case ir.Set() | ir.Add():
+                yield from _target(n.target)
+            case ir.Tally():
+                yield ("event", n.event)
+            case ir.Move():
+                yield from (PLACE, HEADING, MOVED)
+            case ir.Send():
+                yield from (PLACE, HEADING)
+                if n.after is not None and n.after.type.high > 0:
+                    yield AWAY
+            case ir.Remove():
+                yield from (PLACE, AWAY)
+            case _:
+                pass
+
+
+def _target(target: ir.Expr) -> Iterator[Part]:
+    while isinstance(target, ir.At):
+        target = target.row
+    assert isinstance(target, ir.FieldRead), target
+    yield from _field(target)
+
+
+def _field(read: ir.FieldRead) -> Iterator[Part]:
+    yield from (_part(read.place, kind, read.name) for kind in read.kinds or ("",))
+
+
+def _part(place: str, kind: str, name: str) -> Part:
+    return (place, kind, name) if place == "cell" else (place, name)

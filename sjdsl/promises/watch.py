@@ -1,0 +1,77 @@
+"""What a promise reads of a state, and where a course of states breaks it; the same for both engines."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sjdsl.compiler import ir
+
+Totals = Mapping[tuple[str, str | None], int]  # (event, its word or None) -> its count so far, over all agents
+REAL = 1e-6  # reals closer than this, relative, are equal
+DRIFT = 1e-4  # what sums of reals may lose in an episode, relative
+STATES = ("always", "once", "conserved", "monotone")  # promises about every course of play
+
+
+@dataclass(frozen=True)
+class Break:
+    """Where a promise breaks: `at`, the state (0: the one an episode starts from), compared with an earlier one, `since`."""
+
+    at: int
+    since: int | None = None
+
+
+def find_break(check: ir.Check, values: Sequence[Sequence[Any]]) -> Break | None:
+    """Returns the first break of a promise in a course.
+
+    Args:
+      check: an `always`, `once`, `conserved` or `monotone`.
+      values: for the first state and the one after each step the values of the promise's expressions.
+    """
+    match check.sort:
+        case "always":
+            return next((Break(t) for t, (holds,) in enumerate(values) if t and not holds), None)
+        case "once":
+            since = next((t for t, (trigger, _) in enumerate(values) if t and trigger), len(values))
+            return next((Break(t, since) for t in range(since, len(values)) if not values[t][1]), None)
+        case "conserved":
+            first = values[0][0]
+            return next((Break(t, 0) for t, (value,) in enumerate(values) if not _same(value, first, DRIFT)), None)
+        case "monotone":
+            return _turn(values, rising=check.words[0] == "rising")
+        case _:
+            raise AssertionError(check.sort)
+
+
+def _same(a: Any, b: Any, tolerance: float = REAL) -> bool:
+    if isinstance(a, tuple):
+        return all(_same(x, y, tolerance) for x, y in zip(a, b, strict=True))
+    if isinstance(a, str | bool | int | frozenset) or a is None:
+        return bool(a == b)
+    return abs(float(a) - float(b)) <= tolerance * max(1.0, abs(float(a)), abs(float(b)))
+
+
+def _turn(values: Sequence[Sequence[Any]], rising: bool) -> Break | None:
+    """Returns the first state that, beside an earlier one, has more of the second value and the wrong change of the first."""
+    sign = 1 if rising else -1
+    seen: dict[tuple[float, float], int] = {}
+    for t, (value, argument) in enumerate(values):
+        here = (float(value), float(argument))
+        if here in seen:
+            continue
+        for (other_value, other_argument), since in seen.items():
+            change = sign * (here[0] - other_value) * (1 if here[1] > other_argument else -1)
+            if change < 0 and not _same(here[0], other_value) and not _same(here[1], other_argument):
+                return Break(t, since)
+        seen[here] = t
+    return None
+
+
+def add_totals(before: Totals, events: Mapping[str, Any], game: ir.Game) -> dict[tuple[str, str | None], int]:
+    """Returns the totals after a step that counted `events`, as the interpreter's outcome has them."""
+    totals = dict(before)
+    for event in game.events:
+        counts = events[event.name]
+        rows = counts if event.per_agent else [counts]
+        for i, word in enumerate(event.by or (None,)):
+            totals[event.name, word] = totals.get((event.name, word), 0) + sum(row[i] if event.by else row for row in rows)
+    return totals

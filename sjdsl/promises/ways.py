@@ -1,0 +1,100 @@
+"""Ways over a map: where each move leads from each cell, and how many moves it takes to get somewhere."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from sjdsl.compiler import ir
+
+FAR = 65535  # no way
+STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
+TURNS = {"turn_left": 3, "turn_right": 1}
+DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))
+MOST = 20_000_000  # distances kept for one map
+
+
+class TooLarge(Exception):
+    """The map has too many cells for its distances to be kept."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Where moves lead. A node is a cell and a heading, `4 * cell + heading`; cells are numbered row by row.
+
+    moves: numbers of the actions that are moves, in the order of `acts`, without `stay`.
+    after: `[nodes, moves]` int32, the node after each move, other agents aside. A step off the map or into a cell whose kind blocks agents
+      leads nowhere; one that blocks under a condition is counted as open.
+    distance: `[cells, nodes or cells]` uint16, moves from a node to a cell, FAR without a way. `headed`: whether it has a column for each
+      node; if all four steps can be taken, how an agent stands does not matter, and there is one for each cell.
+    """
+
+    width: int
+    moves: tuple[int, ...]
+    after: np.ndarray
+    distance: np.ndarray
+    headed: bool
+
+    def column(self, node: int) -> int:
+        """Returns the column of `distance` that belongs to a node."""
+        return node if self.headed else node // 4
+
+
+@lru_cache(maxsize=64)
+def _ways(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool) -> Ways:
+    height, width = len(rows), len(rows[0])
+    moves = tuple(i for i, a in enumerate(actions) if a in STEPS or a in TURNS)
+    headed = relative and not set(STEPS) <= set(actions)
+    cells = height * width
+    if cells * cells * (4 if headed else 1) > MOST:
+        raise TooLarge(f"`seek` on a map of {cells} cells")
+    after = _after(rows, blocking, actions, moves, relative)
+    steps = after if headed else after[::4] // 4  # facing north: all four directions are among the moves
+    return Ways(width, moves, after, _distances(steps, cells, headed), headed)
+
+
+def ways_of(game: ir.Game) -> Ways:
+    """Returns the ways over a game's map. Raises TooLarge."""
+    kinds = {k.name for k in game.kinds if any(b.what == "agents" and b.condition is None for b in k.blocks)}
+    blocking = "".join(g.glyph for g in game.glyphs if g.kind in kinds)
+    return _ways(game.rows, blocking, game.agents.actions, game.agents.relative)
+
+
+def _after(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], moves: tuple[int, ...], relative: bool) -> np.ndarray:
+    height, width = len(rows), len(rows[0])
+    open_ = np.array([[glyph not in blocking for glyph in row] for row in rows])
+    row, col, heading = np.meshgrid(np.arange(height), np.arange(width), np.arange(4), indexing="ij")
+    columns = []
+    for move in moves:
+        name = actions[move]
+        turned = (heading + TURNS.get(name, 0)) % 4
+        if name in TURNS:
+            columns.append((row * width + col) * 4 + turned)
+            continue
+        direction = (heading * relative + STEPS[name]) % 4
+        r = row + np.array([d[0] for d in DIRECTIONS])[direction]
+        c = col + np.array([d[1] for d in DIRECTIONS])[direction]
+        inside = (r >= 0) & (r < height) & (c >= 0) & (c < width)
+        free = inside & open_[np.clip(r, 0, height - 1), np.clip(c, 0, width - 1)]
+        columns.append((np.where(free, r, row) * width + np.where(free, c, col)) * 4 + turned)
+    return (
+        np.stack(columns, axis=-1).reshape(height * width * 4, len(moves)).astype(np.int32)
+        if moves
+        else np.zeros((height * width * 4, 0), np.int32)
+    )
+
+
+def _distances(after: np.ndarray, cells: int, headed: bool) -> np.ndarray:
+    """Returns how many moves it takes: one more move at a time, from all places to all cells at once."""
+    there = np.arange(after.shape[0]) // (4 if headed else 1)
+    distance = np.where(np.arange(cells)[:, None] == there[None], 0, FAR).astype(np.uint16)
+    for moves in range(1, FAR):
+        nearer = distance == moves - 1
+        reached = np.zeros_like(nearer)
+        for column in range(after.shape[1]):
+            reached |= nearer[:, after[:, column]]
+        reached &= distance == FAR
+        if not reached.any():
+            break
+        distance[reached] = moves
+    return distance
