@@ -1,0 +1,59 @@
+"""A state of the compiled step as the interpreter has it: so either can go on from wherever the other has come to."""
+
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.interpreter.state import Away, Cell, Pool, World
+from sjdsl.runtime.env import Environment
+from sjdsl.testing.states import FACINGS, pool_numbers
+
+
+def world_of(env: Environment, state: Any, params: dict[str, Any]) -> World:
+    """Returns the state without its marks, which no rule reads. `params`: as the interpreter has them."""
+    game, (_, cols), pad = env.game, env.module.FRAME, env.module.PAD
+    position = [Cell(int(p) // cols - pad, int(p) % cols - pad) if p else None for p in state.position]
+    return World(
+        step=int(state.step),
+        cells={(k.name, f.name): [held(v, f.type) for v in stored(state, f)] for k in game.kinds for f in k.fields},
+        agents={f.name: [held(v, f.type) for v in stored(state, f)] for f in game.agents.fields},
+        fields={f.name: held(stored(state, f), f.type) for f in game.fields},
+        position=position,
+        heading=[int(h) for h in state.heading],
+        moved=[bool(m) for m in state.moved] if hasattr(state, "moved") else [False] * env.num_agents,
+        away=[None if place else away(env, state, agent) for agent, place in enumerate(position)],
+        marks=[],
+        params=params,
+    )
+
+
+def away(env: Environment, state: Any, agent: int) -> Away:
+    """Returns how an agent without a place waits."""
+    ticks = int(state.away[agent]) if hasattr(state, "away") else 0
+    if ticks == 0:
+        return Away(0, None, None)
+    pools: dict[int, Pool] = {number: pool for pool, number in pool_numbers(env.game).items()}
+    return Away(ticks, pools[int(state.away_pool[agent])], FACINGS[int(state.away_facing[agent])])
+
+
+def stored(state: Any, declared: ir.VarField) -> np.ndarray:
+    return np.asarray(getattr(state, attribute_name(declared)))
+
+
+def held(value: np.ndarray, type_: ir.Type) -> Any:
+    """Returns one value as the interpreter holds it."""
+    if np.ndim(value):
+        return tuple(held(entry, type_) for entry in value)
+    match type_.kind:
+        case "word":
+            return type_.words[int(value)]
+        case "agent":
+            return None if value < 0 else int(value)
+        case "agents":
+            return frozenset(agent for agent in range(64) if int(value) >> agent & 1)
+        case "real":
+            return np.float32(value)
+        case _:
+            return int(value)

@@ -1,0 +1,74 @@
+"""How many agents a game admits: from 2 up to the starts of its map; one more, or one alone, is refused with the reason."""
+
+import re
+
+import jax
+import jax.numpy as jnp
+import pytest
+
+from sjdsl import make
+from sjdsl.compiler.diagnostics import CompileError
+
+from .environments import NINE
+from .found import Form, forms, rules_of
+
+# the most agents, and why not one more. Sources: the starts of the published maps; for Coins the paper; 64 is a limit of the language
+MOST = {
+    "coins": (2, r"`players` is 3, outside 2 \.\. 2 \(two colours, an agent for each\)"),
+    "harvest_open": (60, r"`players` is 61, outside 2 \.\. 60 \(of 60 gates one stays free for whoever is hit\)"),
+    "harvest_closed": (19, "`gate` may have no free cell: up to 20 agents come, and only 19 cells are certain"),
+    "harvest_partnership": (19, "`gate` may have no free cell: up to 20 agents come, and only 19 cells are certain"),
+    "clean_up": (19, "`gate` has 19 cells for 20 agents"),
+    "coop_mining": (18, "`camp` has 18 cells for 19 agents"),
+    "gift_refinement": (18, "`camp` has 18 cells for 19 agents"),
+    "mushrooms": (64, r"`players` is 65, outside 2 \.\. 64 \(no game has more than 64\)"),
+    "pd_arena": (64, r"`players` is 65, outside 2 \.\. 64 \(no game has more than 64\)"),
+}
+# the same on maps with more starts. Sources: Melting Pot's 60 starts; ours for the others
+MOST_OF_A_CROWD = {
+    "harvest_closed": (60, r"`players` is 61, outside 2 \.\. 60"),
+    "harvest_partnership": (60, r"`players` is 61, outside 2 \.\. 60"),
+    "clean_up": (20, "`gate` has 20 cells for 21 agents"),
+    "coop_mining": (20, "`camp` has 20 cells for 21 agents"),
+    "gift_refinement": (20, "`camp` has 20 cells for 21 agents"),
+}
+NAMED = [form for form in forms() if form.game in NINE and form.agents is None]
+
+
+def most_of(form: Form) -> tuple[int, str]:
+    return MOST_OF_A_CROWD.get(form.game, MOST[form.game]) if form.variant == "crowd" else MOST[form.game]
+
+
+def refusal(form: Form) -> str:
+    """Returns what is said of a number of agents that is refused."""
+    with pytest.raises(CompileError) as refused:
+        rules_of(form)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize("form", NAMED, ids=str)
+def test_up_to_the_starts_of_the_map(form: Form) -> None:
+    most, reason = most_of(form)
+    for number in {2, (2 + most) // 2, most}:
+        assert rules_of(form._replace(agents=number)).agents.number == number
+    assert re.search(reason, refusal(form._replace(agents=most + 1)))
+
+
+@pytest.mark.parametrize("form", NAMED, ids=str)
+def test_one_alone_is_told_why(form: Form) -> None:
+    """In one message: what is wrong with the number, not what follows from it."""
+    high = {"coins": 2, "coop_mining": 32, "clean_up": 64, "gift_refinement": 64, "mushrooms": 64, "pd_arena": 64}.get(form.game, 60)
+    assert re.fullmatch(rf"SJ214 \d+:\d+ `players` is 1, outside 2 \.\. {high}( \(.*\))?", refusal(form._replace(agents=1)))
+
+
+@pytest.mark.parametrize("game", NINE)
+def test_few_and_many_can_be_simulated(game: str) -> None:
+    """Traced, not run: the shapes of everything follow the number of agents."""
+    for number in sorted({2, MOST[game][0]}):
+        env = make(game, num_agents=number)
+        key = jax.random.key(0)
+        observation, state = jax.eval_shape(env.reset, key)
+        seen, after, reward, _, _ = jax.eval_shape(env.step, key, state, jnp.zeros(number, jnp.int32))
+        assert observation.shape == seen.shape == (number, 11, 11, len(env.token_planes))
+        assert reward.shape == (number,)
+        assert jax.tree.map(lambda x: x.shape, state) == jax.tree.map(lambda x: x.shape, after)
