@@ -81,14 +81,12 @@ def settle(ground: Ground, number: int) -> Verdict | None:
     game, check = ground.own, ground.own.checks[number]
     match check.sort:
         case "require":
-            return make_verdict(
-                ground, check, True, "decided", "it holds for the file's numbers, and is asked again whenever they are changed"
-            )
+            return make_verdict(ground, check, True, "decided", "it holds for the file's numbers; others are asked when they are set")
         case "symmetric" if lonely_action(check, game):
             return make_verdict(ground, check, False, "decided", lonely_action(check, game))
         case "symmetric" if not turned(check, game):
             return make_verdict(ground, check, True, "proved", reason(check, game))
-        case "always" | "once" if decide(check.values[-1]):
+        case "always" | "once" if all(decide(wider.checks[number].values[-1]) for wider in (game, ground.doubled)):
             return make_verdict(ground, check, True, "proved", "the ranges of what it reads leave nothing else")
         case "conserved" if is_untouched(check.values[0], game):
             return make_verdict(ground, check, True, "proved", "no rule writes anything that it reads")

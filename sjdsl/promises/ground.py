@@ -54,6 +54,14 @@ class Ground:
         return self._laid[rows, agents]
 
     @cached_property
+    def doubled(self) -> ir.Game:
+        """The game on its own map twice, one under the other: what holds here only by the number of cells does not hold there.
+
+        The game itself if the compiler does not take such a map.
+        """
+        return self.on(self.own.rows * 2, self.own.agents.number) or self.own
+
+    @cached_property
     def few_agents(self) -> tuple[int, ...]:
         """Small numbers of agents that the game takes on its own map; its own number if there is none."""
         own = self.own.agents.number

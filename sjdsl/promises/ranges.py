@@ -16,13 +16,20 @@ def decide(e: ir.Expr) -> bool | None:
         case ir.Logic():
             return _logic(e.fn == "and", [decide(a) for a in e.args])
         case ir.Compare():
-            return _compare(e.fn, e.left.type, e.right.type)
+            return _compare(e.fn, range_of(e.left), range_of(e.right))
         case ir.InRange():
-            return _logic(True, [_compare("<=", e.low.type, e.value.type), _compare("<=", e.value.type, e.high.type)])
+            return _logic(True, [_compare("<=", range_of(e.low), range_of(e.value)), _compare("<=", range_of(e.value), range_of(e.high))])
         case ir.InWords():
             return True if set(e.value.type.words) <= set(e.words) else None
         case _:
             return None
+
+
+def range_of(e: ir.Expr) -> ir.Type:
+    """Returns the range of a number; all cells of a kind are as many as the map has."""
+    if isinstance(e, ir.Count) and e.domain.var.who == "cell" and e.domain.place is None and e.domain.where is None:
+        return e.type.model_copy(update={"low": e.type.high})
+    return e.type
 
 
 def _logic(is_and: bool, parts: list[bool | None]) -> bool | None:
