@@ -86,7 +86,7 @@ game allelopathic_harvest "Allelopathic Harvest" {
   metrics { event eaten by { red, green, blue }  event planted by { red, green, blue }  event banished  mean commonest = commonest }
   checks {
     symmetric agents
-    conserved count(bush)
+    expect banished == 0 with never(zap) over 10 episodes
     require liked > disliked
     expect planted[red] == 0 with never(sow_red) over 10 episodes
   }
