@@ -118,7 +118,7 @@ def _gaps(taken: list[tuple[float, float]], low: float, high: float) -> list[tup
         if a > reached:
             gaps.append((reached, min(a - 1, high)))
         reached = max(reached, b + 1)
-    if reached <= high:
+    if reached <= high and reached < inf:
         gaps.append((reached, high))
     return [(a, b) for a, b in gaps if a <= b]
 

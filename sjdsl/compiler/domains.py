@@ -1,5 +1,7 @@
 """Domains: who a sentence is about, the variables that binds, and what is then known."""
 
+from dataclasses import replace
+
 from sjdsl.compiler import ast, errors, ir, shapes
 from sjdsl.compiler.expressions import as_agent, build, condition, kinds_named, wrong_type
 from sjdsl.compiler.scope import Poisoned, Scope
@@ -7,14 +9,15 @@ from sjdsl.compiler.scope import Poisoned, Scope
 
 def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
     """Returns a domain and the scope inside it."""
+    chosen = d.bind or d.kind
     if d.kind.text == "agent":
-        var = ir.Member(name=(d.bind or d.kind).text, who="agent", origin=d.kind.span)
+        var = ir.Member(name=_own_name(chosen, scope), who="agent", origin=d.kind.span)
     else:
         kinds = kinds_named(d.kind, scope)
-        var = ir.Member(name=(d.bind or d.kind).text, who="cell", kinds=kinds, origin=d.kind.span)
-    check_free(d.bind or d.kind, scope, d.bind is not None)
+        var = ir.Member(name=_own_name(chosen, scope), who="cell", kinds=kinds, origin=d.kind.span)
+    check_free(chosen, scope, d.bind is not None)
     place = None if d.place is None else _place(d.place, var, scope)
-    inner = scope.bind(var.name, var)
+    inner = scope.bind(chosen.text, var)
     on = None
     if d.on is not None:
         on, inner = _on(d, var, inner)
@@ -60,8 +63,34 @@ def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
         )
     name = d.on.bind or d.on.kind
     check_free(name, scope, d.on.bind is not None)
-    on = ir.Member(name=name.text, who="cell", kinds=kinds_named(d.on.kind, scope), origin=d.on.span)
-    return on, scope.bind(on.name, on)
+    on = ir.Member(name=_own_name(name, scope), who="cell", kinds=kinds_named(d.on.kind, scope), origin=d.on.span)
+    return on, scope.bind(name.text, on)
+
+
+def _own_name(name: ast.Name, scope: Scope) -> str:
+    """Returns what a variable is called in the IR: in a define, never like one of those who use it, which the define does not see."""
+    if not scope.defining:
+        return name.text
+    around = [v for v in scope.variables.values() if isinstance(v, ir.Node)]
+    unseen: set[str] = set().union(*map(_free_names, (*around, *scope.fact_nodes)))
+    found = name.text
+    while found in unseen:
+        found += "_"
+    return found
+
+
+def without_variables(scope: Scope) -> Scope:
+    """Returns a scope that sees neither agents, cells and values of the sentences around nor what is known of them."""
+    fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
+    facts = [f for f in scope.fact_nodes if not _free_names(f)]
+    return replace(scope, variables=fixed, facts=frozenset(), fact_nodes=()).knowing(facts)
+
+
+def _free_names(e: ir.Node) -> set[str]:
+    """Returns the variables that an expression takes from its surroundings."""
+    nodes = list(ir.walk(e))
+    bound = {m.name for n in nodes if isinstance(n, ir.Domain) for m in (n.var, n.on) if m is not None}
+    return {n.name for n in nodes if isinstance(n, ir.Member | ir.Local)} - bound
 
 
 def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Place:

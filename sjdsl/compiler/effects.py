@@ -1,10 +1,8 @@
 """Effects: `give`, `tally`, `send`, and whom they reach."""
 
-from dataclasses import replace
-
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.diagnostics import nearest
-from sjdsl.compiler.domains import domain
+from sjdsl.compiler.domains import domain, without_variables
 from sjdsl.compiler.expressions import as_agent, build, number, wrong_type
 from sjdsl.compiler.facts import narrow_word
 from sjdsl.compiler.phase_use import PhaseUse
@@ -85,8 +83,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = agent(s.who, scope)
     # one set of free cells serves all who are sent: the destination cannot depend on who that is
-    fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
-    destination, _ = domain(s.domain, replace(scope, variables=fixed))
+    destination, _ = domain(s.domain, without_variables(scope))
     if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
         raise scope.problems.fail(
             errors.WRONG_TYPE,

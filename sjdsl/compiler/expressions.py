@@ -172,7 +172,7 @@ def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope)
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = build(e.agent, scope)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
-        raise wrong_type(scope, e.agent, "an agent", agent.type)
+        raise wrong_type(scope, e.agent, "an agent that a sentence around has named", agent.type, _by_name(agent))
     name = e.action.text
     bound = scope.variables.get(name)
     if isinstance(bound, str):
@@ -181,6 +181,11 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
         said, what = f"{agent.name} chose {name}", "about what is done in a step"
         raise scope.problems.fail(errors.NOT_A, e.span, name=said, what=what, wanted="something about a state", nearest="")
     return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
+
+
+def _by_name(agent: ir.Expr) -> str:
+    """Returns how to ask about an agent that a field holds."""
+    return f"name it: `each agent as x in {text(agent)}`" if as_agent(agent) else ""
 
 
 def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> int:
@@ -209,7 +214,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = build(e.who, scope)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
-        raise wrong_type(scope, e.who, "an agent", agent.type)
+        raise wrong_type(scope, e.who, "an agent that a sentence around has named", agent.type, _by_name(agent))
     return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)
 
 
@@ -232,12 +237,15 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     if isinstance(e.container, ast.Words):
         if value.type.kind != "word":
             raise wrong_type(scope, e.value, "a word", value.type)
+        names = tuple(n.text for n in e.container.names)
+        if isinstance(value, ir.Word) and all(map(scope.static.is_word, names)):  # what a phase is used with
+            return ir.Truth(value=value.value in names, origin=e.span)
         for name in e.container.names:
             if name.text not in value.type.words:
                 raise scope.problems.fail(
                     errors.WORD_OUTSIDE, name.span, word=name.text, name=text(value), words=", ".join(value.type.words)
                 )
-        return ir.InWords(value=value, words=tuple(n.text for n in e.container.names), origin=e.span)
+        return ir.InWords(value=value, words=names, origin=e.span)
     if e.high is not None:
         low, high = build_all((e.container, e.high), scope)
         for bound, tree in ((low, e.container), (high, e.high)):

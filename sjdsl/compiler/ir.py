@@ -81,12 +81,16 @@ class Agents(Node):
 
 
 class Phase(TurnNode):
-    """One use of a phase. `label` as in the schedule (`sprout(red)`); `name` a Python identifier, unique in the game."""
+    """One use of a phase. `label` as in the schedule (`sprout(red)`); `name` a Python identifier, unique in the game.
+
+    `marks`: the shapes it marks as written. What an observation has in it follows from these: no map and no pass changes it.
+    """
 
     op: Literal["phase"] = "phase"
     label: str
     name: str
     body: tuple[Stmt, ...]
+    marks: tuple[str, ...] = ()
 
 
 class Tick(TurnNode):

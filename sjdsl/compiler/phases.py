@@ -100,7 +100,8 @@ def _use(phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | st
     use = PhaseUse(Streams(label, scope.static.sources))
     inner = Scope(scope.static, scope.problems, values)
     body = block(phase.block, inner, use)
-    return ir.Phase(label=label, name=name, body=body, origin=phase.span)
+    marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
+    return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)
 
 
 __all__ = ["Poisoned", "schedule", "start"]

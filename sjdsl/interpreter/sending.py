@@ -1,7 +1,9 @@
 """Agents sent somewhere: a free cell of a destination at random, leaving for a while, coming back at a `tick`."""
 
+from functools import lru_cache
+
 from sjdsl.compiler import ir
-from sjdsl.interpreter.board import cells_of
+from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.draws import return_stream
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -15,7 +17,7 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
         together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: s.agent)
         order = together[0].send.order_stream
         # who may have to stay does not make room for others
-        leaving = set() if _may_stay(order, here) else {s.agent for s in together}
+        leaving = set() if _may_stay(order, here.board) else {s.agent for s in together}
         free = free_cells(together[0].send.domain, leaving, here)
         for agent, sentence, ticks in together:
             if ticks > 0:
@@ -26,9 +28,10 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
                 assert sentence.stay, f"no free cell for agent {agent}"
 
 
-def _may_stay(order_stream: int, here: Instance) -> bool:
+@lru_cache(maxsize=256)
+def _may_stay(order_stream: int, board: Board) -> bool:
     """Returns whether any sentence that sends to this pool says `otherwise stay`."""
-    sends = (n for n in ir.walk(here.board.game) if isinstance(n, ir.Send))
+    sends = (n for n in ir.walk(board.game) if isinstance(n, ir.Send))
     return any(s.stay for s in sends if s.order_stream == order_stream)
 
 

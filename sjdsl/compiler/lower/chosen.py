@@ -218,7 +218,7 @@ def _candidates(d: ir.Domain, frame: Frame, w: Writer) -> tuple[AgentVar | CellV
 
 def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
     """Returns the place inside a `match`: the left side's axis, those without a partner masked out."""
-    if frame.axes:
+    if frame.axes or frame.digits:  # a `pick 1` around it gives no axis, yet its pairs are others
         raise NotSupported("`match` inside another quantifier", s.origin)
     left = enter(s.left, replace(frame, mask=None), w)
     if not left.axes:
@@ -247,10 +247,10 @@ def _partners(s: ir.Match, left: Frame, w: Writer) -> tuple[Value, int]:
     inner = enter(right, left, w)
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]
-    if isinstance(variable, CellVar) and variable.axis is None:
-        return _among_reached(s, variable.site, inner.mask, (rows, cols), size, alike, w), size
-    if cols is rows or cols == rows:
+    if cols == rows:
         raise NotSupported("a `match` whose right side is determined by the left", s.origin)
+    if variable.axis is None:
+        return _among_reached(s, _index(variable), inner.mask, (rows, cols), size, alike, w), size
     assert size == cols.size
     mask = _mask_over(inner, (rows, cols)).text
     if alike:

@@ -109,8 +109,7 @@ def content_labels(game: ir.Game) -> tuple[str, ...]:
 
 def marking_phases(game: ir.Game) -> tuple[ir.Phase, ...]:
     """Returns the phase uses that mark cells, `start` first, then in schedule order."""
-    phases = [p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase)]
-    return tuple(p for p in phases if any(isinstance(n, ir.Mark) for n in ir.walk(p)))
+    return tuple(p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and p.marks)
 
 
 def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:

@@ -1,6 +1,7 @@
 """What lowering keeps while it writes one function: names, lines, constants, and the variables in scope."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -83,7 +84,7 @@ class Module:
     def num_agents(self) -> int:
         return self.game.agents.number
 
-    @property
+    @cached_property
     def can_be_away(self) -> bool:
         """Whether agents can be off the map during a step."""
         return any(isinstance(n, ir.Remove) or (isinstance(n, ir.Send) and n.after is not None) for n in ir.walk(self.game))

@@ -150,17 +150,18 @@ def _has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
 
 
 def sweep(place: ir.Near, frame: Frame, w: Writer) -> Swept:
-    """Returns the cells of a shape around an agent."""
+    """Returns the cells of a shape around an agent or a cell."""
     anchor = frame.variables[place.anchor.name]
     shape = w.module.shape(place.shape)
     layout = w.module.layout
-    if isinstance(anchor, CellVar):
-        raise NotSupported("the cells of a shape around a cell, all kinds together", place.origin)
     offsets = layout.offsets_table(shape)
     ident = "".join(c if c.isalnum() else "_" for c in place.shape).strip("_")
     name = w.module.constant(f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading")
     axis = _shape_axis(w, ident, offsets.value.shape[1], anchor)
-    at, facing = reads.position(anchor, w), reads.heading(anchor)
+    if isinstance(anchor, AgentVar):
+        at, facing = reads.position(anchor, w), reads.heading(anchor)
+    else:  # a cell has no heading, and the shapes around cells have no direction
+        at, facing = reads.cell(anchor, w), literal(0, "i32")
     index = "0" if shape.see_through else facing.text
     step = f"{name}[{index}]"
     lead = f"{wrapped(at)}[{', '.join([':'] * len(at.axes) + ['None'])}]" if at.axes else at.text
@@ -175,7 +176,7 @@ def sweep(place: ir.Near, frame: Frame, w: Writer) -> Swept:
     return Swept(cells, axis, ok)
 
 
-def _shape_axis(w: Writer, ident: str, size: int, anchor: AgentVar) -> Axis:
+def _shape_axis(w: Writer, ident: str, size: int, anchor: AgentVar | CellVar) -> Axis:
     """One axis a shape and anchor, so that cells found twice are the same array."""
     key = (f"axis of {ident}", repr(anchor))
     if key not in w.known:

@@ -222,9 +222,7 @@ def test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmp
             value, low, high = (lower(x, frame, w) for x in (e.value, e.low, e.high))
             dtype = "f32" if "f32" in (value.dtype, low.dtype, high.dtype) else "i32"
             value, low, high = (as_dtype(x, dtype) for x in (value, low, high))
-            inside = both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool"))
-            assert inside is not None
-            return inside
+            return both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool")) or literal(True, "bool")
         case ir.InWords():
             value = lower(e.value, frame, w)
             tests = [binary("==", value, literal(e.value.type.words.index(x), "u8"), "bool") for x in e.words]
