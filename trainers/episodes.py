@@ -1,4 +1,4 @@
-"""Sums over episodes: kept while an episode runs, handed over when it ends."""
+"""Figures of episodes: summed while an episode runs, handed over when it ends."""
 
 from typing import Any
 
@@ -7,61 +7,99 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.runtime.returns import collective_return, equality
+
 from .environment import Environment, info_shapes
 
 
 @flax.struct.dataclass
 class EpisodeSums:
-    """What an episode has added up to. Leading axes: `[B]` while episodes run, none for a total over finished ones."""
+    """What B episodes under way have come to so far."""
 
-    episodes: Array  # int32, 1 per running episode; the number of episodes in a total
-    length: Array  # int32, steps
-    returns: Array  # [..., N] float32, raw rewards
-    shaped_returns: Array  # [..., N] float32, rewards learnt from
-    events: dict[str, Array]  # [..., N] or [...] int32, the game's event counts
+    length: Array  # [B] int32, steps
+    returns: Array  # [B, N] float32, raw rewards
+    shaped_returns: Array  # [B, N] float32, rewards learnt from
+    events: dict[str, Array]  # name -> [B, N] or [B] int32, counts
+    metric_sums: dict[str, Array]  # name -> [B] float32, over steps
+    metric_finals: dict[str, Array]  # name -> [B] float32, at the last step
+
+    @property
+    def metric_means(self) -> dict[str, Array]:
+        """Name -> `[B]` mean over the episode's steps."""
+        return {name: total / self.length for name, total in self.metric_sums.items()}
+
+
+@flax.struct.dataclass
+class FinishedEpisodes:
+    """Totals over the episodes that have ended; divided by their number, the mean episode."""
+
+    episodes: Array  # [] int32, their number
+    length: Array  # [] int32
+    returns: Array  # [N] float32
+    shaped_returns: Array  # [N] float32
+    equality: Array  # [] float32, NaN if not defined in each of them
+    events: dict[str, Array]  # name -> [N] or [] int32
+    metric_means: dict[str, Array]  # name -> [] float32, of means over steps
+    metric_finals: dict[str, Array]  # name -> [] float32
 
 
 def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
     """Returns the sums of `num_envs` episodes before their first step."""
+    info = info_shapes(env)
+    no_metrics = {name: jnp.zeros(num_envs) for name in info["metrics"]}
     return EpisodeSums(
-        episodes=jnp.zeros(num_envs, jnp.int32),
         length=jnp.zeros(num_envs, jnp.int32),
         returns=jnp.zeros((num_envs, env.num_agents)),
         shaped_returns=jnp.zeros((num_envs, env.num_agents)),
-        events={name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info_shapes(env)["events"].items()},
+        events={name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info["events"].items()},
+        metric_sums=no_metrics,
+        metric_finals=no_metrics,
     )
 
 
-def add_step(sums: EpisodeSums, reward: Array, shaped_reward: Array, events: dict[str, Array]) -> EpisodeSums:
-    """Returns the sums after one more step of each of the B episodes."""
+def add_step(sums: EpisodeSums, reward: Array, shaped_reward: Array, info: dict[str, Any]) -> EpisodeSums:
+    """Returns the sums after one more step of each of the B episodes; `info` as the step gave it."""
     return EpisodeSums(
-        episodes=jnp.ones_like(sums.episodes),
         length=sums.length + 1,
         returns=sums.returns + reward,
         shaped_returns=sums.shaped_returns + shaped_reward,
-        events={name: count + events[name] for name, count in sums.events.items()},
+        events={name: count + info["events"][name] for name, count in sums.events.items()},
+        metric_sums={name: total + info["metrics"][name] for name, total in sums.metric_sums.items()},
+        metric_finals=info["metrics"],
     )
 
 
-def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, EpisodeSums]:
-    """Splits `[B]` sums by `done` `[B]`: those that run on (zero where ended), and the total of those that ended."""
+def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpisodes]:
+    """Splits `[B]` sums by `done` `[B]`: those that run on (zero where ended), and the totals of those that ended."""
 
     def where_done(leaf: Array) -> Array:
         return done.reshape(done.shape + (1,) * (leaf.ndim - 1))
 
+    ended = FinishedEpisodes(
+        episodes=jnp.ones_like(sums.length),
+        length=sums.length,
+        returns=sums.returns,
+        shaped_returns=sums.shaped_returns,
+        equality=equality(sums.returns),
+        events=sums.events,
+        metric_means=sums.metric_means,
+        metric_finals=sums.metric_finals,
+    )
     running = jax.tree.map(lambda leaf: jnp.where(where_done(leaf), 0, leaf), sums)
-    finished = jax.tree.map(lambda leaf: jnp.where(where_done(leaf), leaf, 0).sum(axis=0), sums)
-    return running, finished
+    return running, jax.tree.map(lambda leaf: jnp.where(where_done(leaf), leaf, 0).sum(axis=0), ended)
 
 
-def mean_episode(total: EpisodeSums) -> dict[str, Any]:
+def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
     """Returns the mean finished episode; all NaN but the count when none has finished."""
     mean = jax.tree.map(lambda leaf: leaf / total.episodes, total)
     return {
         "episodes": total.episodes,
         "episode_length": mean.length,
-        "collective_return": mean.returns.sum(),
+        "collective_return": collective_return(mean.returns),
         "agent_return": mean.returns,
         "shaped_agent_return": mean.shaped_returns,
+        "equality": mean.equality,
         "event": mean.events,
+        "mean": mean.metric_means,
+        "final": mean.metric_finals,
     }

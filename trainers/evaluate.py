@@ -14,7 +14,9 @@ import numpy as np
 from jax import Array
 from scipy import stats
 
-from .environment import Environment, info_shapes
+from sjdsl.runtime.returns import collective_return, equality
+
+from .environment import Environment
 from .episodes import EpisodeSums, add_step, zero_sums
 from .policies import Policy
 from .run_folder import write_json
@@ -33,16 +35,12 @@ class Evaluation:
     @property
     def collective_returns(self) -> np.ndarray:
         """`[E]` raw return summed over agents."""
-        return self.returns.sum(axis=1)
+        return collective_return(self.returns)
 
     @property
     def equalities(self) -> np.ndarray:
         """`[E]` one minus the Gini coefficient of the agents' returns; NaN unless none is negative and one positive."""
-        total = self.collective_returns
-        gaps = np.abs(self.returns[:, :, None] - self.returns[:, None, :]).sum(axis=(1, 2))
-        is_defined = (self.returns >= 0).all(axis=1) & (total > 0)
-        num_agents = self.returns.shape[1]
-        return np.where(is_defined, 1.0 - gaps / (2 * num_agents * np.where(is_defined, total, 1.0)), np.nan)
+        return equality(self.returns)
 
 
 @dataclass(frozen=True)
@@ -64,15 +62,8 @@ def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 3
       key: typed key, consumed; the same key gives the same episodes.
       num_episodes: E.
     """
-    played = jax.device_get(jax.jit(lambda key: _play(env, policy, key, num_episodes))(key))
-    lengths = played.sums.length
-    return Evaluation(
-        returns=played.sums.returns,
-        lengths=lengths,
-        events=played.sums.events,
-        metric_means={name: total / lengths for name, total in played.metric_sums.items()},
-        metric_finals=played.metric_finals,
-    )
+    sums = jax.device_get(jax.jit(lambda key: _play(env, policy, key, num_episodes).sums)(key))
+    return Evaluation(sums.returns, sums.length, sums.events, sums.metric_means, sums.metric_finals)
 
 
 @flax.struct.dataclass
@@ -82,8 +73,6 @@ class _Play:
     state: Any  # [E, ...]
     observation: Array  # [E, N, V, V, P] uint8
     sums: EpisodeSums  # [E, ...]
-    metric_sums: dict[str, Array]  # name -> [E] float32, summed over steps
-    metric_finals: dict[str, Array]  # name -> [E] float32, at the last step
     over: Array  # [E] bool
 
 
@@ -91,9 +80,7 @@ def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _P
     """Steps all episodes until the last one is over; what comes after an episode's end is not counted."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
-    no_metrics = {name: jnp.zeros(num_episodes) for name in info_shapes(env)["metrics"]}
-    over = jnp.zeros(num_episodes, bool)
-    start = _Play(state, observation, zero_sums(env, num_episodes), no_metrics, no_metrics, over)
+    start = _Play(state, observation, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool))
 
     def play_step(key: Array, state: Any, observation: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
         action_key, env_key = jax.random.split(key)
@@ -107,9 +94,7 @@ def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _P
         after = _Play(
             state=state,
             observation=observation,
-            sums=add_step(before.sums, reward, reward, info["events"]),
-            metric_sums=jax.tree.map(jnp.add, before.metric_sums, info["metrics"]),
-            metric_finals=info["metrics"],
+            sums=add_step(before.sums, reward, reward, info),
             over=done,
         )
 
@@ -149,6 +134,7 @@ def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
 
 def save_evaluation(evaluation: Evaluation, path: Path | str) -> None:
     """Writes the estimates and every episode to a JSON file; figures that are not defined are null."""
-    per_episode = dataclasses.asdict(evaluation) | {"collective_returns": evaluation.collective_returns}
+    groups = {"collective_returns": evaluation.collective_returns, "equalities": evaluation.equalities}
+    per_episode = dataclasses.asdict(evaluation) | groups
     summary = {name: dataclasses.asdict(figure) for name, figure in summarise(evaluation).items()}
     write_json(Path(path), {"episodes": len(evaluation.lengths), "summary": summary, "per_episode": per_episode})

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from .environment import Environment
-from .episodes import EpisodeSums, add_step, hand_over, zero_sums
+from .episodes import EpisodeSums, FinishedEpisodes, add_step, hand_over, zero_sums
 from .shaping import RewardMode, shape_reward
 
 ActAndValue = Callable[[Array], tuple[Array, Array]]
@@ -52,7 +52,7 @@ def chosen_log_probability(logits: Array, action: Array) -> Array:
 
 def collect_rollout(
     env: Environment, network: ActAndValue, worlds: Worlds, key: Array, num_steps: int, reward_mode: RewardMode
-) -> tuple[Worlds, Rollout, EpisodeSums, dict[str, Array]]:
+) -> tuple[Worlds, Rollout, FinishedEpisodes, dict[str, Array]]:
     """Plays `num_steps` steps in every environment.
 
     Args:
@@ -67,7 +67,7 @@ def collect_rollout(
       averaged over all its steps.
     """
 
-    def advance(worlds: Worlds, key: Array) -> tuple[Worlds, tuple[Rollout, EpisodeSums, dict[str, Array]]]:
+    def advance(worlds: Worlds, key: Array) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
         action_key, env_key = jax.random.split(key)
         logits, value = network(worlds.observation)
         action = jax.random.categorical(action_key, logits).astype(jnp.int32)  # independent over [B, N]
@@ -81,7 +81,7 @@ def collect_rollout(
             lambda _: jnp.zeros_like(value),
             info["terminal_observation"],
         )
-        running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info["events"]), done)
+        running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
         step = Rollout(
             observation=worlds.observation,
             action=action,

@@ -154,7 +154,7 @@ def flatten_metrics(metrics: Metrics) -> Row:
                 short = name.replace("agent_", "")
                 row[short] = float(np.mean(value))
                 row |= _per_agent(short, value)
-            case "event" | "metric":
+            case "event" | "mean" | "final" | "metric":
                 for inner, count in value.items():
                     row |= _per_agent(f"{name}_{inner}", count)
             case _:

@@ -41,8 +41,9 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     save_evaluation(trained, path / FILE)
     chance = summarise(evaluate(env, random_policy(env), key, episodes))
     figures = summarise(trained)
+    undeclared = {f"{'final' if measure.mean else 'mean'} {measure.name}" for measure in env.game.measures}
     names = [name for name in figures if name.startswith("return of") or " of agent " not in name]
-    names = [name for name in names if not math.isnan(figures[name].mean + chance[name].mean)]
+    names = [name for name in names if name not in undeclared]
     shown = [("", "trained", "random"), *((name, _interval(figures[name]), _interval(chance[name])) for name in names)]
     widths = [max(len(row[column]) for row in shown) for column in range(3)]
     click.echo(f"\n{env.title or env.name}: means of {episodes} episodes with their 95 % intervals")
@@ -65,7 +66,9 @@ def stored_policy(run_dir: Path, env: "Environment", greedy: bool = False) -> Ca
 
 
 def _interval(figure: "Estimate") -> str:
-    """Returns `97.3 [95.1, 99.4]`."""
+    """Returns `97.3 [95.1, 99.4]`; what some episode does not define has no mean."""
+    if math.isnan(figure.mean):
+        return "not defined"
     return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
 
 

@@ -67,6 +67,16 @@ def test_equality() -> None:
     np.testing.assert_allclose(evaluation.equalities, [1.0, 0.5, 0.75, np.nan, np.nan])
 
 
+def test_what_is_not_defined_is_null(tmp_path: Path) -> None:
+    """In an episode, and in the mean over episodes of which one has it not."""
+    returns = np.array([[3.0, 1.0], [5.0, -1.0]])
+    save_evaluation(Evaluation(returns, np.ones(2), {}, {}, {}), tmp_path / "evaluation.json")
+    stored = json.loads((tmp_path / "evaluation.json").read_text())
+    assert stored["per_episode"]["equalities"] == [0.75, None]
+    assert stored["summary"]["equality"] == {"mean": None, "low": None, "high": None}
+    assert stored["summary"]["collective return"]["mean"] == 4
+
+
 def test_an_evaluation_can_be_stored(tmp_path: Path) -> None:
     evaluation = evaluate(uneven(), lambda _, __: jnp.array([1, 0]), jax.random.key(0), 3)
     save_evaluation(evaluation, tmp_path / "evaluation.json")
@@ -74,4 +84,6 @@ def test_an_evaluation_can_be_stored(tmp_path: Path) -> None:
     assert stored["episodes"] == 3
     assert stored["per_episode"]["returns"] == evaluation.returns.tolist()
     assert stored["per_episode"]["events"]["steps"] == evaluation.lengths.tolist()
+    assert stored["per_episode"]["equalities"] == [0.5] * 3
+    assert stored["per_episode"]["metric_means"]["step"] == ((evaluation.lengths + 1) / 2).tolist()
     assert stored["summary"]["return of agent 1"] == {"mean": 0.0, "low": 0.0, "high": 0.0}

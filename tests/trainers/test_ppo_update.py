@@ -74,6 +74,10 @@ def test_episodes_are_counted_when_they_end() -> None:
     played = (episodes[finished] * lengths[finished]).sum()
     assert 16 * 3 * 50 - 16 * 5 <= played <= 16 * 3 * 50
     assert set(np.unique(lengths[finished & (episodes == 1)])) <= {2.0, 5.0}
+    # they pay n and 0: equality 1/2; their step is (n + 1) / 2 on average and n at the end
+    np.testing.assert_allclose(metrics["equality"][finished], 0.5, rtol=1e-6)
+    np.testing.assert_allclose(metrics["mean"]["step"][finished], (lengths[finished] + 1) / 2, rtol=1e-6)
+    np.testing.assert_allclose(metrics["final"]["step"][finished], lengths[finished], rtol=1e-6)
 
 
 def test_a_rollout_keeps_bytes_and_independent_actions() -> None:

@@ -60,10 +60,10 @@ def test_metrics_have_one_row_an_update_in_both_files(result: Result) -> None:
     assert rows[-1]["env_steps"] == 16 * 16 * 20
     wanted = {"return", "return_agent_1", "shaped_return", "collective_return", "episodes", "entropy", "kl"}
     wanted |= {"clip_fraction", "explained_variance", "policy_loss", "value_loss", "steps_per_second"}
-    wanted |= {"event_second_action_agent_0", "event_steps", "metric_step"}
+    wanted |= {"event_second_action_agent_0", "event_steps", "metric_step", "mean_step", "final_step", "equality"}
     assert wanted <= rows[0].keys()
     with open(result.run_dir / "metrics.csv", newline="") as table:
-        read = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(table)]
+        read = [{name: float(value) if value else None for name, value in row.items()} for row in csv.DictReader(table)]
     assert read == rows
 
 

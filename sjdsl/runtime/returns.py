@@ -1,0 +1,22 @@
+"""What the returns of an episode say of the group: how much they come to, and how evenly they are shared. For NumPy and JAX arrays."""
+
+from typing import Any
+
+
+def collective_return(returns: Any) -> Any:
+    """Returns the sum over agents of returns `[..., N]`: `[...]`."""
+    return returns.sum(axis=-1)
+
+
+def equality(returns: Any) -> Any:
+    """Returns one minus the Gini coefficient of returns `[..., N]`: 1 if all are equal, 1 / N if one agent has everything.
+
+    Returns `[...]` floating; NaN where a return is negative or all are 0, for there the coefficient means nothing.
+    Source: Perolat et al. 2017, their equality; the Gini coefficient is the mean difference of two agents over twice the mean.
+    """
+    arrays = returns.__array_namespace__()
+    total = collective_return(returns)
+    gaps = arrays.abs(returns[..., :, None] - returns[..., None, :]).sum(axis=(-2, -1))
+    is_defined = (returns >= 0).all(axis=-1) & (total > 0)
+    gini = gaps / (2 * returns.shape[-1] * arrays.where(is_defined, total, 1))
+    return arrays.where(is_defined, 1 - gini, arrays.nan)
