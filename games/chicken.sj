@@ -15,6 +15,6 @@ game chicken "Chicken in the matrix: Arena" extends "pd_arena.sj" {
   metrics { event collected by { dove, hawk } }
   checks class {
     require chicken(payoff)  # T > R > S > P
-    expect collected[dove] > collected[hawk] with seek patch where patch.class is dove over 30 episodes
+    expect collected[dove] > collected[hawk] with seek patch where patch.class is dove and patch.stock is ripe over 30 episodes
   }
 }

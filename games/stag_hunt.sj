@@ -15,6 +15,6 @@ game stag_hunt "Stag Hunt in the matrix: Arena" extends "pd_arena.sj" {
   metrics { event collected by { stag, hare } }
   checks class {
     require stag_hunt(payoff)  # R > T >= P > S
-    expect collected[stag] > collected[hare] with seek patch where patch.class is stag over 30 episodes
+    expect collected[stag] > collected[hare] with seek patch where patch.class is stag and patch.stock is ripe over 30 episodes
   }
 }
