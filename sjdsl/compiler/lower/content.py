@@ -135,7 +135,7 @@ def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
     name = f"{prefix}{sight.field}" + (f"[{sight.word}]" if sight.word else "")
     words = tuple(dict.fromkeys(x.name for x in sight.labels)) if sight.labels else sight.type.words
     if words:
-        words = ("none", *words) if sight.what == "other" else words
+        words = ("nobody", *words) if sight.what == "other" else words
         return TokenPlane(name, "word", words, len(words) - 1)
     high = number_bound(sight, game)
     if high == float("inf"):
