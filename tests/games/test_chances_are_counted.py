@@ -74,9 +74,9 @@ def drawing_phases() -> Iterator[str]:
 
 
 def content(value: object) -> object:
-    """Returns what a node says, without places in the text and intervals."""
+    """Returns what a node says, without places in the text and what is proven of its values."""
     if isinstance(value, ir.Node):
-        names = [name for name in type(value).model_fields if name not in ("origin", "type")]
+        names = [name for name in type(value).model_fields if name not in ("origin", "type", "most")]
         return type(value).__name__, *(content(getattr(value, name)) for name in names)
     return tuple(content(item) for item in value) if isinstance(value, tuple) else value
 
