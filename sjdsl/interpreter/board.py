@@ -40,12 +40,15 @@ def cells_of(board: Board, kinds: tuple[str, ...]) -> tuple[Cell, ...]:
 
 
 _latest: list[Board] = []
+KEPT = 8  # two games may be played step by step side by side
 
 
 def board_of(game: ir.Game) -> Board:
-    """Returns the board of a game; the one asked for last is kept."""
-    if not _latest or _latest[0].game is not game:
-        _latest[:] = [_build(game)]
+    """Returns the board of a game; those asked for last are kept."""
+    for board in _latest:
+        if board.game is game:
+            return board
+    _latest[:] = [_build(game), *_latest[: KEPT - 1]]
     return _latest[0]
 
 
