@@ -263,5 +263,5 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> 3) & 7  # pd_arena.sj:66
     shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:67
     shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:67
-    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, 0, 1)).astype(jnp.uint8)  # pd_arena.sj:67
+    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, jnp.uint8(0), jnp.uint8(1))).astype(jnp.uint8)  # pd_arena.sj:67
     return planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None, None], (4, 11, 11)), jnp.broadcast_to(shown_bag_2[:, None, None], (4, 11, 11)), jnp.broadcast_to(shown_resting[:, None, None], (4, 11, 11)))

@@ -203,6 +203,6 @@ def observe(state: State, params: Params) -> Array:
     raw = seen_0 & 7  # coins.sj:59
     is_tile = (raw >= 1) & (raw < 4)  # coins.sj:59
     tile_coin = (raw - 1)  # coins.sj:59
-    content = jnp.where(is_tile, ((jnp.where(tile_coin == ((state.agent_colour + 1)[:, None, None]), 0, jnp.where(tile_coin != 0, 1, 2))).astype(jnp.uint8)) + 1, raw)  # coins.sj:59
+    content = jnp.where(is_tile, ((jnp.where(tile_coin == ((state.agent_colour + 1)[:, None, None]), 0, jnp.where(tile_coin != 0, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8)) + 1, raw)  # coins.sj:59
     agent = (seen_0 >> 3) & 7  # coins.sj:59
     return planes_of(content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8))

@@ -227,7 +227,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     event_gold_mined = out.event_gold_mined + (jnp.sum(jnp.where(active_6[:, None] & (((state.rock_miners[:, None] >> jnp.arange(6, dtype=jnp.uint8)[None, :]) & 1) != 0), jnp.int32(1), jnp.int32(0)), axis=0, dtype=jnp.int32))  # coop_mining.sj:61
     event_ores_shared = out.event_ores_shared + (jnp.sum(jnp.where(active_6, jnp.int32(1), jnp.int32(0)), dtype=jnp.int32))  # coop_mining.sj:62
     subject = num_agent <= params.most  # coop_mining.sj:64
-    rock_ore = jnp.where(active_5, jnp.asarray([0, 2], jnp.uint8)[jnp.where(subject, 0, 1)], rock_ore)  # coop_mining.sj:64
+    rock_ore = jnp.where(active_5, jnp.asarray([0, 2], jnp.uint8)[jnp.where(subject, jnp.uint8(0), jnp.uint8(1))], rock_ore)  # coop_mining.sj:64
     rock_miners = jnp.where(active_5, 0, rock_miners)  # coop_mining.sj:65
     rock_left = jnp.where(active_5, 0, rock_left)  # coop_mining.sj:66
     return state.replace(rock_ore=rock_ore, rock_miners=rock_miners, rock_left=rock_left), out.replace(reward=reward, event_iron_mined=event_iron_mined, event_gold_mined=event_gold_mined, event_ores_shared=event_ores_shared)

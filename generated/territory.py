@@ -358,7 +358,7 @@ def observe(state: State, params: Params) -> Array:
     brick_owner = (raw - 3) % 10  # territory.sj:82
     brick_damage = ((raw - 3) // 10) % 3  # territory.sj:82
     brick_paint = (((raw - 3) // 10) // 3)  # territory.sj:82
-    content = jnp.where(is_brick, ((((brick_paint * 3) + ((jnp.where((brick_owner.astype(jnp.int32) - 1) == jnp.arange(9, dtype=jnp.int32)[:, None, None], 0, jnp.where((brick_owner.astype(jnp.int32) - 1) == -1, 1, 2))).astype(jnp.uint8))) * 3) + ((jnp.where(brick_damage.astype(jnp.int32) == 0, 0, jnp.where(brick_damage.astype(jnp.int32) < 2, 1, 2))).astype(jnp.uint8))) + 3, raw + (((raw >= 93).astype(jnp.uint8)) * -63))  # territory.sj:82
+    content = jnp.where(is_brick, ((((brick_paint * 3) + ((jnp.where((brick_owner.astype(jnp.int32) - 1) == jnp.arange(9, dtype=jnp.int32)[:, None, None], 0, jnp.where((brick_owner.astype(jnp.int32) - 1) == -1, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) * 3) + ((jnp.where(brick_damage.astype(jnp.int32) == 0, 0, jnp.where(brick_damage.astype(jnp.int32) < 2, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) + 3, raw + (((raw >= 93).astype(jnp.uint8)) * -63))  # territory.sj:82
     agent = seen_1 & 15  # territory.sj:82
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # territory.sj:82
     theirs = (agent != 0) & ~MYSELF[None]  # territory.sj:82

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ast, errors, ir, shapes
 from sjdsl.compiler.expressions import as_agent, build, condition, kinds_named, wrong_type
-from sjdsl.compiler.scope import Poisoned, Scope
+from sjdsl.compiler.scope import START, Poisoned, Scope
 
 
 def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
@@ -113,6 +113,8 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
     shape = shapes.used(ref, scope)
     member = _variable(anchor, scope)
+    if member.who == "agent" and scope.place == START:
+        raise scope.problems.fail(errors.NO_PLACE_YET, ref.span, what=f"{shape.name} of {anchor.text}")
     if shape.directed and member.who == "cell":
         raise scope.problems.fail(errors.DIRECTED_SHAPE, ref.span, name=shape.name, anchor=anchor.text)
     return ir.Near(shape=shape.name, anchor=member, origin=ref.span)

@@ -234,6 +234,12 @@ FORBID_READS = Code(
     "`forbid` reads {what}",
     "it may read the acting agent's own fields and the world's",
 )
+NO_PLACE_YET = Code(
+    "SJ508",
+    "No place yet",
+    "in `phase start` no agent has a place yet, so `{what}` means nothing",
+    "do it in a phase of the schedule, at `step == 0`",
+)
 
 # ---- 6xx limits of the compiler
 

@@ -13,7 +13,7 @@ from sjdsl.compiler.cases import case
 from sjdsl.compiler.names import index, member, path
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
-from sjdsl.compiler.types import describe, hull, integer, is_number, real
+from sjdsl.compiler.types import describe, hull, integer, is_number, real, times
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
@@ -283,7 +283,7 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
         raise wrong_type(scope, e.value, "a number", value.type)
     most = most_members(built, scope)
     low, high = hull([value.type.model_copy(update={"low": 0, "high": 0}), value.type])
-    type_ = value.type.model_copy(update={"low": low * most if low else 0, "high": high * most if high else 0})
+    type_ = value.type.model_copy(update={"low": times(low, most), "high": times(high, most)})
     return ir.Sum(type=_beyond_one(type_), value=value, domain=built, origin=e.span)
 
 

@@ -6,7 +6,7 @@ from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.facts import narrow_word
 from sjdsl.compiler.print_ir import expression as text
-from sjdsl.compiler.scope import Poisoned, Scope
+from sjdsl.compiler.scope import START, Poisoned, Scope
 from sjdsl.compiler.types import HEADINGS, describe, element, integer, words
 
 Build = Callable[[ast.Expr, Scope], ir.Expr]
@@ -119,6 +119,8 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     }
     if name.text in ("row", "col") and not isinstance(owner, ir.Member):
         raise scope.problems.fail(errors.NOT_SUPPORTED, name.span, what="the row or column of an agent that a field holds: it may be away")
+    if name.text in ("row", "col") and scope.place == START:
+        raise scope.problems.fail(errors.NO_PLACE_YET, name.span, what=f"{text(owner)}.{name.text}")
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     candidates = [*static.agent_fields, *AGENT_ATTRIBUTES]

@@ -1,12 +1,14 @@
 """The schedule: each use of a phase is built on its own, with its arguments filled in."""
 
+from dataclasses import replace
+
 from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import build
 from sjdsl.compiler.identifiers import Names, phase_function
 from sjdsl.compiler.print_ir import expression as text
-from sjdsl.compiler.scope import Poisoned, Scope
+from sjdsl.compiler.scope import START, Poisoned, Scope
 from sjdsl.compiler.statements import PhaseUse, block
 from sjdsl.compiler.streams import Streams
 
@@ -19,7 +21,7 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
         return None
     if phase.parameters:
         scope.problems.add(errors.ARGUMENTS, phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters), help="")
-    return _use(phase, "start", "start", {}, scope)
+    return _use(phase, "start", "start", {}, replace(scope, place=START))
 
 
 def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
@@ -98,7 +100,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
 
 def _use(phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | str | None], scope: Scope) -> ir.Phase:
     use = PhaseUse(Streams(label, scope.static.sources))
-    inner = Scope(scope.static, scope.problems, values)
+    inner = replace(scope, variables=values)
     body = block(phase.block, inner, use)
     marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
     return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)

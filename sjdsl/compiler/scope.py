@@ -8,6 +8,8 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label, nearest
 from sjdsl.compiler.source import Source, Span
 
+START = "`phase start`"  # the place of a scope in which no agent stands anywhere
+
 
 class Poisoned(Exception):
     """An expression or sentence could not be built; the reason has been reported."""

@@ -117,7 +117,7 @@ def interval(fn: str, a: ir.Type, b: ir.Type) -> tuple[float, float]:
         case "-":
             return a.low - b.high, a.high - b.low
         case "*":
-            corners = [_times(x, y) for x in (a.low, a.high) for y in (b.low, b.high)]
+            corners = [times(x, y) for x in (a.low, a.high) for y in (b.low, b.high)]
             return min(corners), max(corners)
         case "/":
             if b.low <= 0 <= b.high:
@@ -130,5 +130,6 @@ def interval(fn: str, a: ir.Type, b: ir.Type) -> tuple[float, float]:
             raise AssertionError(fn)
 
 
-def _times(x: float, y: float) -> float:
+def times(x: float, y: float) -> float:
+    """Returns the product of two ends of intervals; nothing of something endless is nothing."""
     return 0 if x == 0 or y == 0 else x * y

@@ -38,6 +38,7 @@ def state_differences(env: Environment, state: Any, world: World, observation: A
     found = [shown(name, mine, theirs) for name, mine, theirs in pairs if mine != theirs]
     for declared in fields_of(game):
         mine, theirs = np.asarray(getattr(state, attribute_name(declared))), np.asarray(stored_values(declared, world))
+        theirs = theirs if theirs.size else theirs.reshape(mine.shape)  # of no cells, a list does not tell the length of rows
         same = np.allclose(mine, theirs, **CLOSE) if declared.type.kind == "real" else mine.tolist() == theirs.tolist()
         if not same:
             found.append(shown(attribute_name(declared), mine.tolist(), theirs.tolist()))

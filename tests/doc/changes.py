@@ -16,6 +16,7 @@ SILENT = {
     "VarField": {"place", "kind"},  # where it stands
     "Game": {"variants"},  # their titles are not in the rules
     "Narrowed": {"value"},
+    "Pick": {"most"},  # follows from the type of its number
     "Shape": {"see_through"},  # a shape without a direction is
 }
 

@@ -12,8 +12,6 @@ from sjdsl.compiler.read import read_source
 from sjdsl.compiler.source import Source, Span
 from sjdsl.games_folder import bundled, find_game
 
-from .environments import NINE
-
 MOST_LINES = 80  # a game is read aloud: non-blank lines without comments, map, checks and variants, each of at most WIDTH columns
 WIDTH = 140
 SOURCE = re.compile(r"\b(paper|released code|Melting Pot)\b|\bours: \S")

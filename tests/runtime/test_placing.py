@@ -5,7 +5,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.draws import ranks
 from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, place
 
 from . import references

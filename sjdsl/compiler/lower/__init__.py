@@ -208,11 +208,17 @@ def _phase(phase: ir.Phase, pools: tuple, module: Module) -> Function:
     finish_writes(w)
     finish_sends(sends, w)
     if w.marked:
-        text = w.marked[0] if len(w.marked) == 1 else f"jnp.concatenate([{', '.join(w.marked)}])"
-        w.changed[f"mark_{phase.name}"] = text
+        w.changed[f"mark_{phase.name}"] = _all_marks(w.marked, mark_size(phase, module.game))
     w.line(f"return {_replaced('state', w.changed)}, {_replaced('out', w.outcome)}")
     doc = f"Phase `{phase.label}`." if phase is not module.game.start else "Phase `start`: where the agents begin."
     return Function(phase.name, "state: State, out: Outcome, params: Params, actions: Array, key: Array", doc, tuple(w.lines))
+
+
+def _all_marks(marked: dict[str, int], size: int) -> str:
+    """Returns the cells of all marks of a phase; those of sentences that never happen are missing, and none stand in their places."""
+    missing = size - sum(marked.values())
+    parts = [*marked, *([f"jnp.zeros({missing}, jnp.int32)"] if missing else [])]
+    return parts[0] if len(parts) == 1 else f"jnp.concatenate([{', '.join(parts)}])"
 
 
 def _replaced(name: str, changes: dict[str, str]) -> str:

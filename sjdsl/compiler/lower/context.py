@@ -116,7 +116,7 @@ class Writer:
     changed: dict[str, str] = field(default_factory=dict)
     outcome: dict[str, str] = field(default_factory=dict)
     added: dict[str, list[Value]] = field(default_factory=dict)
-    marked: list[str] = field(default_factory=list)
+    marked: dict[str, int] = field(default_factory=dict)
     late: list[tuple[str, str, str]] = field(default_factory=list)
 
     def line(self, text: str) -> None:

@@ -193,7 +193,9 @@ def arithmetic(e: ir.Arithmetic, frame: Frame, w: Writer) -> Value:
     dtype = "i32" if e.type.kind == "int" else "f32"
     args = [as_dtype(lower(a, frame, w), dtype) for a in e.args]
     if e.fn == "neg":
-        return replace(args[0], text=f"-{wrapped(args[0])}", literal=False)
+        if args[0].literal:
+            return literal(-float(args[0].text), dtype)
+        return replace(args[0], text=f"-{wrapped(args[0])}")
     if e.fn in ("min", "max"):
         result = args[0]
         for other in args[1:]:

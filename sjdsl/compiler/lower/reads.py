@@ -164,6 +164,8 @@ def occupied(owner: CellVar, w: Writer) -> Value:
         vector = w.keep("covered", Value(f"occupied({site.text}, {size})", "bool", ()))
         return replace(vector, axes=(owner.axis,))
     at = cell(owner, w)
+    if not at.axes:
+        return Value(f"jnp.any({wrapped(at)} == state.position)", "bool")
     return Value(f"jnp.any({wrapped(at)}[..., None] == state.position{_lead(at)}, axis=-1)", "bool", at.axes)
 
 

@@ -238,14 +238,14 @@ def mark(s: ir.Mark, frame: Frame, w: Writer) -> None:
     happens = None if frame.mask is None else reduce("any", frame.mask, over)
     ok = both(happens, swept.ok)
     cells = select(ok, swept.cells, literal(0, "i32"))
-    w.marked.append(w.keep("marked", Value(f"{wrapped(cells)}.reshape(-1)", "i32")).text)
+    w.marked[w.keep("marked", Value(f"{wrapped(cells)}.reshape(-1)", "i32")).text] = mark_size(s, w.module.game)
 
 
-def mark_size(phase: ir.Phase, game: ir.Game) -> int:
-    """Returns how many cells one phase can mark."""
+def mark_size(rules: ir.Node, game: ir.Game) -> int:
+    """Returns how many cells a phase or a sentence can mark."""
     size = 0
     shapes = {s.name: s for s in game.shapes}
-    for node in ir.walk(phase):
+    for node in ir.walk(rules):
         if isinstance(node, ir.Mark):
             size += game.agents.number * sum(map(len, shapes[node.shape].lanes))
     return size

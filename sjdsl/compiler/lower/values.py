@@ -7,6 +7,8 @@ import operator
 import re
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 DTYPES = {"f32": "jnp.float32", "i32": "jnp.int32", "u32": "jnp.uint32", "u8": "jnp.uint8", "bool": "bool"}
 _COMPARISONS = {
     "<": operator.lt,
@@ -16,6 +18,7 @@ _COMPARISONS = {
     "==": operator.eq,
     "!=": operator.ne,
 }
+_OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "%": operator.mod}
 _OPPOSITES = (("==", "!="), ("!=", "=="))
 _ATOM = re.compile(r"~?[A-Za-z_][A-Za-z0-9_.]*(\([^()]*\)|\[[^\[\]]*\])*|-?\d+(\.\d+)?(e-?\d+)?|0x[0-9a-f]+")
 
@@ -77,9 +80,12 @@ def as_dtype(value: Value, dtype: str) -> Value:
 
 
 def binary(op: str, a: Value, b: Value, dtype: str) -> Value:
-    """Returns `a op b`; a comparison of two literals is a literal."""
+    """Returns `a op b`; of two literals a literal."""
     if a.literal and b.literal and op in _COMPARISONS:
         return literal(_COMPARISONS[op](float(a.text), float(b.text)), "bool")
+    if a.literal and b.literal and op in _OPERATIONS and not (op in "/%" and not float(b.text)):
+        number = np.float32 if dtype == "f32" else int
+        return literal(_OPERATIONS[op](number(a.text), number(b.text)), dtype)
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
     left, right = (_operand(x, axes, levels) for x in (a, b))
@@ -131,7 +137,7 @@ def select(condition: Value | None, a: Value, b: Value) -> Value:
     levels = max(a.levels, b.levels, condition.levels)
     dtype = b.dtype if a.literal else a.dtype
     parts = ", ".join(_operand_plain(x, axes, levels) for x in (condition, a, b))
-    if a.literal and b.literal and dtype in ("f32", "i32"):
+    if a.literal and b.literal and dtype != "bool":
         parts = f"{_operand_plain(condition, axes, levels)}, {DTYPES[dtype]}({a.text}), {DTYPES[dtype]}({b.text})"
     return Value(f"jnp.where({parts})", dtype, axes, levels)
 

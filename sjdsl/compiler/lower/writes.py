@@ -132,7 +132,7 @@ def _entries(
     if mask is not None and mask.text == "False":
         return before
     if not keys:
-        if mask is None and not (value.axes == before.axes and value.levels == before.levels):
+        if mask is None:
             return _filled(before, value)
         if mask is not None and before.levels:
             mask = replace(mask, text=_with_levels(mask, before.axes, before.levels), axes=before.axes, levels=before.levels)
@@ -161,11 +161,15 @@ def _with_levels(mask: Value, axes: tuple[Axis, ...], levels: int) -> str:
 
 
 def _filled(before: Value, value: Value) -> Value:
-    return (
-        replace(before, text=f"jnp.full_like({before.text}, {value.text})")
-        if not value.axes and not value.levels
-        else select(literal(True, "bool"), value, before)
-    )
+    """Returns the field with the value everywhere."""
+    if value.axes == before.axes and value.levels == before.levels and not value.literal:
+        return value
+    if not value.axes and not value.levels:
+        return replace(before, text=f"jnp.full_like({before.text}, {value.text})")
+    spread = aligned(value, before.axes)
+    if value.levels < before.levels:
+        spread = f"{wrapped(replace(value, text=spread))}[..., None]"
+    return replace(before, text=f"jnp.broadcast_to({spread}, {before.text}.shape)")
 
 
 def _scatter(

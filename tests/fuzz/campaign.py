@@ -1,0 +1,85 @@
+"""As many random programs as one likes: what is accepted, what is refused and why, what goes wrong; every new fault is shrunk and kept.
+
+`python -m tests.fuzz.campaign --examples 2000 --seed 0`, or `make fuzz EXAMPLES=2000 SEED=0`.
+"""
+
+import argparse
+import gc
+import time
+from collections import Counter
+from pathlib import Path
+from random import Random
+
+import jax
+
+from sjdsl.factory import load_module
+from tests.fuzz.judge import Verdict, judge
+from tests.fuzz.programs import Program, program
+from tests.fuzz.reduce import reduced
+
+FOUND = Path(__file__).parent / "found"
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--examples", type=int, default=200)
+    options.add_argument("--seed", type=int, default=0)
+    options.add_argument("--steps", type=int, default=50)
+    options.add_argument("--jit", action="store_true", help="run on JAX as well")
+    options.add_argument("--no-trace", action="store_true", help="do not trace with JAX's strict dtypes")
+    options.add_argument("--shrink", type=int, default=1500, help="tries to make a failing program small; 0: keep it as it is")
+    options.add_argument("--into", type=Path, default=Path("runs/fuzz"), help="where failing programs are written")
+    given = options.parse_args()
+    counts: Counter[str] = Counter()
+    sorts: dict[str, list[int]] = {}
+    begun = time.process_time()
+    for number in range(given.seed, given.seed + given.examples):
+        made = program(Random(number))
+        for verdict in judge(made, number, given.steps, given.jit, not given.no_trace):
+            count(verdict, counts)
+            if verdict.fault:
+                sorts.setdefault(verdict.sort, []).append(number)
+                if len(sorts[verdict.sort]) == 1:
+                    keep(made, verdict, number, given)
+        if number % 10 == 9:
+            forget()
+            print(f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
+    for sort, numbers in sorts.items():
+        print(f"{len(numbers)} times {sort}: seeds {numbers[:10]}")
+
+
+def count(verdict: Verdict, counts: Counter[str]) -> None:
+    counts["all"] += 1
+    counts["accepted"] += verdict.accepted
+    counts["faults"] += bool(verdict.fault)
+    counts["near"] += bool(verdict.near)
+    counts["steps"] += verdict.steps
+    counts.update(verdict.codes)
+
+
+def forget() -> None:
+    """JAX and the loader keep what they have compiled; programs here are never met again."""
+    jax.clear_caches()
+    load_module.cache_clear()
+    gc.collect()
+
+
+def keep(made: Program, verdict: Verdict, number: int, given: argparse.Namespace) -> None:
+    """Writes a failing program down, made small."""
+    print(f"seed {number} {'+'.join(verdict.variants)}: {verdict.fault}", flush=True)
+
+    def fails(smaller: Program) -> bool:
+        return any(v.sort == verdict.sort for v in judge(smaller, number, given.steps, given.jit, not given.no_trace) if v.fault)
+
+    if given.shrink:
+        made = reduced(made, fails, given.shrink)
+    given.into.mkdir(parents=True, exist_ok=True)
+    name = f"seed_{number}"
+    (given.into / f"{name}.sj").write_text(f"# {verdict.fault.splitlines()[0][:130]}\n{made.text}", encoding="utf-8")
+    for file, text in made.files.items():
+        (given.into / file).write_text(text, encoding="utf-8")
+    print(made.text, *made.files.values(), flush=True)
+
+
+if __name__ == "__main__":
+    main()

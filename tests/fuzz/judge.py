@@ -1,0 +1,169 @@
+"""What becomes of a program: refused, with which codes; or compiled in every way and played, and what went wrong."""
+
+import re
+import shutil
+import tempfile
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sjdsl.compiler import Build, build, ir, lower_build
+from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.optimise import PASSES, optimise
+from sjdsl.compiler.render import render
+from sjdsl.compiler.source import Source
+from sjdsl.compiler.verify import verify
+from sjdsl.factory import load_module
+from sjdsl.runtime.env import Environment
+from tests.fuzz.programs import Program
+from tests.fuzz.together import forms, interpret, jitted, on_numpy, random_play, run, same_course
+
+# What a generated text may be refused for: things its generator does not look at closely.
+FORESEEN = {
+    "SJ101": "a variant drops a define that is used",
+    "SJ108": "a variant changes an entry of what it has changed",
+    "SJ109": "two variants change one thing differently",
+    "SJ113": "a variant drops a define that a check speaks of",
+    "SJ115": "a variant says one thing twice",
+    "SJ203": "a `case` of a number with fewer values than its generator knows",
+    "SJ204": "several guarded adds reach one field",
+    "SJ205": "a word of a phase's use that the field does not have",
+    "SJ207": "a define used where its guard does not stand",
+    "SJ212": "a variant breaks a requirement",
+    "SJ303": "a variant's map has too few cells",
+    "SJ401": "two writes that may disagree",
+    "SJ402": "set and add",
+    "SJ403": "two destinations",
+    "SJ404": "a destination that may be full",
+    "SJ406": "destinations that overlap",
+    "SJ502": "a variant adds a timer, and no tick",
+    "SJ508": "a define that asks for a place, used in `phase start`",
+    "SJ601": "a stated limit",
+}
+SETS = {"all": PASSES, "none": (), **{p.__name__: (p,) for p in PASSES}, "reversed": PASSES[::-1]}
+
+
+@dataclass
+class Verdict:
+    """One variant of a program. `codes`: why it is refused; `fault`: what went wrong, empty if nothing did."""
+
+    variants: tuple[str, ...] = ()
+    codes: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
+    fault: str = ""
+    steps: int = 0
+    near: int = 0
+    programs: int = 0
+    game: ir.Game | None = None
+
+    @property
+    def accepted(self) -> bool:
+        return not self.codes and self.game is not None
+
+    @property
+    def sort(self) -> str:
+        """The fault without what differs from program to program: to tell one from another, and to keep it while shrinking."""
+        head = self.fault.split("\n")[0]
+        return re.sub(r"\(.*|\[.*|[0-9]+|step : ", "", head)[:60]
+
+
+@contextmanager
+def written(program: Program) -> Iterator[Source]:
+    """Writes a program into a folder of its own while it is looked at."""
+    folder = Path(tempfile.mkdtemp(prefix="fuzz"))
+    try:
+        for name, text in program.files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        yield Source("game.sj", program.text, folder)
+    finally:
+        shutil.rmtree(folder)
+
+
+def judge(program: Program, seed: int, steps: int = 50, jit: bool = False, strict: bool = True) -> list[Verdict]:
+    """Returns what becomes of a program without a variant and in each of them. `strict`: also traced by JAX; `jit`: also run there."""
+    with written(program) as source:
+        return [_judge_one(source, v, seed, steps, jit, strict) for v in ((), *((name,) for name in program.variants))]
+
+
+def _judge_one(source: Source, variants: tuple[str, ...], seed: int, steps: int, jit: bool, strict: bool) -> Verdict:
+    verdict = Verdict(variants)
+    try:
+        made = build(source, variants)
+        verdict.game = verify(made.game)
+        lower_build(made, source)
+    except CompileError as refused:
+        errors = [d for d in refused.diagnostics if d.code.severity == "error"]
+        verdict.codes = tuple(dict.fromkeys(d.code.code for d in errors))
+        verdict.messages = tuple(f"{d.code.code} {d.span.file}:{d.span.line} {d.message}" for d in errors)
+        unforeseen = [m for m in verdict.messages if m[:5] not in FORESEEN]
+        verdict.fault = f"unforeseen {unforeseen[0]}" if unforeseen else ""
+        return verdict
+    except Exception as error:
+        verdict.fault = f"compiler: {_told(error)}"
+        return verdict
+    try:
+        _play(verdict, made, seed, steps, jit, strict)
+    except Exception as error:
+        verdict.fault = verdict.fault or f"{_told(error)}"
+    return verdict
+
+
+def _play(verdict: Verdict, made: Build, seed: int, steps: int, jit: bool, strict: bool) -> None:
+    game = made.game
+    play = random_play(game, seed, steps)
+    history = interpret(game, play)
+    verdict.near = history.near
+    looked: list[ir.Game] = []
+    course: list[Any] = []
+    for name, passes in SETS.items():
+        rules = verify(optimise(game, passes))
+        if rules in looked:
+            continue
+        looked.append(rules)
+        verdict.programs = len(looked)
+        if len(looked) == 1:
+            report, course = run(on_numpy(game, rules), play, history)
+            verdict.steps = report.steps
+            verdict.fault = report.differences[0] if report.differences else ""
+        else:
+            differs = same_course(on_numpy(game, rules), play, course)
+            verdict.fault = f"passes {name}: {differs}" if differs else ""
+        if strict and not verdict.fault and name in ("all", "none"):
+            changed = forms(on_jax(game, rules))
+            verdict.fault = f"the state changes its form: {changed[0]}" if changed else ""
+        if verdict.fault:
+            return
+    if jit:
+        verdict.fault = _on_jax(made, play, history)
+
+
+def _on_jax(made: Build, play: Any, history: Any) -> str:
+    game = made.game
+    other = random_play(game, 1 + play.start[0] % 1000, len(play.keys))
+    plays, histories = [play, other], [history, interpret(game, other)]
+    differences = jitted(on_jax(game, optimise(game)), plays, histories)
+    return f"on JAX, {differences[0]}" if differences else ""
+
+
+def on_jax(game: ir.Game, rules: ir.Game) -> Environment:
+    """Returns the environment of a game, its module compiled from `rules`."""
+    from sjdsl.compiler.lower import lower
+
+    module = load_module(render(lower(rules, "game.sj"), rules), f"<{game.name}>", game.name)
+    return Environment(game, module, module.default_params(), "", "tokens")
+
+
+def _told(error: Exception) -> str:
+    """Returns an error as its type, text and the last places of our own code it went through."""
+    places = [
+        f for f in traceback.extract_tb(error.__traceback__) if "/sjdsl/" in f.filename or "on NumPy" in f.filename or "<" in f.filename
+    ]
+    last = places[-1] if places else None
+    where = f" at {Path(last.filename).name}:{last.name}" if last else ""
+    return f"{type(error).__name__}{where}: {str(error)[:300]}"
+
+
+__all__ = ["FORESEEN", "SETS", "Verdict", "field", "judge"]

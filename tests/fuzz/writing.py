@@ -1,0 +1,166 @@
+"""Random `set` and `add`: mostly writes that surely agree, sometimes others, for the compiler to judge."""
+
+from dataclasses import dataclass, field, replace
+
+from sjdsl.compiler import ir
+from tests.fuzz.conditions import agent_value, somebody, word
+from tests.fuzz.declared import Field, Lines
+from tests.fuzz.quantities import fitted, integer, real
+from tests.fuzz.reading import Scope, Typed, Variable
+
+BOLD = 0.06  # how often a write is made that may well be refused
+
+
+@dataclass
+class Written:
+    """What the sentences of one phase have written so far: (place, kind, field) -> sorts of writes; where agents were sent."""
+
+    fields: dict[tuple[str, str, str], list[str]] = field(default_factory=dict)
+    places: int = 0
+    pools: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def allows(self, keys: list[tuple[str, str, str]], sort: str) -> bool:
+        """Returns whether a write of this sort (set, add, bound) agrees with those before."""
+        before = [s for k in keys for s in self.fields.get(k, ())]
+        return not before or (sort == "add" and set(before) == {"add"})
+
+    def note(self, keys: list[tuple[str, str, str]], sort: str) -> None:
+        for key in keys:
+            self.fields.setdefault(key, []).append(sort)
+
+
+def is_own(v: Variable, scope: Scope) -> bool:
+    """Returns whether each instance has this variable for itself."""
+    if v.frame < 0:
+        return False
+    many = [i for i, f in enumerate(scope.frames) if not f.single]
+    if not many:
+        return not scope.frames[v.frame].placed or scope.frames[v.frame].single
+    return many == [v.frame] and not scope.frames[v.frame].placed
+
+
+def write(scope: Scope, written: Written, depth: int) -> Lines:
+    """Returns a `set` or `add`, with a guard around it where the range needs one; nothing if there is nothing to write."""
+    w = scope.world
+    options: list[tuple[Variable | None, Field, str]] = [(None, f, f.name) for f in w.fields]
+    for v in scope.variables:
+        fields = w.agent_fields if v.is_agent else w.cell_fields(v.kinds)
+        options += [(v, f, f"{v.name}.{f.name}") for f in fields]
+    held = [Variable(text) for text in scope.sure] if w.is_now(0.3) else []
+    options += [(v, f, f"{v.name}.{f.name}") for v in held for f in w.agent_fields]
+    w.random.shuffle(options)
+    for owner, f, text in options[:6]:
+        made = _write_one(scope, written, owner, f, text, depth)
+        if made:
+            return made
+    return []
+
+
+def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field, text: str, depth: int) -> Lines:
+    w = scope.world
+    keys = _keys(owner, f)
+    own = all(x.single for x in scope.frames) if owner is None else is_own(owner, scope)
+    bold = w.is_now(BOLD)
+    sums = f.type.kind in ("int", "real", "agents") and not f.timer
+    if sums and w.is_now(0.55 if own else 0.8):
+        return _add(scope, written, keys, own, bold, f, text, depth)
+    if not bold and not written.allows(keys, "set"):
+        return []
+    inner = scope if own or bold else _of_target_alone(scope, owner)
+    made = value(inner, f, depth)
+    if made is None:
+        return []
+    written.note(keys, "set")
+    target = _target(inner, f, text, made)
+    return [f"set {target} = {made[0]}"]
+
+
+def _keys(owner: Variable | None, f: Field) -> list[tuple[str, str, str]]:
+    if owner is None:
+        return [("world", "", f.name)]
+    return [("agent", "", f.name)] if owner.is_agent else [("cell", k, f.name) for k in owner.kinds]
+
+
+def _of_target_alone(scope: Scope, owner: Variable | None) -> Scope:
+    """Returns a scope in which only the target is known: what it gives is the same for all who reach it."""
+    held = owner is not None and "." in owner.name
+    variables = () if owner is None or held else (owner,)
+    return replace(scope, variables=variables, locals=(), sure=frozenset({owner.name} if held and owner else ()), filled=frozenset())
+
+
+def _target(scope: Scope, f: Field, text: str, made: Typed) -> str:
+    """Returns the field, an entry of it, or the whole row."""
+    if not f.type.by or made[1].by:
+        return text
+    if scope.world.is_now(0.3):
+        return text
+    key = word(scope, f.type.by[0], 1)
+    return f"{text}[{key[0]}]" if key else text
+
+
+def value(scope: Scope, f: Field, depth: int) -> Typed | None:
+    """Returns what a field of this type can be set to."""
+    w, type_ = scope.world, f.type
+    rows = [v for v in scope.values if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit == type_.unit]
+    rows = [v for v in rows if type_.low <= v[1].low and v[1].high <= type_.high and set(v[1].words) <= set(type_.words)]
+    if type_.by and rows and w.is_now(0.25):
+        return w.random.choice(rows)
+    one = type_.model_copy(update={"by": ()})
+    match type_.kind:
+        case "word":
+            found = word(scope, type_.words, 2)
+            return None if found is None else (found[0], one)
+        case "int" if f.timer:
+            return fitted(integer(scope, "steps", depth), 0, w.random.choice((2, 4))), one
+        case "int":
+            return fitted(integer(scope, type_.unit, depth), type_.low, type_.high), one
+        case "real":
+            return real(scope, "reward", depth)[0], one
+        case "agent":
+            return agent_value(scope), one
+        case _:
+            sets = [text for text, _ in scope.single_values("agents")]
+            return w.random.choice([*sets, "nobody"]), one
+
+
+def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: bool, bold: bool, f: Field, text: str, depth: int) -> Lines:
+    w, type_ = scope.world, f.type
+    guarded = type_.kind == "int" and not f.capped
+    sort = "bound" if guarded else "add"
+    if not bold and (not written.allows(keys, sort) or (guarded and not own)):
+        return []
+    if type_.kind == "agents":
+        written.note(keys, sort)
+        who = w.random.choice(somebody(scope) or ["nobody"])
+        return [f"add {who} to {_entry(scope, f, text)}"] if who != "nobody" else []
+    rows = [v for v in scope.values if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit in (type_.unit, "number")]
+    if type_.by and not guarded:
+        whole = w.is_now(0.4)
+        if whole and not rows:
+            return []
+        written.note(keys, sort)
+        if whole:
+            a, b = w.random.choice(rows)[0], w.random.choice(rows)[0]
+            return [f"add {w.random.choice((a, f'{a} + {b}', f'{a} - {b}'))} to {text}"]
+    written.note(keys, sort)
+    target = _entry(scope, f, text)
+    if not guarded:
+        return [f"add {_number(scope, type_, depth)} to {target}"]
+    step = w.random.choice((1, 1, 2, -1))
+    test = f"{target} <= {int(type_.high) - step}" if step > 0 else f"{target} >= {int(type_.low) - step}"
+    if step > 0 and w.is_now(0.5):
+        test = f"{target} < {int(type_.high) - step + 1}"
+    return [f"when {test} {{", f"  add {step} to {target}", "}"]
+
+
+def _entry(scope: Scope, f: Field, text: str) -> str:
+    if not f.type.by:
+        return text
+    key = word(scope, f.type.by[0], 1)
+    return f"{text}[{key[0] if key else f.type.by[0][0]}]"
+
+
+def _number(scope: Scope, type_: ir.Type, depth: int) -> str:
+    if type_.kind == "real":
+        return real(scope, "reward", depth)[0]
+    return fitted(integer(scope, type_.unit, depth), -5, 9)

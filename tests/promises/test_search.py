@@ -1,0 +1,97 @@
+"""What random courses find, how short it becomes, and that the same seed finds the same."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sjdsl.promises import Effort, Ground, examine
+from sjdsl.promises.course import play
+from sjdsl.promises.examples import random_course
+from sjdsl.promises.search import search
+from sjdsl.promises.story import tell_course
+from sjdsl.promises.watch import find_break
+
+from .small_games import ground
+
+GOLDEN = Path(__file__).parent
+BROKEN = [  # promise, rule, the steps and the agents of the shortest course
+    ("always zaps == 0", "each agent where agent chose zap { tally zaps for agent }", 1, 1),
+    ("once fruit == 0 always fruit == 0", "each tree where nobody on tree { chance 0.001 { set tree.fruit = ripe } }", 1, 1),
+    ("conserved fruit", "", 1, 1),
+    ("always eaten < 2", "", 1, 2),
+    ("always count(agent where agent.tired > 0) == 0", "each agent where agent chose zap { set agent.tired = 2 }", 1, 1),
+    ("monotone bare rising in fruit", "", 1, 1),
+]
+
+
+@pytest.mark.parametrize(("promise", "rule", "steps", "agents"), BROKEN)
+def test_broken_promises_become_short(promise: str, rule: str, steps: int, agents: int) -> None:
+    orchard = ground(promise, rule)
+    (broken,), _ = search(orchard, [0], Effort(examples=100))
+    assert len(broken.course.actions) <= steps + 1
+    assert broken.course.agents <= agents
+    assert len(broken.course.rows) * len(broken.course.rows[0]) <= 6
+    assert not broken.course.params
+    stay = orchard.own.agents.actions.index("stay")
+    assert sum(action != stay for step in broken.course.actions for action in step) <= 2
+
+
+def test_a_course_that_is_told_breaks_the_promise_when_played_again() -> None:
+    orchard = ground("always eaten < 2")
+    (broken,), _ = search(orchard, [0], Effort(examples=100))
+    game = orchard.on(broken.course.rows, broken.course.agents)
+    assert game is not None
+    assert find_break(game.checks[0], play(game, broken.course).values(game.checks[0])) == broken.where
+
+
+def test_a_trace_in_full(golden: Callable[[Path, str], None]) -> None:
+    orchard = ground("once fruit == 0 always fruit == 0", "each tree where nobody on tree { chance 0.5 { set tree.fruit = ripe } }")
+    (broken,), _ = search(orchard, [0], Effort(examples=100))
+    golden(GOLDEN / "collapse.txt", "\n".join(tell_course(orchard, broken)) + "\n")
+
+
+def test_the_same_seed_plays_the_same() -> None:
+    reports = [examine(ground("always eaten < 2"), Effort(examples=60, episodes=0, seed=seed)) for seed in (3, 3, 4)]
+    assert reports[0] == reports[1]
+    assert reports[0].verdicts[0].trace != reports[2].verdicts[0].trace or reports[0] != reports[2]
+
+
+def test_numbers_of_a_course_stay_inside_their_limits_and_keep_requirements() -> None:
+    from random import Random
+
+    from sjdsl.compiler.require import holds
+
+    more = "param lo : steps = 2 in 1 .. 9  param hi : steps = 5 in 0 .. 9"
+    orchard = ground("require lo <= hi  always lo <= hi", "each agent { set agent.tired = hi - lo }", more)
+    seen = set()
+    for seed in range(200):
+        course = random_course(orchard, Random(seed))
+        assert course is not None
+        given = {p.name: p.value for p in orchard.own.params} | dict(course.params)
+        assert 1 <= given["lo"] <= 9
+        assert 0 <= given["hi"] <= 9
+        assert 0 <= given["regrow"] <= 1
+        assert holds(orchard.own.checks[0].values[0], given)
+        seen.add((given["lo"], given["hi"]))
+    assert len(seen) > 10
+
+
+def test_what_only_a_long_episode_shows_is_found_there() -> None:
+    orchard = ground("always step < 19")
+    (verdict,) = examine(orchard, Effort(examples=5, episodes=2)).verdicts
+    assert verdict.kept is False
+    assert verdict.how == "episodes"
+    assert verdict.said == "broken after step 18 of an episode of random play"
+
+
+def test_a_trigger_that_never_came_is_said() -> None:
+    (verdict,) = examine(ground("once step > 900 always fruit == 0"), Effort(examples=10, episodes=1)).verdicts
+    assert verdict.kept
+    assert "never came" in verdict.said
+
+
+def test_a_game_that_takes_no_other_map_or_number_is_played_as_it_is() -> None:
+    one = Ground(ground("always eaten <= 9").source)
+    assert one.few_agents == (1, 2)
+    assert set(one.glyphs) == {".", "#", "T"}
