@@ -72,8 +72,7 @@ def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[
     taken: list[tuple[Found, Drawn]] = []
     for turn in range(min(max(0, evaluate(sentence.number, here)), len(left))):
         number = here.number * turns + turn
-        word = here.word(sentence.stream, number)
-        member = left.pop(word * len(left) >> 32)
+        member, word = here.take(sentence.stream, number, left)
         taken.append((member, Drawn(sentence, number, word, True, names={**here.names, **member.names})))
     return taken
 

@@ -1,13 +1,14 @@
 """Words of randomness: threefry-2x32 in plain integers, and a wrapper that remembers which words were used."""
 
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 WORD = 0xFFFFFFFF
 _PARITY = 0x1BD11BDA
 _ROTATIONS = (13, 15, 26, 6, 17, 29, 16, 24)
 ROUNDS = 13
 _RETURN = 0x52455455
+T = TypeVar("T")
 
 
 class Draws(Protocol):
@@ -66,6 +67,15 @@ class Near(NamedTuple):
     threshold: int
 
 
+class Chosen(NamedTuple):
+    """A word that chose one of several. `left`: what there was to choose from, in order; `index`: of the one taken."""
+
+    stream: int
+    number: int
+    left: tuple[Any, ...]
+    index: int
+
+
 @dataclass
 class Recorded:
     """Another source of words, with a record of what was used."""
@@ -73,11 +83,21 @@ class Recorded:
     source: Draws
     used: list[Used] = field(default_factory=list)
     near: list[Near] = field(default_factory=list)
+    chosen: list[Chosen] = field(default_factory=list)
 
     def word(self, stream: int, number: int) -> int:
         word = self.source.word(stream, number)
         self.used.append(Used(stream, number, word))
         return word
+
+
+def take(draws: Draws, stream: int, number: int, left: list[T]) -> tuple[T, int]:
+    """Takes one out of those that are left, all equally likely, and returns it and the word that chose it."""
+    word = draws.word(stream, number)
+    index = word * len(left) >> 32
+    if isinstance(draws, Recorded):
+        draws.chosen.append(Chosen(stream, number, tuple(left), index))
+    return left.pop(index), word
 
 
 def note_if_near(draws: Draws, stream: int, number: int, word: int, threshold: int) -> None:

@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.draws import Draws
+from sjdsl.interpreter.draws import Draws, take
 from sjdsl.interpreter.state import Value, World
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -54,3 +57,8 @@ class Instance:
         """Returns word `number` of a stream of this step."""
         assert self.draws is not None, "a draw where nothing may be drawn"
         return self.draws.word(stream, number)
+
+    def take(self, stream: int, number: int, left: list[T]) -> tuple[T, int]:
+        """Takes one out of those that are left by word `number` of a stream, and returns it and the word."""
+        assert self.draws is not None, "a draw where nothing may be drawn"
+        return take(self.draws, stream, number, left)

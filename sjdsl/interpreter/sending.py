@@ -23,7 +23,7 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), sentence.facing), world)
             elif free:
-                _enter(agent, taken(free, here.word(order, agent)), sentence.facing, sentence.heading_stream, here, world)
+                _enter(agent, here.take(order, agent, free)[0], sentence.facing, sentence.heading_stream, here, world)
             else:
                 assert sentence.stay, f"no free cell for agent {agent}"
 
@@ -57,7 +57,7 @@ def bring_back(here: Instance, world: World) -> None:
         for agent in due[pool]:
             away = here.world.away[agent]
             if free and away is not None:
-                _enter(agent, taken(free, here.word(order, agent)), away.facing, return_stream(sentence.heading_stream), here, world)
+                _enter(agent, here.take(order, agent, free)[0], away.facing, return_stream(sentence.heading_stream), here, world)
 
 
 def free_cells(domain: ir.Domain, leaving: set[int], here: Instance) -> list[Cell]:
@@ -67,11 +67,6 @@ def free_cells(domain: ir.Domain, leaving: set[int], here: Instance) -> list[Cel
     cells = cells_of(here.board, domain.var.kinds)
     wanted = [c for c in cells if domain.where is None or evaluate(domain.where, here.only({domain.var.name: c}))]
     return [c for c in wanted if c not in covered]
-
-
-def taken(free: list[Cell], word: int) -> Cell:
-    """Takes one cell out of those that are free, all equally likely, and returns it."""
-    return free.pop(word * len(free) >> 32)
 
 
 def _enter(agent: int, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World) -> None:

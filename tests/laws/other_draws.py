@@ -1,0 +1,79 @@
+"""The luck of a step under a symmetry: each instance draws the word that it drew before; one chosen of several is the same one.
+
+Which word that takes depends on the order in which there was to choose: cells in reading order, agents by number.
+"""
+
+from dataclasses import dataclass
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.draws import Chosen, Recorded
+from tests.laws.streams import Stream, other_digit, renumbered, streams
+from tests.laws.symmetry import Symmetry
+
+
+class RunsOut(Exception):
+    """There were fewer free cells than agents sent: lower numbers come first, by the manual, so that new numbers change who stays."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Words by stream and number; `strict`: no others may be asked for, else they are anything."""
+
+    words: dict[tuple[int, int], int]
+
+    def word(self, stream: int, number: int) -> int:
+        return self.words[stream, number]
+
+
+def other_draws(game: ir.Game, changed: ir.Game, drawn: Recorded, s: Symmetry) -> Table:
+    """Returns the words for the game under the symmetry. Raises RunsOut where the manual lets the number of an agent decide."""
+    known = streams(game)
+    words: dict[tuple[int, int], int] = {}
+    for stream, number, word in drawn.used:
+        about = known[stream]
+        if about.sort == "heading":
+            word = s.heading(word >> 30) << 30 | word & 0x3FFFFFFF
+        words[stream, renumbered(number, about.digits, game, changed, s)] = word
+    sends: dict[int, list[Chosen]] = {}
+    for chosen in drawn.chosen:
+        about = known[chosen.stream]
+        if about.sort == "order":
+            sends.setdefault(chosen.stream, []).append(chosen)
+        else:
+            index, size = _picked(chosen, about, game, changed, s)
+            words[chosen.stream, renumbered(chosen.number, about.digits, game, changed, s)] = choosing(index, size)
+    for stream, turns in sends.items():
+        if len(turns[-1].left) == 1 and s.order != tuple(sorted(s.order)) and _may_stay(game, stream):
+            raise RunsOut
+        words |= {(stream, agent): word for agent, word in _sent(turns, s)}
+    return Table(words)
+
+
+def choosing(index: int, size: int) -> int:
+    """Returns a word that chooses the one of that index out of so many: floor(word * size / 2^32) == index."""
+    return (2 * index + 1) * 2**31 // size
+
+
+def _picked(chosen: Chosen, about: Stream, game: ir.Game, changed: ir.Game, s: Symmetry) -> tuple[int, int]:
+    assert about.options is not None
+    numbers = [other_digit(found.number, about.options, game, changed, s) for found in chosen.left]
+    return sorted(numbers).index(numbers[chosen.index]), len(numbers)
+
+
+def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
+    """Returns the word of each agent, by its new number, with which all of them get the cells they got."""
+    free = sorted(s.cell(cell) for cell in turns[0].left)
+    goes = {s.order[turn.number]: s.cell(turn.left[turn.index]) for turn in turns}
+    words = []
+    for agent in sorted(goes):
+        index = free.index(goes[agent])
+        words.append((agent, choosing(index, len(free))))
+        free.pop(index)
+    return words
+
+
+def _may_stay(game: ir.Game, stream: int) -> bool:
+    from sjdsl.interpreter.draws import return_stream
+
+    sends = [n for n in ir.walk(game) if isinstance(n, ir.Send)]
+    return any(n.stay for n in sends if stream in (n.order_stream, return_stream(n.order_stream)))

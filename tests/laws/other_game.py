@@ -1,0 +1,95 @@
+"""The rules of a game under a symmetry: a map turned, shapes and windows mirrored, agents with other numbers.
+
+    map { "ab" }   facing east   agent.col   agent.index   ->   map { "ba" }   facing west   1 - agent.col   case agent.index { ... }
+
+What a rule reads of places, headings and numbers, it reads as it was before; so words and numbers kept in fields stay what they are.
+An action keeps its number and does what it did: its name changes.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.optimise.rewrite import rewrite
+from sjdsl.compiler.verify import verify
+from sjdsl.interpreter.state import HEADINGS
+from tests.laws.symmetry import Symmetry
+
+
+def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
+    """Returns the rules under a symmetry. Promises are left out: they are not played."""
+    rule = _rule(s)
+    agents = rewrite(game.agents, rule)
+    window = game.window
+    return verify(
+        game.model_copy(
+            update={
+                "rows": s.rows(game.rows),
+                "kinds": tuple(rewrite(kind, rule) for kind in game.kinds),
+                "agents": agents.model_copy(update={"actions": tuple(s.action(a, agents.relative) for a in agents.actions)}),
+                "shapes": tuple(_shape(shape, s) for shape in game.shapes),
+                "start": _start(game.start, s),
+                "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
+                "window": window.model_copy(update={"left": window.right, "right": window.left}) if s.mirror else window,
+                "sights": tuple(rewrite(sight, rule) for sight in game.sights),
+                "measures": tuple(rewrite(measure, rule) for measure in game.measures),
+                "checks": (),
+            }
+        )
+    )
+
+
+def _rule(s: Symmetry, headings: bool = True) -> Callable[[Any], Any]:
+    def rule(node: Any) -> Any:
+        match node:
+            case ir.Attribute(name="row" | "col"):
+                return _coordinate(node, s)
+            case ir.Attribute(name="heading") if headings and (s.mirror or s.quarters):
+                arms = [ir.Arm(words=(HEADINGS[s.heading(h)],), value=ir.Word(type=node.type, value=w)) for h, w in enumerate(HEADINGS)]
+                return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
+            case ir.Attribute(name="index") if list(s.order) != sorted(s.order):
+                arms = [ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i)) for i, n in enumerate(s.order)]
+                return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
+            case ir.Send():
+                return node.model_copy(update={"facing": s.facing(node.facing)})
+            case _:
+                return node
+
+    return rule
+
+
+def _start(phase: ir.Phase, s: Symmetry) -> ir.Phase:
+    """Everybody faces north before it, under every look: `same` is a direction here, and what is read is no other one."""
+
+    def rule(node: Any) -> Any:
+        same = isinstance(node, ir.Send) and node.facing == "same"
+        return node.model_copy(update={"facing": "north"}) if same else node
+
+    return rewrite(rewrite(phase, rule), _rule(s, headings=False))
+
+
+def _coordinate(node: ir.Attribute, s: Symmetry) -> Any:
+    """Returns the row or column that the owner's cell had before, from the one it has now."""
+    before = [(r, c) for r in range(s.height) for c in range(s.width)]
+    wanted = [cell[0 if node.name == "row" else 1] for cell in before]
+    last = (s.height if node.name == "row" else s.width) - 1
+    for name in ("row", "col"):
+        now = [getattr(s.cell(cell), name) for cell in before]
+        new = node.model_copy(update={"name": name})
+        if now == wanted:
+            return new
+        if [last - n for n in now] == wanted:
+            return ir.Arithmetic(type=node.type, fn="-", args=(ir.Number(type=node.type, value=last), new), origin=node.origin)
+    raise AssertionError(node)
+
+
+def _shape(shape: ir.Shape, s: Symmetry) -> ir.Shape:
+    """A shape before an agent turns with it; one that lies on the map is turned with the map. The cells keep their numbers."""
+
+    def moved(ahead: int, right: int) -> tuple[int, int]:
+        if shape.directed:
+            return ahead, -right if s.mirror else right
+        rows, cols = s.vector(-ahead, right)
+        return -rows, cols
+
+    return shape.model_copy(update={"lanes": tuple(tuple(moved(*cell) for cell in lane) for lane in shape.lanes)})

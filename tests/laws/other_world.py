@@ -1,0 +1,105 @@
+"""A state, what a step gave, and what is seen, under a symmetry; and where two of them differ."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.planes import planes
+from sjdsl.interpreter.state import Outcome, Value, World
+from tests.laws.symmetry import Symmetry
+
+CLOSE = {"rtol": 1e-5, "atol": 1e-5}  # sums of reals are added in another order
+MIRRORED = np.array([0, 1, 2, 5, 4, 3, 6], np.uint8)  # of the plane of agents: who is turned right is turned left
+
+
+def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> World:
+    """Returns a state of a game as a state of the game under the symmetry."""
+    before, after = board_of(game), board_of(changed)
+    cells = {}
+    for (kind, name), values in world.cells.items():
+        type_ = before.cell_fields[kind, name].type
+        moved = {after.number[s.cell(cell)]: _value(v, type_, s) for cell, v in zip(before.cells[kind], values, strict=True)}
+        cells[kind, name] = [moved[number] for number in range(len(values))]
+    return replace(
+        world,
+        cells=cells,
+        agents={n: _agents([_value(v, before.agent_fields[n].type, s) for v in values], s) for n, values in world.agents.items()},
+        fields={n: _value(v, before.world_fields[n].type, s) for n, v in world.fields.items()},
+        position=_agents([None if p is None else s.cell(p) for p in world.position], s),
+        heading=_agents([s.heading(h) for h in world.heading], s),
+        moved=_agents(world.moved, s),
+        away=_agents([None if a is None else a._replace(facing=s.facing(a.facing)) for a in world.away], s),
+        marks=[(phase, *s.cell((row, col))) for phase, row, col in world.marks],
+    )
+
+
+def other_outcome(game: ir.Game, outcome: Outcome, s: Symmetry) -> Outcome:
+    """Returns what a step gave, to the agents by their new numbers."""
+    per_agent = {e.name for e in game.events if e.per_agent}
+    events = {name: _agents(count, s) if name in per_agent else count for name, count in outcome.events.items()}
+    return replace(outcome, reward=_agents(outcome.reward, s), events=events)
+
+
+def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
+    """Returns what is seen: in a mirror the window's columns are swapped, and who is turned right is turned left."""
+    seen = np.asarray(_agents(list(picture), s))
+    if not s.mirror:
+        return seen
+    seen = seen[:, :, ::-1].copy()
+    names = [p.name for p in planes(game)]
+    if any(sight.what == "heading" for sight in game.sights):
+        number = names.index("agent")
+        seen[..., number] = MIRRORED[seen[..., number]]
+    return seen
+
+
+def world_differences(mine: World, theirs: World) -> list[str]:
+    """Returns the parts of two states that differ, marks taken as a set."""
+    found = []
+    for name in ("step", "cells", "agents", "fields", "position", "heading", "moved", "away"):
+        a, b = getattr(mine, name), getattr(theirs, name)
+        if not _same(a, b):
+            found.append(f"{name}: {a} / {b}")
+    if set(mine.marks) != set(theirs.marks):
+        found.append(f"marks: {mine.marks} / {theirs.marks}")
+    return found
+
+
+def outcome_differences(mine: Outcome, theirs: Outcome) -> list[str]:
+    return [
+        f"{name}: {getattr(mine, name)} / {getattr(theirs, name)}"
+        for name in ("reward", "events", "measures", "truncated", "terminated")
+        if not _same(getattr(mine, name), getattr(theirs, name))
+    ]
+
+
+def _agents(values: list[Any], s: Symmetry) -> list[Any]:
+    return [values[s.order.index(number)] for number in range(len(values))]
+
+
+def _value(value: Value, type_: ir.Type, s: Symmetry) -> Value:
+    """Returns a value of a field, which may name agents."""
+    if isinstance(value, tuple):
+        return tuple(_value(v, type_, s) for v in value)
+    match type_.kind:
+        case "agents":
+            return frozenset(s.order[agent] for agent in value)
+        case "agent":
+            return None if value is None else s.order[value]
+        case _:
+            return value
+
+
+def _same(a: Any, b: Any) -> bool:
+    match a:
+        case dict():
+            return a.keys() == b.keys() and all(_same(v, b[k]) for k, v in a.items())
+        case list() | tuple():
+            return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b, strict=True))
+        case float() | np.floating():
+            return bool(np.isclose(a, b, **CLOSE))
+        case _:
+            return a == b

@@ -1,0 +1,109 @@
+"""What the number of each word of a stream is made of: one digit for each member around the draw."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter import members
+from sjdsl.interpreter.board import Board, board_of, cells_of
+from sjdsl.interpreter.draws import return_stream
+from tests.laws.symmetry import Symmetry
+
+
+@dataclass(frozen=True)
+class Digit:
+    """One place of a number. `agent`: an id; `cell`: a number among the cells of the kinds; `fixed`: the same under every symmetry."""
+
+    what: Literal["agent", "cell", "fixed"]
+    radix: int
+    kinds: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Stream:
+    """`digits`: outermost first. `options`: what a `pick` chooses from. `sort`: what its words are used for."""
+
+    digits: tuple[Digit, ...]
+    sort: Literal["plain", "pick", "order", "heading"] = "plain"
+    options: Digit | None = None
+
+
+def streams(game: ir.Game) -> dict[int, Stream]:
+    """Returns every stream that a step or a reset can draw from."""
+    found: dict[int, Stream] = {}
+    for turn in (game.start, *game.schedule):
+        if isinstance(turn, ir.Phase):
+            _block(turn.body, (), board_of(game), found)
+    return found
+
+
+def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, found: dict[int, Stream]) -> None:
+    agents = Digit("agent", board.agents)
+    for sentence in body:
+        inside = around
+        match sentence:
+            case ir.Chance() | ir.Draw():
+                found[sentence.stream] = Stream(around)
+            case ir.Each():
+                inside = (*around, _digit(sentence.domain, board))
+            case ir.First():
+                assert isinstance(sentence.domain.place, ir.Near)
+                lanes = board.shapes[sentence.domain.place.shape].lanes
+                inside = (*around, Digit("fixed", len(lanes)))
+            case ir.Pick():
+                own = _digit(sentence.domain, board)
+                inside = (*around, own)
+                found[sentence.stream] = Stream((*around, Digit("fixed", min(sentence.most, own.radix))), "pick", own)
+            case ir.Match():
+                inside = (*around, _digit(sentence.left, board))
+                found[sentence.stream] = Stream((*around, _everybody(sentence.left, board), _everybody(sentence.right, board)))
+            case ir.Move():
+                found[sentence.stream] = Stream((*around, agents))
+            case ir.Send():
+                for change in (lambda stream: stream, return_stream):
+                    found[change(sentence.order_stream)] = Stream((agents,), "order")
+                    found[change(sentence.heading_stream)] = Stream((agents,), "heading")
+            case _:
+                pass
+        for name in ("body", "otherwise"):
+            _block(
+                getattr(sentence, name, ()), around if name == "otherwise" and not isinstance(sentence, ir.First) else inside, board, found
+            )
+        for branch in getattr(sentence, "branches", ()):
+            _block(branch.body, inside, board, found)
+
+
+def _digit(domain: ir.Domain, board: Board) -> Digit:
+    if domain.var.who == "cell" and isinstance(domain.place, ir.Near):
+        return Digit("fixed", members.radix(domain, board))  # a shape's cells keep their numbers
+    return _everybody(domain, board)
+
+
+def _everybody(domain: ir.Domain, board: Board) -> Digit:
+    if domain.var.who == "agent":
+        return Digit("agent", board.agents)
+    return Digit("cell", members.everybody(domain, board), domain.var.kinds)
+
+
+def renumbered(number: int, digits: tuple[Digit, ...], game: ir.Game, changed: ir.Game, s: Symmetry) -> int:
+    """Returns the number that the same instance has under a symmetry."""
+    values = []
+    for digit in reversed(digits):
+        number, value = divmod(number, digit.radix)
+        values.append(other_digit(value, digit, game, changed, s))
+    assert number == 0, "a number with more digits than its stream has"
+    for digit, value in zip(digits, reversed(values), strict=True):
+        number = number * digit.radix + value
+    return number
+
+
+def other_digit(value: int, digit: Digit, game: ir.Game, changed: ir.Game, s: Symmetry) -> int:
+    match digit.what:
+        case "agent":
+            return s.order[value]
+        case "cell":
+            cell = cells_of(board_of(game), digit.kinds)[value]
+            return cells_of(board_of(changed), digit.kinds).index(s.cell(cell))
+        case "fixed":
+            return value
