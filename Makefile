@@ -25,7 +25,7 @@ test: .venv/ready
 check: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/sjdsl fmt --check games tests/cases tests/differential tests/runtime
+	$(BIN)/sjdsl fmt --check games tests/cases tests/differential tests/runtime tests/statistics
 	$(BIN)/sjdsl compile --all --check
 	$(BIN)/sjdsl doc --all --check
 	$(PYTEST)

@@ -1,0 +1,79 @@
+"""Steps of one game from one state with very many keys, and what each came to, as small whole numbers by name."""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import sjdsl
+
+STEPS, ENVIRONMENTS = 16, 4096  # as a rollout has them
+FORWARD, STEP_RIGHT, BACKWARD, STEP_LEFT = 1, 2, 3, 4
+AROUND = ((0, 6, BACKWARD), (1, 7, STEP_LEFT), (2, 6, FORWARD), (1, 5, STEP_RIGHT))  # four agents who all enter one cell
+Outcomes = dict[str, np.ndarray]
+
+
+@cache
+def game() -> sjdsl.Environment:
+    return sjdsl.make(Path(__file__).with_name("every_draw.sj"))
+
+
+def rollout_keys(seed: int) -> jax.Array:
+    """Returns the keys `[T, B]` that a rollout of the trainers uses: each step's split into two, the second into one each environment."""
+    steps = jax.vmap(jax.random.split)(jax.random.split(jax.random.key(seed), STEPS))[:, 1]
+    return jax.vmap(lambda key: jax.random.split(key, ENVIRONMENTS))(steps)
+
+
+def counted_keys(first: int) -> jax.Array:
+    """Returns keys that differ as little as keys can: `jax.random.key` of numbers in a row."""
+    return jax.vmap(jax.random.key)(jnp.arange(first, first + STEPS * ENVIRONMENTS)).reshape(STEPS, ENVIRONMENTS)
+
+
+@cache
+def outcomes(keys: str) -> Outcomes:
+    """Returns what each of the steps came to, `[T, B]` or `[T, B, instances]` each. `keys`: `rollout` or `counted`."""
+    made = rollout_keys(3) if keys == "rollout" else counted_keys(10**6)
+    return {name: np.asarray(value) for name, value in _run(made).items()}
+
+
+@jax.jit
+def _run(keys: jax.Array) -> dict[str, jax.Array]:
+    return jax.vmap(jax.vmap(_one))(keys)
+
+
+def _one(key: jax.Array) -> dict[str, jax.Array]:
+    """Takes one step, and a second one in which those come back who were sent away for a step."""
+    env = game()
+    state = start(env)
+    actions = jnp.asarray([action for *_, action in AROUND] + [0, 0], jnp.int32)
+    after = env.step_env(key, state, actions)[1]
+    back = env.step_env(jax.random.fold_in(key, 1), after, jnp.zeros(6, jnp.int32))[1]
+    fields = {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("hit", "tabled", "chain", "number", "wide")}
+    fields |= {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("colour", "burden", "picked", "some")}
+    place, returned = (_cells(env, s) for s in (after, back))
+    return {
+        **fields,
+        "partner": after.agent_partner[:4].astype(jnp.int32),
+        "came": after.agent_came[:4].astype(jnp.int32),
+        "gate": place[:4],
+        "heading": after.heading[:4],
+        "den": returned[4:],
+        "returned heading": back.heading[4:],
+    }
+
+
+def start(env: sjdsl.Environment) -> Any:
+    """Returns the state before: four around a cell, two at home."""
+    state = env.module.initial_state()
+    where = [(row, col) for row, col, _ in AROUND] + [(3, 0), (3, 1)]
+    cells = [(row + env.module.PAD) * env.module.FRAME[1] + col + env.module.PAD for row, col in where]
+    return state.replace(position=jnp.asarray(cells, state.position.dtype))
+
+
+def _cells(env: sjdsl.Environment, state: Any) -> jax.Array:
+    """Returns the number of each agent's cell on the map, row by row."""
+    row, col = env.cells(state)
+    return row * len(env.game.rows[0]) + col

@@ -1,0 +1,100 @@
+"""Every kind of draw has its distribution: over all instances together, and in each of them."""
+
+from itertools import combinations, permutations
+
+import numpy as np
+import pytest
+
+from tests.statistics.chi_square import assert_distribution, assert_independent
+from tests.statistics.many import game, outcomes
+
+KEYS = ("rollout", "counted")
+GATES, DENS = (8, 9, 10, 19, 20, 21), (30, 31, 32, 41, 42, 43)
+# chain: 0.3, half of the rest, a fifth of what is left then; the first is what no branch leaves
+PER_CELL = {
+    "hit": (0.98, 0.02),
+    "chain": (0.7 * 0.5 * 0.8, 0.3, 0.7 * 0.5, 0.7 * 0.5 * 0.2),
+    "number": (1 / 7,) * 7,
+    "wide": (1 / 1000,) * 1000,
+    "colour": (1 / 3,) * 3,
+    "burden": (0.15, 0.6, 0.25),
+}
+
+
+def high() -> np.ndarray:
+    """Returns which cells of floor are of the sort that a table and two picks go by."""
+    glyphs = [g for row in game().game.rows for g in row if g in "fF"]
+    return np.array(glyphs) == "F"
+
+
+def ways(found: np.ndarray, possible: list[tuple[int, ...]]) -> np.ndarray:
+    """Returns how often each of the possible outcomes `[..., k]` came. Raises KeyError for an impossible one."""
+    number = {way: i for i, way in enumerate(possible)}
+    counts = np.zeros(len(possible))
+    values, times = np.unique(found.reshape(-1, found.shape[-1]), axis=0, return_counts=True)
+    for value, n in zip(values.tolist(), times, strict=True):
+        counts[number[tuple(value)]] = n
+    return counts
+
+
+@pytest.mark.parametrize("keys", KEYS)
+@pytest.mark.parametrize("name", PER_CELL)
+def test_of_each_cell(name: str, keys: str) -> None:
+    """A chance, a chain of chances, numbers, words, weighted words."""
+    found, shares = outcomes(keys)[name], PER_CELL[name]
+    assert_distribution(np.bincount(found.reshape(-1), minlength=len(shares)), shares, finds=0.021 if len(shares) > 10 else 0.011)
+    if len(shares) < 10:
+        cells = found.reshape(-1, found.shape[-1]).T
+        assert_independent(np.stack([np.bincount(cell, minlength=len(shares)) for cell in cells]), finds=0.015)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_a_chance_from_a_table(keys: str) -> None:
+    found = outcomes(keys)["tabled"]
+    for cells, probability in ((~high(), 0.1), (high(), 0.6)):
+        assert_distribution(np.bincount(found[..., cells].reshape(-1)), (1 - probability, probability), finds=0.013)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_pick(keys: str) -> None:
+    """One of seven; three of eight, all 56 ways equally likely; nobody else."""
+    one, some = outcomes(keys)["picked"], outcomes(keys)["some"]
+    assert not one[..., ~high()].any()
+    assert not some[..., high()].any()
+    assert_distribution(ways(one[..., high()], [tuple(row) for row in np.eye(7, dtype=int).tolist()]), None, finds=0.04)
+    threes = [tuple(int(i in three) for i in range(8)) for three in combinations(range(8), 3)]
+    assert_distribution(ways(some[..., ~high()], threes), None, finds=0.05)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_ties(keys: str) -> None:
+    """Four agents enter one cell: one of them comes there, each equally often."""
+    came = outcomes(keys)["came"]
+    assert_distribution(ways(came, [tuple(row) for row in np.eye(4, dtype=int).tolist()]), None, finds=0.04)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_match(keys: str) -> None:
+    """Four agents make two pairs, in three ways, and in each pair either is the left one."""
+    pairs = []
+    for partner_of_0 in (1, 2, 3):
+        others = [agent for agent in (1, 2, 3) if agent != partner_of_0]
+        for a, b in ((0, partner_of_0), (partner_of_0, 0)):
+            for c, d in (others, others[::-1]):
+                pairs.append(tuple({a: b, c: d}.get(agent, -1) for agent in range(4)))
+    assert_distribution(ways(outcomes(keys)["partner"], pairs), None, finds=0.045)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_places(keys: str) -> None:
+    """Four are sent to six gates at once, in 360 ways; two come back to six dens, in 30."""
+    assert_distribution(ways(outcomes(keys)["gate"], list(permutations(GATES, 4))), None, finds=0.07)
+    assert_distribution(ways(outcomes(keys)["den"], list(permutations(DENS, 2))), None, finds=0.05)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_headings(keys: str) -> None:
+    """Of the four who are sent, in 256 ways; of the two who come back, in 16."""
+    for name, agents in (("heading", 4), ("returned heading", 2)):
+        possible = [tuple(way) for way in np.ndindex(*(4,) * agents)]
+        assert_distribution(ways(outcomes(keys)[name], possible), None, finds=0.07)
