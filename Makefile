@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test check bench golden docs wheel-test clean
+.PHONY: run test check bench damage golden docs wheel-test clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -32,6 +32,10 @@ check: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/sjdsl bench
+
+# What becomes of damaged games, thousands of them: docs/proof.md.
+damage: .venv/ready
+	$(BIN)/python -m tests.damage.campaign --examples $(or $(EXAMPLES),5000) --seed $(or $(SEED),0)
 
 # Writes again what tests compare to; read the difference before it is committed.
 golden: .venv/ready

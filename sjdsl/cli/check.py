@@ -53,9 +53,14 @@ def find_problems(source: Source, variant: str | None = None) -> Found:
             return {(): list(error.diagnostics)}
     found: Found = {}
     for name in names:
-        known = [d for problems in found.values() for d in problems]
-        found[name] = [d for d in check(source, name) if d not in known]
+        known = {_said(d) for problems in found.values() for d in problems}
+        found[name] = [d for d in check(source, name) if _said(d) not in known]
     return found
+
+
+def _said(d: Diagnostic) -> tuple[object, ...]:
+    """What makes two messages one: in each variant a label may point elsewhere."""
+    return d.code, d.span, d.message
 
 
 def _print_problems(file: str, found: Found) -> None:

@@ -4,6 +4,7 @@ from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.types import describe, hull, interval, is_number, join_units, over_unit, times_unit
+from sjdsl.compiler.whereabouts import parameters_read
 
 VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take the remainder of"}
 
@@ -31,13 +32,13 @@ def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir
             unit = times_unit(a.unit, b.unit)
         case "/":
             if divisor_can_be_zero(right, scope):
-                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span)
+                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span, parameters_read(scope.static, right))
             unit = "fraction" if is_share(left, right) else over_unit(a.unit, b.unit)
         case "%":
             if a.kind != "int" or b.kind != "int":
                 raise mismatch(scope, e.span, VERBS["%"], a, b, "`%` is for whole numbers")
             if divisor_can_be_zero(right, scope):
-                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span)
+                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span, parameters_read(scope.static, right))
             unit = join_units(a.unit, b.unit)
         case _:
             unit = join_units(a.unit, b.unit)

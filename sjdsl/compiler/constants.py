@@ -1,12 +1,14 @@
 """`size` and `param`: units, values, tables and limits."""
 
 from collections.abc import Mapping
+from itertools import product
 from math import inf, isfinite
 
 from sjdsl.compiler import ast, errors, ir
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.diagnostics import Label, nearest
 from sjdsl.compiler.expressions import build, fixed
 from sjdsl.compiler.scope import Scope
+from sjdsl.compiler.source import Span
 from sjdsl.compiler.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")
@@ -25,12 +27,11 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     by, value = _value(declared.value, unit, scope)
     if override is not None and declared.is_size:
         value = _overridden(declared, override, by, scope)
-    for entry in _flat(value):
-        if not low - 1e-9 <= entry <= high + 1e-9:
-            facts = {"value": f"{entry:g}", "low": f"{low:g}", "high": f"{high:g}", "reason": _reason(declared, scope)}
-            scope.problems.add(errors.OUT_OF_LIMITS, declared.value.span, name=f"`{declared.name.text}`", **facts)
-            if not by:
-                value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
+    outside = [(keys, n) for keys, n in zip(product(*by), _flat(value), strict=True) if not low - 1e-9 <= n <= high + 1e-9]
+    if outside:
+        _report_outside(declared, outside, (low, high), scope)
+        if not by:
+            value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
     name = declared.name.text
@@ -40,6 +41,24 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
         scope.static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
     else:
         scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+
+
+def _report_outside(
+    declared: ast.Constant, outside: list[tuple[tuple[str, ...], float]], limits: tuple[float, float], scope: Scope
+) -> None:
+    """Reports the numbers of one declaration that are outside its limits, as one mistake."""
+    spans = [_entry(declared.value, keys).span for keys, _ in outside]
+    labels = (*_where_limits(declared, spans[0]), *(Label(span, "and this") for span in spans[1:]))
+    low, high = (f"{limit:g}" for limit in limits)
+    facts = {"value": f"{outside[0][1]:g}", "low": low, "high": high, "reason": _reason(declared, scope)}
+    scope.problems.add(errors.OUT_OF_LIMITS, spans[0], labels, name=f"`{declared.name.text}`", **facts)
+
+
+def _where_limits(declared: ast.Constant, span: Span) -> tuple[Label, ...]:
+    """Returns where the limits are written, if that is in another line than the number (a variant's, an entry's)."""
+    if declared.low is None or (declared.low.span.file, declared.low.span.line) == (span.file, span.line):
+        return ()
+    return (Label(declared.low.span, "its limits are here"),)
 
 
 def _reason(declared: ast.Constant, scope: Scope) -> str:
@@ -79,6 +98,9 @@ def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, flo
             high=f"{high:g}",
             reason="",
         )
+    for tree, value in ((declared.low, own_low), (declared.high, own_high)):
+        if unit in INTEGER_UNITS and value != int(value):
+            raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a whole number", given=f"{value:g}", help="")
     return own_low, own_high
 
 
@@ -163,6 +185,14 @@ def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
         given = "a table" if built is None else describe(built.type)
         raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a word", given=given, help="")
     return built.value
+
+
+def _entry(value: ast.Expr | ast.Table, keys: tuple[str, ...]) -> ast.Expr | ast.Table:
+    """Returns the entry of a table that was read without mistakes, or the number itself."""
+    for key in keys:
+        assert isinstance(value, ast.Table)
+        value = next(e.value for e in value.entries if e.key.text == key)
+    return value
 
 
 def _flat(value: object) -> list[float]:

@@ -163,21 +163,11 @@ def _number_of_agents(game: Composition, scope: Scope) -> None:
 
 
 def _agents(game: Composition, scope: Scope) -> ir.Agents:
+    """Returns the agents; their actions and fields are known even where something else about them is missing."""
     static, problems = scope.static, scope.problems
     span = game.agents_span or game.span
-    if game.agents_span is None or game.number is None:
-        raise problems.fail(errors.MISSING_PART, span, what="number of agents", help="`agents 2 { acts ... moves relative }`")
-    if game.acts is None:
-        raise problems.fail(errors.MISSING_PART, span, what="actions", help="`acts turn_left, ..., stay` in `agents`")
-    actions = tuple(a.text for a in game.acts.actions)
-    for i, action in enumerate(game.acts.actions):
-        if action.text in actions[:i]:
-            problems.add(errors.TWICE, action.span, what=f"the action `{action.text}`")
-    if "stay" not in actions:
-        problems.add(errors.MISSING_PART, game.acts.span, what="action `stay`", help="`stay` among the `acts`")
-    if len(actions) > limits.MAX_ACTIONS:
-        problems.add(errors.NOT_SUPPORTED, game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions")
-    static.actions = actions
+    actions = _actions(game, problems)
+    static.actions = actions or ()
     frame = "relative"
     if game.moves is not None:
         frame = game.moves.frame.text
@@ -186,10 +176,30 @@ def _agents(game: Composition, scope: Scope) -> ir.Agents:
             problems.add(errors.UNKNOWN_NAME, game.moves.frame.span, name=frame, nearest=near)
     made = []
     for declared in game.agent_fields.values():
-        with problems.survive():
+        with problems.survive(static.broken, f"agent.{declared.name.text}"):
             made.append(one_field(declared, scope, "agent", ""))
             static.agent_fields[made[-1].name] = made[-1]
+    if game.agents_span is None or game.number is None:
+        raise problems.fail(errors.MISSING_PART, span, what="number of agents", help="`agents 2 { acts ... moves relative }`")
+    if actions is None:
+        static.broken.add("actions")
+        raise problems.fail(errors.MISSING_PART, span, what="actions", help="`acts turn_left, ..., stay` in `agents`")
     return ir.Agents(number=static.num_agents, actions=actions, relative=frame == "relative", fields=tuple(made), origin=span)
+
+
+def _actions(game: Composition, problems: Problems) -> tuple[str, ...] | None:
+    """Returns the names of the actions; None if the game does not say."""
+    if game.acts is None:
+        return None
+    actions = tuple(a.text for a in game.acts.actions)
+    for i, action in enumerate(game.acts.actions):
+        if action.text in actions[:i]:
+            problems.add(errors.TWICE, action.span, what=f"the action `{action.text}`")
+    if "stay" not in actions:
+        problems.add(errors.MISSING_PART, game.acts.span, what="action `stay`", help="`stay` among the `acts`")
+    if len(actions) > limits.MAX_ACTIONS:
+        problems.add(errors.NOT_SUPPORTED, game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions")
+    return actions
 
 
 def fields_of(attributes: tuple[object, ...], scope: Scope, place: str, kind: str) -> tuple[ir.VarField, ...]:
@@ -200,7 +210,7 @@ def fields_of(attributes: tuple[object, ...], scope: Scope, place: str, kind: st
             if attribute.name.text in {f.name for f in made}:
                 scope.problems.add(errors.TWICE, attribute.name.span, what=f"the field `{attribute.name.text}`")
                 continue
-            with scope.problems.survive():
+            with scope.problems.survive(scope.static.broken, f"{kind}.{attribute.name.text}"):
                 made.append(one_field(attribute, scope, place, kind))
     return tuple(made)
 
@@ -304,6 +314,8 @@ def _glyphs(kind: ast.Kind, made: Declarations, scope: Scope) -> None:
             continue
         starts = []
         for field_name, tree in attribute.starts:
+            if f"{name}.{field_name.text}" in scope.static.broken:
+                continue
             if field_name.text not in fields:
                 near = nearest(field_name.text, fields)
                 scope.problems.add(errors.NO_FIELD, field_name.span, owner=f"the kind `{name}`", name=field_name.text, nearest=near)
@@ -337,6 +349,8 @@ def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block
         test = condition(attribute.condition, inner.bind("agent", ir.Member(name="agent", who="agent")))
     found = []
     for what in attribute.what:
+        if f"shape {what.text}" in scope.static.broken:
+            continue
         if what.text != "agents" and what.text not in scope.static.shapes:
             near = nearest(what.text, ["agents", *scope.static.shapes])
             scope.problems.add(errors.UNKNOWN_NAME, what.span, name=what.text, nearest=near)
@@ -376,6 +390,8 @@ def _forbidden(name: ast.Name, static: Static, problems: Problems) -> int:
 
 
 def _action(name: ast.Name, static: Static, problems: Problems) -> int:
+    if "actions" in static.broken:
+        raise Poisoned
     if name.text not in static.actions:
         near = nearest(name.text, static.actions)
         raise problems.fail(errors.NO_ACTION, name.span, name=name.text, nearest=near)

@@ -21,6 +21,7 @@ from sjdsl.compiler.scope import Poisoned, Problems, Scope
 from sjdsl.compiler.sights import sights, window
 from sjdsl.compiler.source import Span
 from sjdsl.compiler.upkeep import check_time, check_use
+from sjdsl.compiler.whereabouts import with_whereabouts
 from sjdsl.compiler.worldmap import check_rows, count_cells, glyph_table, read_rows
 
 
@@ -45,7 +46,7 @@ def elaborate(game: Composition, overrides: Overrides) -> tuple[ir.Game | None, 
     if not any(d.code.severity == "error" for d in problems.found):
         check_use(game, static, problems)
     failed = any(d.code.severity == "error" for d in problems.found)
-    return (None if failed else built), problems.found
+    return (None if failed else built), with_whereabouts(problems.found, game)
 
 
 def _map(game: Composition, made: Declarations, overrides: Overrides, problems: Problems) -> tuple[str, ...]:

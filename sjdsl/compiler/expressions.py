@@ -14,6 +14,7 @@ from sjdsl.compiler.names import index, member, path
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.types import describe, hull, integer, is_number, real, times
+from sjdsl.compiler.whereabouts import parameters_read
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
@@ -192,6 +193,8 @@ def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> 
     """Returns the number of an action of the agents."""
     actions = scope.static.actions
     wanted = resolved or name.text
+    if "actions" in scope.static.broken:
+        raise Poisoned
     if wanted not in actions:
         from sjdsl.compiler.diagnostics import nearest
 
@@ -333,7 +336,9 @@ def ramp(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
     join_types([a.type for a in args], scope, "compare", e)
     value, zero_at, one_at = args
     if not _apart(zero_at, one_at, scope):
-        raise scope.problems.fail(errors.CROSSED, e.span, low=text(zero_at), high=text(one_at))
+        raise scope.problems.fail(
+            errors.CROSSED, e.span, parameters_read(scope.static, zero_at, one_at), low=text(zero_at), high=text(one_at)
+        )
     return ir.Ramp(type=real(0.0, 1.0, "fraction"), value=value, zero_at=zero_at, one_at=one_at, origin=e.span)
 
 

@@ -123,6 +123,8 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         raise scope.problems.fail(errors.NO_PLACE_YET, name.span, what=f"{text(owner)}.{name.text}")
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
+    if f"agent.{name.text}" in static.broken:
+        raise Poisoned
     candidates = [*static.agent_fields, *AGENT_ATTRIBUTES]
     raise scope.problems.fail(errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=nearest(name.text, candidates))
 
@@ -135,6 +137,8 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
     found = []
     for kind in owner.kinds:
         fields = {f.name: f for f in static.kinds[kind].fields}
+        if f"{kind}.{name.text}" in static.broken:
+            raise Poisoned
         if name.text not in fields:
             what = f"the kind `{kind}`" if len(owner.kinds) == 1 else f"the kind `{kind}` of the group"
             candidates = [*fields, *CELL_ATTRIBUTES]

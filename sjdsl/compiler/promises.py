@@ -13,6 +13,7 @@ from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.require import holds
 from sjdsl.compiler.scope import Scope
 from sjdsl.compiler.types import describe, is_number
+from sjdsl.compiler.whereabouts import numbers_read
 
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
@@ -44,7 +45,7 @@ def check_requires(game: Composition, scope: Scope) -> None:
         if not holds(test, values):
             shown = ", ".join(f"{n} is {values[n]}" for n in sorted(_params(test)) if not isinstance(values[n], tuple))
             problem = text(test) + (f" ({shown})" if shown else "")
-            scope.problems.add(errors.REQUIRE_FALSE, test.origin or game.span, problem=problem)
+            scope.problems.add(errors.REQUIRE_FALSE, test.origin or game.span, numbers_read(test, game), problem=problem)
 
 
 def _params(test: ir.Expr) -> set[str]:

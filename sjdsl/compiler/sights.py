@@ -4,7 +4,7 @@ from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import condition, fixed
-from sjdsl.compiler.scope import Problems, Scope, Static
+from sjdsl.compiler.scope import Poisoned, Problems, Scope, Static
 from sjdsl.compiler.types import HEADINGS, element, words
 
 SIDES = ("ahead", "behind", "left", "right")
@@ -84,6 +84,8 @@ def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, i
         static.used.add(f"field {head}")
         return ("world", "", head), static.fields[head]
     name = members[0]
+    if ("agent" if head == "other" else head) + f".{name.text}" in static.broken:
+        raise Poisoned
     if head in ("agent", "other"):
         if head == "other" and name.text == "heading":
             return ("heading", "", ""), None

@@ -12,6 +12,7 @@ from sjdsl.compiler.phase_use import PhaseUse
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.types import integer, words
+from sjdsl.compiler.whereabouts import parameters_read
 from sjdsl.compiler.writes import add, set_
 
 
@@ -119,7 +120,7 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
         raise scope.problems.fail(errors.UNIT_MISMATCH, s.span, verb="draw between", left=low.type.unit, right=high.type.unit, help="")
     known = scope.knowing(scope.static.requires)
     if low.type.high > high.type.low and f"({text(high)} >= {text(low)})" not in known.facts | {_strict(low, high, known)}:
-        raise scope.problems.fail(errors.CROSSED, s.span, low=text(low), high=text(high))
+        raise scope.problems.fail(errors.CROSSED, s.span, parameters_read(scope.static, low, high), low=text(low), high=text(high))
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
         given = f"{most:g}" if most < float("inf") else "endlessly many"
@@ -327,11 +328,12 @@ def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     """Returns a probability that provably stays in 0 .. 1."""
     p = number(e, scope, ("probability",), "a probability")
     low, high = narrowed(p, (*scope.fact_nodes, *scope.static.requires))
+    labels = parameters_read(scope.static, p)
     if high > 1 + 1e-9:
         problem = f"reach {high:g}" if high < float("inf") else "exceed 1"
-        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, problem=problem)
+        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, labels, problem=problem)
     if low < -1e-9:
-        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, problem="fall below 0")
+        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, labels, problem="fall below 0")
     return p
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from lark import Token
 
@@ -61,7 +62,10 @@ def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], sourc
     if repair.times > 1:
         help_ += f"; {repair.times} are missing in all"
     labels: tuple[Label, ...] = ()
-    if closer is not None:
+    left = _left_of(opener, tokens[: trouble.at + 1], source)
+    if left is not None and left != closer:
+        labels = (Label(token_span(tokens[left], source), "`}` seems to be missing before this"),)
+    elif closer is not None:
         labels = (Label(token_span(tokens[closer], source), "this `}` seems to close a block around it"),)
     elif trouble.at < len(tokens):
         labels = (Label(_here(trouble, tokens, source), f"`{tokens[trouble.at]}` cannot stand inside it"),)
@@ -77,7 +81,10 @@ def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> 
 
 
 def _suspect(tokens: Sequence[Token], source: Source) -> tuple[int | None, int | None]:
-    """Returns the `{` that is probably not closed, and the `}` taken for its own: one that begins a line further left."""
+    """Returns the `{` that is probably not closed, and the `}` taken for its own: one that begins a line further left.
+
+    Blocks around it then end too far left as well; so of nested ones it is the innermost, of others the last.
+    """
     opened: list[int] = []
     suspect: tuple[int | None, int | None] = (None, None)
     for number, token in enumerate(tokens):
@@ -85,9 +92,33 @@ def _suspect(tokens: Sequence[Token], source: Source) -> tuple[int | None, int |
             opened.append(number)
         elif token.type == "RBRACE" and opened:
             opener = opened.pop()
-            if _begins_line(token, source) and _indent(token, source) < _indent(tokens[opener], source):
+            around = suspect[0] is not None and opener < suspect[0]
+            if not around and _begins_line(token, source) and _indent(token, source) < _indent(tokens[opener], source):
                 suspect = (opener, number)
     return suspect
+
+
+def _left_of(opener: int, tokens: Sequence[Token], source: Source) -> int | None:
+    """Returns the first token behind a `{` that begins a line no further right than the line of the `{`, unless it is a `}` there."""
+    for number in range(opener + 1, len(tokens)):
+        token = tokens[number]
+        if _begins_line(token, source) and _indent(token, source) <= _indent(tokens[opener], source):
+            return None if token.type == "RBRACE" and _indent(token, source) == _indent(tokens[opener], source) else number
+    return None
+
+
+def _surplus(tokens: Sequence[Token], source: Source) -> int | None:
+    """Returns the first `}` that is probably one too many: it ends a block though the next line stands inside it."""
+    opened: list[int] = []
+    for number, (token, after) in enumerate(pairwise(tokens)):
+        if token.type == "LBRACE":
+            opened.append(number)
+        elif token.type == "RBRACE" and opened:
+            outside = _indent(tokens[opened.pop()], source)
+            inside = _indent(after, source) - outside
+            if _begins_line(after, source) and (inside > 0 or (inside == 0 and after.type == "RBRACE")):
+                return number
+    return None
 
 
 def _line_start(token: Token, source: Source) -> int:
@@ -125,6 +156,9 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
                 expected = PHRASES.get(repair.kind, expected)
             case "unclose":
                 labels = (Label(token_span(tokens[trouble.at - 1], source), "is this `}` one too many?"),)
+    surplus = _surplus(tokens[: trouble.at + 1], source) if trouble.unmatched < 0 else None
+    if surplus is not None:
+        labels = (Label(token_span(tokens[surplus], source), "is this `}` one too many?"),)
     labels = labels or _context(trouble, repair, tokens, source)
     facts = {"found": _found(trouble, tokens), "expected": expected, "help": help_}
     return Diagnostic(errors.UNEXPECTED, here, facts, labels, fix)

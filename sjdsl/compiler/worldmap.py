@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sjdsl.compiler import ast, errors, ir, limits
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.diagnostics import Label, nearest
 from sjdsl.compiler.scope import Problems, Static
 from sjdsl.compiler.source import Source, Span
 
@@ -112,8 +112,14 @@ def check_rows(rows: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, probl
         other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
         shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
         place = _place(inline, spans, number, column, span)
-        problems.add(errors.UNKNOWN_GLYPH, place, glyph=shown, row=number, column=column, nearest=other_case)
+        problems.add(errors.UNKNOWN_GLYPH, place, _absent(glyphs, rows), glyph=shown, row=number, column=column, nearest=other_case)
     return sound and not unknown
+
+
+def _absent(glyphs: dict[str, ir.GlyphMeaning], rows: tuple[str, ...]) -> tuple[Label, ...]:
+    """Returns the place of the one glyph that is declared and nowhere on the map: perhaps it is the one that is misspelt."""
+    found = [m for m in glyphs.values() if m.origin is not None and not any(m.glyph in row for row in rows)]
+    return tuple(Label(m.origin, f"`{m.glyph}` is nowhere on the map") for m in found if len(found) == 1)  # type: ignore[arg-type]
 
 
 def _place(inline: tuple[ast.String, ...], spans: tuple[Span, ...], row: int, column: int | None, span: Span) -> Span:
@@ -151,7 +157,9 @@ def glyph_table(static: Static, meanings: list[tuple[Span, ir.GlyphMeaning]], pr
             problems.add(errors.BAD_GLYPH, span, glyph=shown, problem=problem)
         elif meaning.glyph in table:
             first = table[meaning.glyph].kind
-            problems.add(errors.GLYPH_TWICE, span, glyph=meaning.glyph, first=first, second=meaning.kind)
+            there = table[meaning.glyph].origin
+            labels = (Label(there, f"of `{first}` here"),) if there is not None else ()
+            problems.add(errors.GLYPH_TWICE, span, labels, glyph=meaning.glyph, first=first, second=meaning.kind)
         else:
             table[meaning.glyph] = meaning
     assert all(m.kind in static.kinds for m in table.values())

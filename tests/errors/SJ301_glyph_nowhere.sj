@@ -1,0 +1,15 @@
+sj 1
+game pond {
+  episode 20
+  kind shore "." { field fruit : { none, ripe } = none  glyph "e" with fruit = ripe }
+  map { "..F."
+        "...." }
+  agents 2 {
+    acts turn_left, turn_right, forward, stay
+    moves relative
+  }
+  phase start { each agent { send agent to shore } }
+  schedule grow -> walk
+  phase grow { each shore where nobody on shore { chance 0.1 { set shore.fruit = ripe } } }
+  phase walk { move each agent }
+}
