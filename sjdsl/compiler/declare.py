@@ -166,8 +166,7 @@ def _agents(game: Composition, scope: Scope) -> ir.Agents:
     """Returns the agents; their actions and fields are known even where something else about them is missing."""
     static, problems = scope.static, scope.problems
     span = game.agents_span or game.span
-    actions = _actions(game, problems)
-    static.actions = actions or ()
+    static.actions = _actions(game, problems)
     frame = "relative"
     if game.moves is not None:
         frame = game.moves.frame.text
@@ -181,16 +180,16 @@ def _agents(game: Composition, scope: Scope) -> ir.Agents:
             static.agent_fields[made[-1].name] = made[-1]
     if game.agents_span is None or game.number is None:
         raise problems.fail(errors.MISSING_PART, span, what="number of agents", help="`agents 2 { acts ... moves relative }`")
-    if actions is None:
+    if game.acts is None:
         static.broken.add("actions")
         raise problems.fail(errors.MISSING_PART, span, what="actions", help="`acts turn_left, ..., stay` in `agents`")
-    return ir.Agents(number=static.num_agents, actions=actions, relative=frame == "relative", fields=tuple(made), origin=span)
+    return ir.Agents(number=static.num_agents, actions=static.actions, relative=frame == "relative", fields=tuple(made), origin=span)
 
 
-def _actions(game: Composition, problems: Problems) -> tuple[str, ...] | None:
-    """Returns the names of the actions; None if the game does not say."""
+def _actions(game: Composition, problems: Problems) -> tuple[str, ...]:
+    """Returns the names of the actions, as far as the game says."""
     if game.acts is None:
-        return None
+        return ()
     actions = tuple(a.text for a in game.acts.actions)
     for i, action in enumerate(game.acts.actions):
         if action.text in actions[:i]:

@@ -10,6 +10,7 @@ from typing import assert_never
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.arithmetic import arithmetic, compare, extreme, join_types
 from sjdsl.compiler.cases import case
+from sjdsl.compiler.facts import at_least
 from sjdsl.compiler.names import index, member, path
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
@@ -361,8 +362,8 @@ def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
         return ir.Lowest(type=type_, row=row, last=e.name.text == "highest", origin=e.span)
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
-    positive = {f"(sum({text(row)}) > 0)", f"(sum({text(row)}) >= 1)"}
-    if not positive & scope.facts:
+    total = f"sum({text(row)})"
+    if f"({total} > 0)" not in scope.facts and not at_least(total, scope.fact_nodes) > 0:
         raise scope.problems.fail(errors.EMPTY_MIX, e.span, row=text(row))
     return ir.Mix(type=ir.Type(kind="mix", words=names), row=row, origin=e.span)
 

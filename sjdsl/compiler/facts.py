@@ -1,7 +1,7 @@
 """What guards prove: conditions split into parts with a canonical text, and the intervals they leave to an expression."""
 
 from collections.abc import Iterator
-from math import inf
+from math import ceil, floor, inf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.print_ir import expression
@@ -84,15 +84,20 @@ def _bounds(condition: ir.Expr) -> tuple[str, float, float] | None:
             fn = _MIRROR[fn]
         case _:
             return None
-    unit = 1 if left.type.kind == "int" else 0
+    whole = left.type.kind == "int"
     limits = {
         "==": (value, value),
-        "<=": (-inf, value),
-        ">=": (value, inf),
-        "<": (-inf, value - unit),
-        ">": (value + unit, inf),
+        "<=": (-inf, floor(value) if whole else value),
+        ">=": (ceil(value) if whole else value, inf),
+        "<": (-inf, ceil(value) - 1 if whole else value),
+        ">": (floor(value) + 1 if whole else value, inf),
     }
     return (expression(left), *limits[fn]) if fn in limits else None
+
+
+def at_least(text: str, facts: tuple[ir.Expr, ...]) -> float:
+    """Returns the largest number that the facts put below an expression, given as its text."""
+    return max((bounds[1] for fact in facts if (bounds := _bounds(fact)) is not None and bounds[0] == text), default=-inf)
 
 
 def _ranges_apart(a: ir.Expr, b: ir.Expr) -> bool:
