@@ -13,12 +13,14 @@ from sjdsl.compiler.source import Source
 from sjdsl.games_folder import find_game
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.draws import Threefry
+from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import Cell, World, default_params
 from sjdsl.interpreter.step import reset
 from sjdsl.promises.draws import Lucky
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
 from tests.fuzz.together import interpret, on_numpy, random_play, run
+from tests.laws.symmetry import STEPS
 
 NINE = (
     "coins",
@@ -112,8 +114,19 @@ def luck(random: Random) -> Lucky:
     return Lucky(Threefry(random.getrandbits(32), random.getrandbits(32)), random.choice(("fair", "mixed", "mixed")))
 
 
-def some_actions(game: ir.Game, random: Random) -> list[int]:
-    """Returns an action for each agent, those that are no steps more often."""
+def some_actions(game: ir.Game, random: Random, world: World | None = None) -> list[int]:
+    """Returns an action for each agent, those that are no steps more often. `world`: half of the time all who can enter one cell do."""
     own = [i for i, a in enumerate(game.agents.actions) if i >= 7] or [0]
     every = range(len(game.agents.actions))
-    return [random.choice(own) if random.random() < 0.4 else random.choice(every) for _ in range(game.agents.number)]
+    actions = [random.choice(own) if random.random() < 0.4 else random.choice(every) for _ in range(game.agents.number)]
+    here = [] if world is None else [place for place in world.position if place is not None]
+    if world is None or not here or random.random() < 0.5:
+        return actions
+    (rows, cols), (row, col) = random.choice(FORWARD), random.choice(here)
+    target = (row + rows, col + cols)
+    for agent, place in enumerate(world.position):
+        for direction, (rows, cols) in enumerate(FORWARD):
+            if place is not None and (place.row + rows, place.col + cols) == target:
+                name = STEPS[(direction - world.heading[agent]) % 4 if game.agents.relative else direction]
+                actions[agent] = game.agents.actions.index(name) if name in game.agents.actions else actions[agent]
+    return actions

@@ -46,7 +46,7 @@ def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: boo
     for number in range(steps):
         if tried.fault:
             return tried
-        actions, drawn = some_actions(game, random), Recorded(luck(random))
+        actions, drawn = some_actions(game, random, world), Recorded(luck(random))
         before = world
         world, outcome = step(game, before, actions, before.params, drawn)
         if runs_away(world):  # sums in another order differ by more and more

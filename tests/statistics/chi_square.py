@@ -6,6 +6,7 @@ likely outcomes 0.5 + d and 0.5 - d, w is 2 d. Source: Cohen, "Statistical power
 """
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from scipy import optimize, stats
@@ -36,6 +37,7 @@ def assert_independent(table: np.ndarray, finds: float, tests: int = 1) -> None:
     _judge(float(((table - expected) ** 2 / expected).sum()), freedom, table.sum(), finds, tests, table)
 
 
+@cache
 def found_bias(trials: float, freedom: int, tests: int = 1) -> float:
     """Returns the w that is found with probability `POWER`."""
     bound = stats.chi2.isf(FALSE_ALARM / tests, freedom)

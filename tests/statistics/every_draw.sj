@@ -20,7 +20,7 @@ game every_draw "Every kind of draw, each kept where it can be counted" {
   kind ring  "r"
   kind home  "h"
   kind gate  "g"
-  kind den   "d"
+  kind den   "d" { field guest : agent }
   kind gap   "."
   map { "fFfFf.r.ggg"
         "FfFfFrrrggg"
@@ -32,11 +32,18 @@ game every_draw "Every kind of draw, each kept where it can be counted" {
     moves compass
     field partner : agent
     field came    : { no, yes } = no
+    field faced   : { north, east, south, west } = north
   }
 
   phase start { each agent { send agent to home } }
-  schedule tick -> chances -> numbers -> pick_one -> pick_some -> meet -> walk -> note -> leave
+  schedule tick -> come_back -> chances -> numbers -> pick_one -> pick_some -> meet -> walk -> note -> leave
 
+  phase come_back {  # before they are sent again, at once
+    each agent on den as place {
+      set place.guest = agent
+      set agent.faced = agent.heading
+    }
+  }
   phase chances {
     each floor {
       chance rare { set floor.hit = yes }
@@ -66,10 +73,10 @@ game every_draw "Every kind of draw, each kept where it can be counted" {
   phase walk { move each agent }
   phase note { each agent where agent.moved { set agent.came = yes } }
   phase leave {
-    when step == 0 {
+    when step <= 1 {
       each agent {
         when agent.index < 4 { send agent to gate }
-        otherwise { send agent to den after 1 }
+        otherwise { send agent to den after case step { 0: 1, 1..: 0 } }
       }
     }
   }

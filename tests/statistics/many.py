@@ -45,7 +45,7 @@ def _run(keys: jax.Array) -> dict[str, jax.Array]:
 
 
 def _one(key: jax.Array) -> dict[str, jax.Array]:
-    """Takes one step, and a second one in which those come back who were sent away for a step."""
+    """Takes one step, and a second one in which those come back who were sent away for a step, and are sent there again, at once."""
     env = game()
     state = start(env)
     actions = jnp.asarray([action for *_, action in AROUND] + [0, 0], jnp.int32)
@@ -53,15 +53,17 @@ def _one(key: jax.Array) -> dict[str, jax.Array]:
     back = env.step_env(jax.random.fold_in(key, 1), after, jnp.zeros(6, jnp.int32))[1]
     fields = {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("hit", "tabled", "chain", "number", "wide")}
     fields |= {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("colour", "burden", "picked", "some")}
-    place, returned = (_cells(env, s) for s in (after, back))
+    place, again = (_cells(env, s) for s in (after, back))
     return {
         **fields,
         "partner": after.agent_partner[:4].astype(jnp.int32),
         "came": after.agent_came[:4].astype(jnp.int32),
         "gate": place[:4],
         "heading": after.heading[:4],
-        "den": returned[4:],
-        "returned heading": back.heading[4:],
+        "den": _first_dens(env, back),
+        "returned heading": back.agent_faced[4:].astype(jnp.int32),
+        "den again": again[4:],
+        "heading again": back.heading[4:],
     }
 
 
@@ -77,3 +79,10 @@ def _cells(env: sjdsl.Environment, state: Any) -> jax.Array:
     """Returns the number of each agent's cell on the map, row by row."""
     row, col = env.cells(state)
     return row * len(env.game.rows[0]) + col
+
+
+def _first_dens(env: sjdsl.Environment, state: Any) -> jax.Array:
+    """Returns the number of the cell to which each of the last two came back, before they were sent again."""
+    rows = env.game.rows
+    dens = jnp.asarray([r * len(rows[0]) + c for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "d"])
+    return jnp.stack([dens[jnp.argmax(state.den_guest == agent)] for agent in (4, 5)])

@@ -10,7 +10,8 @@ from tests.statistics.many import outcomes
 
 KEYS = ("rollout", "counted")
 PER_CELL = ("hit", "tabled", "chain", "number", "wide", "colour", "burden")
-PAIRS = list(combinations((*PER_CELL, "picked", "some", "partner", "came", "gate", "heading", "den", "returned heading"), 2))
+OF_AGENTS = ("partner", "came", "gate", "heading", "den", "returned heading", "den again", "heading again")
+PAIRS = list(combinations((*PER_CELL, "picked", "some", *OF_AGENTS), 2))
 
 
 def classes(keys: str) -> dict[str, np.ndarray]:

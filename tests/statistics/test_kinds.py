@@ -87,14 +87,15 @@ def test_match(keys: str) -> None:
 
 @pytest.mark.parametrize("keys", KEYS)
 def test_places(keys: str) -> None:
-    """Four are sent to six gates at once, in 360 ways; two come back to six dens, in 30."""
+    """Four are sent to six gates at once, in 360 ways; two come back to six dens, in 30, and are sent there again."""
     assert_distribution(ways(outcomes(keys)["gate"], list(permutations(GATES, 4))), None, finds=0.07)
-    assert_distribution(ways(outcomes(keys)["den"], list(permutations(DENS, 2))), None, finds=0.05)
+    for name in ("den", "den again"):
+        assert_distribution(ways(outcomes(keys)[name], list(permutations(DENS, 2))), None, finds=0.05)
 
 
 @pytest.mark.parametrize("keys", KEYS)
 def test_headings(keys: str) -> None:
     """Of the four who are sent, in 256 ways; of the two who come back, in 16."""
-    for name, agents in (("heading", 4), ("returned heading", 2)):
+    for name, agents in (("heading", 4), ("returned heading", 2), ("heading again", 2)):
         possible = [tuple(way) for way in np.ndindex(*(4,) * agents)]
         assert_distribution(ways(outcomes(keys)[name], possible), None, finds=0.07)
