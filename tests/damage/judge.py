@@ -7,12 +7,13 @@ import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
-from sjdsl.compiler import build, ir, load_base, lower_build, print_ir
+from sjdsl.compiler import Build, ast, load_base, lower_build, print_ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.parse import parse
 from sjdsl.compiler.read import read_source
 from sjdsl.compiler.report import LINES, render, to_json
@@ -76,7 +77,8 @@ def written(edit: Edit) -> Iterator[Source]:
 
 def _look(game: str, source: Source, verdict: Verdict, lowered: bool) -> None:
     try:
-        names: Sequence[Variants] = ((), *((name,) for name in compose(source, parse(source), (), load_base).variants))
+        file = parse(source)
+        names: Sequence[Variants] = ((), *((name,) for name in compose(source, file, (), _base).variants))
     except CompileError as refused:
         verdict.found += refused.diagnostics
         verdict.outcome = "refused"
@@ -85,12 +87,12 @@ def _look(game: str, source: Source, verdict: Verdict, lowered: bool) -> None:
     changed = False
     for variants in names:
         try:
-            made = build(source, variants)
+            made, text = _made(source, file, variants)
             if lowered and not changed:
                 lower_build(made, source)
             said += [d for d in made.warnings if d not in said]
             verify(made.game)
-            changed = changed or _rules(made.game, source, variants) != rules(game, variants)
+            changed = changed or text != rules(game, variants)
         except CompileError as refused:
             known = [(d.span, d.message) for d in verdict.found]
             found = [d for d in refused.diagnostics if d.code.severity == "error"]
@@ -108,17 +110,35 @@ def rules(game: str, variants: Variants) -> str:
     """Returns the rules of an undamaged game as text; of a variant that it does not have, none."""
     source = read_source(FOLDER / f"{game}.sj")
     try:
-        return _rules(build(source, variants).game, source, variants)
+        return _made(source, parse(source), variants)[1]
     except CompileError:
         return ""
 
 
-def _rules(game: ir.Game, source: Source, variants: Variants) -> str:
-    """Returns the typed rules without positions, and the limits of sizes: what a caller may set is not in the rules of one size."""
-    composed = compose(source, parse(source), variants, load_base)
+def _made(source: Source, file: ast.File, variants: Variants) -> tuple[Build, str]:
+    """Returns what `build` does of a file that is read once for all variants, and its rules as text.
+
+    The text has no positions, but the limits of sizes: what a caller may set is not in the rules of one size.
+    """
+    composed = compose(source, file, variants, _base)
+    game, found = elaborate(composed, Overrides())
+    if game is None:
+        raise CompileError(found)
     limited = [c for c in composed.constants.values() if c.is_size and c.low is not None and c.high is not None]
     limits = [composed.sources[c.span.file].text[c.low.span.start : c.high.span.end] for c in limited]  # type: ignore[union-attr]
-    return "\n".join([print_ir.game(game), *limits])
+    return Build(game, tuple(found), composed.sources), "\n".join([print_ir.game(game), *limits])
+
+
+def _base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:
+    """Loads a game that is extended, read once in a folder; one that is not there is reported as ever."""
+    if source.folder is None or not (source.folder / name).is_file():
+        return load_base(name, span, source)
+    return _loaded(name, source.folder)
+
+
+@lru_cache(maxsize=8)
+def _loaded(name: str, folder: Path) -> tuple[Source, ast.File]:
+    return load_base(name, Span(name, 0, 0, 1, 1), Source(name, "", folder))
 
 
 def _is_near(d: Diagnostic, edit: Edit, source: Source) -> bool:
