@@ -64,7 +64,7 @@ def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], sourc
     labels: tuple[Label, ...] = ()
     left = _left_of(opener, tokens[: trouble.at + 1], source)
     if left is not None and left != closer:
-        labels = (Label(token_span(tokens[left], source), "`}` seems to be missing before this"),)
+        labels = (Label(_behind(tokens[left - 1], source), "`}` seems to be missing here"),)
     elif closer is not None:
         labels = (Label(token_span(tokens[closer], source), "this `}` seems to close a block around it"),)
     elif trouble.at < len(tokens):

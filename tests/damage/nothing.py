@@ -7,6 +7,7 @@ from tests.damage.edits import FOLDER, Edit, tokens
 CLASSES = {
     "title of a variant": "the text beside a variant's name is for readers; the rules keep the names of variants alone",
     "number in other digits": "`00` is the number `0`",
+    "plus before a value": "`+ 1` is `1`",
     "other path to the same file": "`maps//coins.txt` is `maps/coins.txt`",
 }
 
@@ -21,6 +22,8 @@ def class_of(edit: Edit) -> str:
         return "title of a variant"
     if edit.tokens[0].type in ("INT", "DEC") and _value(edit.after) == _value(edit.before):
         return "number in other digits"
+    if edit.after.split() == ["+", "+"]:
+        return "plus before a value"
     if edit.tokens[0].type == "STRING" and _file(edit.after) == _file(edit.before):
         return "other path to the same file"
     return ""
