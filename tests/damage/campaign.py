@@ -20,7 +20,7 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--examples", type=int, default=500)
     options.add_argument("--seed", type=int, default=0)
-    options.add_argument("--noise", type=int, default=50, help="files of each sort of noise")
+    options.add_argument("--noise", type=int, default=150, help="files of each sort of noise")
     given = options.parse_args()
     looked = []
     for number in range(given.seed, given.seed + given.examples):
