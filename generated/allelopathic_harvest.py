@@ -388,7 +388,7 @@ def judge(state: State, out: Outcome, params: Params, actions: Array, key: Array
     agent_hits = jnp.where(active, 0, state.agent_hits)  # allelopathic_harvest.sj:78
     reward = out.reward + jnp.where(active, params.penalty, 0.0)  # allelopathic_harvest.sj:78
     delay = jnp.int32(25)  # allelopathic_harvest.sj:78
-    event_banished = out.event_banished + active.astype(jnp.int32)  # allelopathic_harvest.sj:78
+    event_banished = out.event_banished + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:78
     agent_hits = jnp.where(present & ((state.agent_hits.astype(jnp.int32) < 2) & (state.agent_recovering == 0)), 0, agent_hits)  # allelopathic_harvest.sj:79
     position = jnp.where(active, 0, state.position)  # allelopathic_harvest.sj:78
     away = jnp.where(active, delay, state.away)  # allelopathic_harvest.sj:78

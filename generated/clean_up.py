@@ -212,7 +212,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     active = (orchard_under < 122) & (state.orchard_fruit[orchard_under] == 1)  # clean_up.sj:55
     orchard_fruit = state.orchard_fruit.at[jnp.where(active, orchard_under, 122)].set(0, mode="drop")  # clean_up.sj:55
     reward = out.reward + jnp.where(active, params.apple, 0.0)  # clean_up.sj:55
-    event_eaten = out.event_eaten + active.astype(jnp.int32)  # clean_up.sj:55
+    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # clean_up.sj:55
     return state.replace(orchard_fruit=orchard_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
@@ -224,7 +224,8 @@ def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array
     beam_water = SITE_OF_WATER[beam_cells]  # clean_up.sj:60
     active_2 = (active[:, None] & (beam_water < 147)) & (state.water_state[beam_water] == 1)  # clean_up.sj:60
     water_state = state.water_state.at[jnp.where(active_2, beam_water, 147)].set(0, mode="drop")  # clean_up.sj:60
-    event_cleaned = out.event_cleaned + jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:60
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:60
+    event_cleaned = out.event_cleaned + times  # clean_up.sj:60
     return state.replace(water_state=water_state, mark_scrub=marked), out.replace(event_cleaned=event_cleaned)
 
 
@@ -236,7 +237,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:66
     active_2 = active[:, None] & in_beam  # clean_up.sj:66
     sent = jnp.any(active_2, axis=0)  # clean_up.sj:66
-    event_hits = out.event_hits + jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:66
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:66
+    event_hits = out.event_hits + times  # clean_up.sj:66
     gate_under = SITE_OF_GATE[state.position]  # clean_up.sj:66
     others = jnp.where(sent, 19, gate_under)  # clean_up.sj:66
     free = ~occupied(others, 19)  # clean_up.sj:66

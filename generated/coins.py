@@ -171,10 +171,11 @@ def take(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     reward = out.reward + jnp.where(active, params.coin, 0.0)  # coins.sj:48
     tile_coin = state.tile_coin.at[jnp.where(active, tile_under, 174)].set(0, mode="drop")  # coins.sj:49
     holds = state.tile_coin[tile_under] == (state.agent_colour + 1)  # coins.sj:50
-    event_own_coins = out.event_own_coins + ((active & holds).astype(jnp.int32))  # coins.sj:50
+    event_own_coins = out.event_own_coins + (jnp.where(active & holds, jnp.int32(1), jnp.int32(0)))  # coins.sj:50
     active_2 = active & ~holds  # coins.sj:50
-    event_other_coins = out.event_other_coins + active_2.astype(jnp.int32)  # coins.sj:52
-    reward = reward + (jnp.sum(jnp.where(active_2[:, None] & (state.agent_colour[None, :] == ((jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]])[:, None])), params.harm, 0.0), axis=0, dtype=jnp.float32))  # coins.sj:53
+    event_other_coins = out.event_other_coins + (jnp.where(active_2, jnp.int32(1), jnp.int32(0)))  # coins.sj:52
+    times = jnp.sum(active_2[:, None] & (state.agent_colour[None, :] == ((jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]])[:, None])), axis=0, dtype=jnp.int32)  # coins.sj:53
+    reward = reward + (times.astype(jnp.float32) * params.harm)  # coins.sj:53
     return state.replace(tile_coin=tile_coin), out.replace(reward=reward, event_own_coins=event_own_coins, event_other_coins=event_other_coins)
 
 

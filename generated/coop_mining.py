@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.counting import occupied
+from sjdsl.runtime.counting import occupied, size_of_set
 from sjdsl.runtime.draws import below, next_threshold, threshold, words
 from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
@@ -210,12 +210,13 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     active = (state.rock_miners != 0) & (state.rock_ore == 1)  # coop_mining.sj:50
     winner, found = pick_of_set(state.rock_miners, words(key, 0x23bf2029, 538, 1)[:, 0])  # coop_mining.sj:51
     active_2 = active & found  # coop_mining.sj:51
-    reward = out.reward.at[winner].add(jnp.where(active_2, params.iron_pays, 0.0), mode="drop")  # coop_mining.sj:51
-    event_iron_mined = out.event_iron_mined.at[winner].add(active_2.astype(jnp.int32), mode="drop")  # coop_mining.sj:51
+    times = jnp.sum(active_2[:, None] & (winner[:, None] == jnp.arange(6, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # coop_mining.sj:51
+    reward = out.reward + (times.astype(jnp.float32) * params.iron_pays)  # coop_mining.sj:51
+    event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:51
     rock_ore = jnp.where(active, 0, state.rock_ore)  # coop_mining.sj:52
     rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:53
     active_3 = (state.rock_miners != 0) & (state.rock_ore != 1)  # coop_mining.sj:55
-    num_agent = jnp.sum(((state.rock_miners[:, None] >> jnp.arange(6, dtype=jnp.uint8)[None, :]) & 1) != 0, axis=1, dtype=jnp.int32)  # coop_mining.sj:56
+    num_agent = size_of_set(state.rock_miners)  # coop_mining.sj:56
     holds = (num_agent < params.fewest) & (state.rock_ore == 2)  # coop_mining.sj:57
     active_4 = active_3 & holds  # coop_mining.sj:57
     rock_ore = jnp.where(active_4, 3, rock_ore)  # coop_mining.sj:57
@@ -223,9 +224,11 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     holds_2 = num_agent >= params.fewest  # coop_mining.sj:57
     active_5 = (active_3 & ~holds) & holds_2  # coop_mining.sj:57
     active_6 = active_5 & (num_agent <= params.most)  # coop_mining.sj:59
-    reward = reward + (jnp.sum(jnp.where(active_6[:, None] & (((state.rock_miners[:, None] >> jnp.arange(6, dtype=jnp.uint8)[None, :]) & 1) != 0), params.gold_pays, 0.0), axis=0, dtype=jnp.float32))  # coop_mining.sj:60
-    event_gold_mined = out.event_gold_mined + (jnp.sum(jnp.where(active_6[:, None] & (((state.rock_miners[:, None] >> jnp.arange(6, dtype=jnp.uint8)[None, :]) & 1) != 0), jnp.int32(1), jnp.int32(0)), axis=0, dtype=jnp.int32))  # coop_mining.sj:61
-    event_ores_shared = out.event_ores_shared + (jnp.sum(jnp.where(active_6, jnp.int32(1), jnp.int32(0)), dtype=jnp.int32))  # coop_mining.sj:62
+    times_2 = jnp.sum(active_6[:, None] & (((state.rock_miners[:, None] >> jnp.arange(6, dtype=jnp.uint8)[None, :]) & 1) != 0), axis=0, dtype=jnp.int32)  # coop_mining.sj:60
+    reward = reward + (times_2.astype(jnp.float32) * params.gold_pays)  # coop_mining.sj:60
+    event_gold_mined = out.event_gold_mined + times_2  # coop_mining.sj:61
+    times_3 = jnp.sum(active_6, dtype=jnp.int32)  # coop_mining.sj:62
+    event_ores_shared = out.event_ores_shared + times_3  # coop_mining.sj:62
     subject = num_agent <= params.most  # coop_mining.sj:64
     rock_ore = jnp.where(active_5, jnp.asarray([0, 2], jnp.uint8)[jnp.where(subject, jnp.uint8(0), jnp.uint8(1))], rock_ore)  # coop_mining.sj:64
     rock_miners = jnp.where(active_5, 0, rock_miners)  # coop_mining.sj:65

@@ -227,7 +227,8 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     active_2 = (active[:, None] & found) & ((entry(state.agent_bag[friend_2].astype(jnp.int32), params.becomes[offered][:, None])) < 15)  # gift_refinement.sj:54
     agent_bag_added = jnp.sum(jnp.where(offered[:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], (jnp.where(active_2, jnp.int32(-1), jnp.int32(0)))[..., None], jnp.int32(0)), axis=1, dtype=jnp.int32)  # gift_refinement.sj:55
     agent_post_added = jnp.zeros((5, 3,), jnp.int32).at[friend_2].add(jnp.where(params.becomes[offered][:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], jnp.where(active_2, params.yields[offered][:, None], 0)[..., None], jnp.int32(0)), mode="drop")  # gift_refinement.sj:56
-    event_given = out.event_given + jnp.sum(active_2, axis=1, dtype=jnp.int32)  # gift_refinement.sj:57
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # gift_refinement.sj:57
+    event_given = out.event_given + times  # gift_refinement.sj:57
     agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
     agent_post = (jnp.clip(state.agent_post.astype(jnp.int32) + agent_post_added, 0, 25)).astype(jnp.uint8)
     return state.replace(agent_bag=agent_bag, agent_post=agent_post, mark_offer=marked), out.replace(event_given=event_given)

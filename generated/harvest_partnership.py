@@ -189,7 +189,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     active = (soil_under < 64) & (state.soil_fruit[soil_under] == 1)  # harvest_open.sj:52
     soil_fruit = state.soil_fruit.at[jnp.where(active, soil_under, 64)].set(0, mode="drop")  # harvest_open.sj:53
     reward = out.reward + jnp.where(active, params.apple, 0.0)  # harvest_open.sj:54
-    event_eaten = out.event_eaten + active.astype(jnp.int32)  # harvest_open.sj:55
+    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # harvest_open.sj:55
     return state.replace(soil_fruit=soil_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
@@ -202,7 +202,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     in_beam = jnp.any((beam_cells[:, :, None] == state.position[None, None, :]) & beam_reached[:, :, None], axis=1)  # harvest_open.sj:61
     active_2 = active[:, None] & in_beam  # harvest_open.sj:61
     sent = jnp.any(active_2, axis=0)  # harvest_open.sj:62
-    event_hits = out.event_hits + jnp.sum(active_2, axis=1, dtype=jnp.int32)  # harvest_open.sj:63
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # harvest_open.sj:63
+    event_hits = out.event_hits + times  # harvest_open.sj:63
     gate_under = SITE_OF_GATE[state.position]  # harvest_open.sj:62
     others = jnp.where(sent, 19, gate_under)  # harvest_open.sj:62
     free = ~occupied(others, 19)  # harvest_open.sj:62

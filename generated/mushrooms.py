@@ -267,7 +267,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:74
     active_2 = active[:, None] & in_beam  # mushrooms.sj:74
     sent = jnp.any(active_2, axis=0)  # mushrooms.sj:75
-    event_hits = out.event_hits + jnp.sum(active_2, axis=1, dtype=jnp.int32)  # mushrooms.sj:76
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # mushrooms.sj:76
+    event_hits = out.event_hits + times  # mushrooms.sj:76
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:75
     free = ~occupied(ground_under, 276) & (state.ground_grows == 0)  # mushrooms.sj:75
     position, placed = place(CELLS_GROUND, free, words(key, 0x843efd39, 5), state.position, sent)  # mushrooms.sj:75

@@ -263,7 +263,7 @@ def gather(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     active = (present & (tree_under < 141)) & ((state.agent_role == 0) & (state.tree_fruit[tree_under] == 1))  # predator_prey.sj:58
     tree_fruit = state.tree_fruit.at[jnp.where(active, tree_under, 141)].set(0, mode="drop")  # predator_prey.sj:59
     reward = out.reward + jnp.where(active, params.apple, 0.0)  # predator_prey.sj:59
-    event_apples_eaten = out.event_apples_eaten + active.astype(jnp.int32)  # predator_prey.sj:59
+    event_apples_eaten = out.event_apples_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # predator_prey.sj:59
     oak_under = SITE_OF_OAK[state.position]  # predator_prey.sj:61
     active_2 = (present & (oak_under < 12)) & (((state.agent_role == 0) & (state.agent_mouth == 0)) & (state.oak_fruit[oak_under] == 1))  # predator_prey.sj:61
     oak_fruit = state.oak_fruit.at[jnp.where(active_2, oak_under, 12)].set(0, mode="drop")  # predator_prey.sj:62
@@ -280,7 +280,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     active_2 = present & ((state.agent_mouth == 2) & (state.agent_chews == 0))  # predator_prey.sj:67
     agent_mouth = jnp.where(active_2, 0, agent_mouth)  # predator_prey.sj:68
     reward = out.reward + jnp.where(active_2, params.acorn, 0.0)  # predator_prey.sj:68
-    event_acorns_eaten = out.event_acorns_eaten + active_2.astype(jnp.int32)  # predator_prey.sj:68
+    event_acorns_eaten = out.event_acorns_eaten + (jnp.where(active_2, jnp.int32(1), jnp.int32(0)))  # predator_prey.sj:68
     return state.replace(agent_mouth=agent_mouth, agent_chews=agent_chews), out.replace(reward=reward, event_acorns_eaten=event_acorns_eaten)
 
 
@@ -314,8 +314,9 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     active = matched & ~holds  # predator_prey.sj:77
     sent_2 = jnp.zeros(13, bool).at[jnp.where(active, target_3, 13)].set(True, mode="drop")  # predator_prey.sj:78
     reward = out.reward + jnp.where(active, params.meal, 0.0)  # predator_prey.sj:78
-    event_caught = out.event_caught + active.astype(jnp.int32)  # predator_prey.sj:78
-    event_eaten = out.event_eaten.at[target_3].add(active.astype(jnp.int32), mode="drop")  # predator_prey.sj:78
+    event_caught = out.event_caught + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # predator_prey.sj:78
+    times = jnp.sum(active[:, None] & (target_3[:, None] == jnp.arange(13, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # predator_prey.sj:78
+    event_eaten = out.event_eaten + times  # predator_prey.sj:78
     position_2 = jnp.where(sent, 0, state.position)  # predator_prey.sj:77
     away = jnp.where(sent, delay, state.away)  # predator_prey.sj:77
     away_pool = jnp.where(sent, 2, state.away_pool)  # predator_prey.sj:77

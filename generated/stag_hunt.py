@@ -219,14 +219,15 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     column = pair(order, alike=True)  # pd_arena.sj:55
     matched = column < 4  # pd_arena.sj:55
     reward = out.reward + (jnp.where(matched, jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * jnp.sum((mix(state.agent_bag.astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32), 0.0))  # pd_arena.sj:56
-    reward = reward.at[column].add(jnp.where(matched, jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * jnp.sum((mix(state.agent_bag[column].astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32), 0.0), mode="drop")  # pd_arena.sj:57
+    reward = reward + (jnp.sum(jnp.where(matched[:, None] & (column[:, None] == jnp.arange(4, dtype=jnp.int32)[None, :]), ((jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * jnp.sum((mix(state.agent_bag[column].astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32))[:, None]), 0.0), axis=0, dtype=jnp.float32))  # pd_arena.sj:57
     one = jnp.stack([jnp.broadcast_to(jnp.arange(4, dtype=jnp.int32), (4,)), jnp.broadcast_to(column, (4,))], axis=1)  # pd_arena.sj:58
     active = matched[:, None] & (~((((jnp.arange(2) == 1))[None, :]) & ((column == jnp.arange(4, dtype=jnp.int32))[:, None])))  # pd_arena.sj:58
     rest = (below(words_at(key, 0x048272b2, (((jnp.arange(4, dtype=jnp.int32) * 4)[:, None]) + one).astype(jnp.uint32)), (params.rest_hi - params.rest_lo) + 1)) + params.rest_lo  # pd_arena.sj:59
     agent_resting = state.agent_resting.at[jnp.where(active, one, 4)].set(rest.astype(jnp.uint8), mode="drop")  # pd_arena.sj:60
     agent_bag = state.agent_bag.at[jnp.where(active, one, 4)].set(0, mode="drop")  # pd_arena.sj:60
     sent = jnp.zeros(4, bool).at[jnp.where(active, one, 4)].set(True, mode="drop")  # pd_arena.sj:60
-    event_met = out.event_met.at[one].add(active.astype(jnp.int32), mode="drop")  # pd_arena.sj:60
+    times = jnp.sum(active[:, :, None] & (one[:, :, None] == jnp.arange(4, dtype=jnp.int32)[None, None, :]), axis=(0, 1), dtype=jnp.int32)  # pd_arena.sj:60
+    event_met = out.event_met + times  # pd_arena.sj:60
     gate_under = SITE_OF_GATE[state.position]  # pd_arena.sj:60
     others = jnp.where(sent, 64, gate_under)  # pd_arena.sj:60
     free = ~occupied(others, 64)  # pd_arena.sj:60

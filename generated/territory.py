@@ -261,7 +261,8 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     brick_owner = jnp.where(active_2, winner, state.brick_owner)  # territory.sj:58
     brick_paint = jnp.where(active_2, 1, state.brick_paint)  # territory.sj:58
     brick_wetness = jnp.where(active_2, params.drying, state.brick_wetness)  # territory.sj:58
-    event_claimed = out.event_claimed.at[winner].add(active_2.astype(jnp.int32), mode="drop")  # territory.sj:58
+    times = jnp.sum(active_2[:, None] & (winner[:, None] == jnp.arange(9, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # territory.sj:58
+    event_claimed = out.event_claimed + times  # territory.sj:58
     brick_rivals = jnp.where(active, 0, state.brick_rivals)  # territory.sj:61
     return state.replace(brick_owner=brick_owner, brick_paint=brick_paint, brick_wetness=brick_wetness, brick_rivals=brick_rivals), out.replace(event_claimed=event_claimed)
 
@@ -292,7 +293,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     active_3 = (active[:, None] & ((zap_brick < 120) & zap_reached)) & ((state.brick_damage[zap_brick].astype(jnp.int32)) < 2)  # territory.sj:68
     brick_damage_added = jnp.zeros((120,), jnp.int32).at[zap_brick].add(jnp.where(active_3, jnp.int32(1), jnp.int32(0)), mode="drop")  # territory.sj:68
     brick_dust = state.brick_dust.at[jnp.where(active_3, zap_brick, 120)].set(params.mending, mode="drop")  # territory.sj:68
-    event_blows = out.event_blows + jnp.sum(active_3, axis=1, dtype=jnp.int32)  # territory.sj:68
+    times = jnp.sum(active_3, axis=1, dtype=jnp.int32)  # territory.sj:68
+    event_blows = out.event_blows + times  # territory.sj:68
     agent_hits = (jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2)).astype(jnp.uint8)
     brick_damage = (jnp.clip(state.brick_damage.astype(jnp.int32) + brick_damage_added, 0, 2)).astype(jnp.uint8)
     return state.replace(agent_hot=agent_hot, agent_stunned=agent_stunned, agent_recovering=agent_recovering, brick_dust=brick_dust, agent_hits=agent_hits, brick_damage=brick_damage, mark_fire=marked), out.replace(event_blows=event_blows)
@@ -303,7 +305,7 @@ def fall(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     present = state.position != 0  # territory.sj:72
     holds = state.agent_hits.astype(jnp.int32) == 2  # territory.sj:72
     active = present & holds  # territory.sj:72
-    event_gone = out.event_gone + active.astype(jnp.int32)  # territory.sj:72
+    event_gone = out.event_gone + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # territory.sj:72
     holds_2 = state.agent_recovering == 0  # territory.sj:72
     agent_hits = jnp.where((present & ~holds) & holds_2, 0, state.agent_hits)  # territory.sj:72
     active_2 = (state.brick_owner != -1) & ((state.brick_damage.astype(jnp.int32) == 2) | ((state.agent_hits[state.brick_owner].astype(jnp.int32)) == 2))  # territory.sj:73
@@ -317,8 +319,9 @@ def pay(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     """Phase `pay`."""
     happens = (words(key, 0x47378959, 120) >> 1) < threshold(params.rate)  # territory.sj:78
     active = ((state.brick_paint == 2) & (state.brick_owner != -1)) & happens  # territory.sj:78
-    reward = out.reward.at[state.brick_owner].add(jnp.where(active, params.yield_, 0.0), mode="drop")  # territory.sj:78
-    event_paid = out.event_paid.at[state.brick_owner].add(active.astype(jnp.int32), mode="drop")  # territory.sj:78
+    times = jnp.sum(active[:, None] & (state.brick_owner[:, None] == jnp.arange(9, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # territory.sj:78
+    reward = out.reward + (times.astype(jnp.float32) * params.yield_)  # territory.sj:78
+    event_paid = out.event_paid + times  # territory.sj:78
     return state, out.replace(reward=reward, event_paid=event_paid)
 
 

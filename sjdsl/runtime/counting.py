@@ -1,4 +1,4 @@
-"""Counting members near each cell by bits, and who stands where."""
+"""Counting members near each cell and of sets by bits, and who stands where."""
 
 import jax.numpy as jnp
 from jax import Array, lax
@@ -18,6 +18,11 @@ def count_near(member: Array, masks: Array) -> Array:
     packed = jnp.sum(bits, axis=1, dtype=jnp.uint32)
     near = lax.population_count(packed[:, None] & masks)
     return jnp.sum(near.astype(jnp.int32), axis=0, dtype=jnp.int32)
+
+
+def size_of_set(members: Array) -> Array:
+    """Returns how many agents sets have that are kept as bits: `[...]` unsigned -> `[...]` int32."""
+    return lax.population_count(members).astype(jnp.int32)
 
 
 def occupied(site: Array, size: int) -> Array:

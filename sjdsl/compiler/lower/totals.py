@@ -12,9 +12,9 @@ from sjdsl.compiler.lower.values import Value, as_dtype, literal, reduce, select
 def total(e: ir.Count | ir.Sum, frame: Frame, w: Writer) -> Value:
     """Returns a count or a sum, with the axes of the surroundings it depends on."""
     if isinstance(e, ir.Count):
-        near = _near(e, frame, w)
-        if near is not None:
-            return near
+        quick = _size(e, frame, w) or _near(e, frame, w)
+        if quick is not None:
+            return quick
     inner = enter(e.domain, frame.always(), w)
     new = tuple(a for a in inner.axes if a not in frame.axes)
     if isinstance(e, ir.Count):
@@ -27,6 +27,15 @@ def total(e: ir.Count | ir.Sum, frame: Frame, w: Writer) -> Value:
     value = as_dtype(value, "i32" if e.type.kind == "int" else "f32")
     masked = select(inner.mask, value, literal(0, value.dtype))
     return w.keep("total", reduce("sum", masked, new))
+
+
+def _size(e: ir.Count, frame: Frame, w: Writer) -> Value | None:
+    """`count(agent in SET)` where nobody is ever away: the bits of the set itself."""
+    place = e.domain.place
+    if not isinstance(place, ir.InAgents) or place.value.type.kind != "agents" or e.domain.on or e.domain.where or w.module.can_be_away:
+        return None
+    members = lower(place.value, frame, w)
+    return w.keep(f"num_{e.domain.var.name}", replace(members, text=f"size_of_set({members.text})", dtype="i32"))
 
 
 def _near(e: ir.Count, frame: Frame, w: Writer) -> Value | None:

@@ -1,0 +1,87 @@
+"""Rewards and counts of events: what each agent, everybody or the episode gets from all instances of a sentence together."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.identifiers import param_attribute
+from sjdsl.compiler.lower.context import AgentVar, Frame, Writer, iota
+from sjdsl.compiler.lower.expressions import lower, owner, real, to_words
+from sjdsl.compiler.lower.values import Axis, Value, as_dtype, binary, both, literal, reduce, select, wrapped
+
+
+def give(s: ir.Give, frame: Frame, w: Writer) -> None:
+    """Adds to the rewards of this step."""
+    amount = real(s.value, frame.always(), w)
+    if s.receiver is not None:
+        deliver("reward", "", per_agent(s.receiver, amount, frame, w), w)
+        return
+    reached = frame.mask
+    if s.but is not None:
+        giver = frame.variables[s.but.name]
+        assert isinstance(giver, AgentVar)
+        reached = both(frame.mask, binary("!=", giver.index, iota(w.axis("receiver", w.module.num_agents)), "bool"))
+    deliver("reward", "", _summed(reached, amount, frame.axes, w), w)
+
+
+def tally(s: ir.Tally, frame: Frame, w: Writer) -> None:
+    """Counts an event."""
+    event = next(e for e in w.module.game.events if e.name == s.event)
+    attribute = f"event_{param_attribute(s.event)}"
+    amount = literal(1, "i32") if s.amount is None else as_dtype(lower(s.amount, frame.always(), w), "i32")
+    if s.word is None:
+        _count(s, attribute, "", amount, frame, w)
+        return
+    key = to_words(lower(s.word, frame.always(), w), s.word.type.words, event.by)
+    if key.literal:
+        _count(s, attribute, key.text, amount, frame, w)
+        return
+    for number in range(len(event.by)):  # the word differs from instance to instance: one column at a time
+        here = frame.when(binary("==", key, literal(number, "u8"), "bool"))
+        _count(s, attribute, str(number), amount, here, w)
+
+
+def _count(s: ir.Tally, attribute: str, column: str, amount: Value, frame: Frame, w: Writer) -> None:
+    if s.receiver is not None:
+        deliver(attribute, f":, {column}" if column else "", per_agent(s.receiver, amount, frame, w), w)
+    else:
+        deliver(attribute, column, _summed(frame.mask, amount, frame.axes, w), w)
+
+
+def deliver(attribute: str, place: str, got: Value, w: Writer) -> None:
+    """Adds to an attribute of the outcome, or to the entries of it at a place."""
+    if got.literal and not float(got.text):
+        return
+    before = w.total(attribute)
+    w.accumulate(attribute, f"{before}.at[{place}].add({got.text})" if place else f"{before} + {wrapped(got)}")
+
+
+def per_agent(e: ir.Expr, amount: Value, frame: Frame, w: Writer) -> Value:
+    """Returns what each agent gets in all: `[N]`, or a number if that is the same for all."""
+    if e.type.kind == "agents":
+        axis = w.axis("receiver", w.module.num_agents)
+        return _summed(both(frame.mask, _in_set(e, axis, frame, w)), amount, frame.axes, w)
+    who = owner(e, frame, w)
+    assert isinstance(who, AgentVar)
+    if who.axis is not None:
+        return _summed(frame.mask, amount, tuple(a for a in frame.axes if a != who.axis), w)
+    # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
+    axis = w.axis("receiver", w.module.num_agents)
+    return _summed(both(frame.mask, binary("==", who.index, iota(axis), "bool")), amount, frame.axes, w)
+
+
+def _in_set(e: ir.Expr, axis: Axis, frame: Frame, w: Writer) -> Value:
+    bits = lower(e, frame, w)
+    shifted = binary(">>", bits, iota(axis, bits.dtype), bits.dtype)
+    one = binary("&", shifted, literal(1, bits.dtype), bits.dtype)
+    return binary("!=", one, literal(0, bits.dtype), "bool")
+
+
+def _summed(reached: Value | None, amount: Value, over: tuple[Axis, ...], w: Writer) -> Value:
+    """Returns the sum over the instances that are reached; where all give the same, they are counted, which is cheaper than adding."""
+    if reached is None:
+        return reduce("sum", amount, over)
+    if over and not any(axis in amount.axes for axis in over):
+        count = w.keep("times", reduce("sum", reached, over))
+        return count if amount == literal(1, "i32") else binary("*", as_dtype(count, amount.dtype), amount, amount.dtype)
+    return reduce("sum", select(reached, amount, literal(0, amount.dtype)), over)
+
+
+__all__ = ["give", "tally"]
