@@ -62,7 +62,8 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
         if declared.timer and values.max(initial=0) > np.iinfo(dtype).max:
             raise ValueError(f"the timer `{declared.name}` holds up to {np.iinfo(dtype).max} steps in this game, not {values.max()}")
         changed[attribute_name(declared)] = values
-    return state.replace(**{name: np.asarray(v, getattr(state, name).dtype) for name, v in changed.items()})
+    like = {name: getattr(state, name) for name in changed}  # of no cells, a list does not tell the length of rows
+    return state.replace(**{name: np.asarray(v, like[name].dtype).reshape(like[name].shape) for name, v in changed.items()})
 
 
 def pool_numbers(game: ir.Game) -> dict[Pool, int]:

@@ -22,20 +22,19 @@ from tests.laws.symmetry import renamed, turns
 from tests.laws.test_batch import parts as parts_of_batch
 from tests.laws.test_rule_added import added_to_random_program
 
-STEPS = 8
-
 
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--examples", type=int, default=200)
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--games", action="store_true")
+    options.add_argument("--steps", type=int, default=8)
     options.add_argument("--jit", action="store_true")
     given = options.parse_args()
     counts: Counter[str] = Counter()
     begun = time.process_time()
     for number, (name, game) in enumerate(programs(given.examples, given.seed, given.games)):
-        for law, holds in laws(name, game, given.jit):
+        for law, holds in laws(name, game, given.steps, given.jit):
             try:
                 fault = holds(counts)
             except Exception as error:
@@ -48,7 +47,8 @@ def main() -> None:
             jax.clear_caches()
             load_module.cache_clear()
             gc.collect()
-    print(f"{time.process_time() - begun:.0f} s: {dict(counts)}")
+            print(f"{number + 1} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
+    print(f"all, {time.process_time() - begun:.0f} s: {dict(counts)}")
 
 
 def programs(examples: int, seed: int, games: bool) -> Iterator[tuple[str, ir.Game]]:
@@ -63,12 +63,12 @@ def programs(examples: int, seed: int, games: bool) -> Iterator[tuple[str, ir.Ga
             yield str(number), made[1].game
 
 
-def laws(name: str, game: ir.Game, jit: bool) -> Iterator[tuple[str, Callable[[Counter[str]], str]]]:
+def laws(name: str, game: ir.Game, steps: int, jit: bool) -> Iterator[tuple[str, Callable[[Counter[str]], str]]]:
     """Yields each law with the function that says where the game breaks it."""
     random = Random(name)
     for look in (renamed(game, random), *turns(game)):
         law = "turning" if look.mirror or look.quarters else "renaming"
-        yield law, lambda counts, look=look: counted(obeyed(game, look, random, STEPS, compiled=True), counts)
+        yield law, lambda counts, look=look: counted(obeyed(game, look, random, steps, compiled=True), counts)
     for probability, law in ((0, "impossible"), (1, "certain")):
         yield law, lambda counts, p=probability, law=law: _branches(game, p, random, law, counts)
     if name.isdigit():

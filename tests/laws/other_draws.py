@@ -6,7 +6,7 @@ Which word that takes depends on the order in which there was to choose: cells i
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.draws import Chosen, Recorded
+from sjdsl.interpreter.draws import Chosen, Recorded, return_stream
 from tests.laws.streams import Stream, other_digit, renumbered, streams
 from tests.laws.symmetry import Symmetry
 
@@ -17,7 +17,7 @@ class RunsOut(Exception):
 
 @dataclass(frozen=True)
 class Table:
-    """Words by stream and number; `strict`: no others may be asked for, else they are anything."""
+    """Words by stream and number; no others may be asked for."""
 
     words: dict[tuple[int, int], int]
 
@@ -73,7 +73,5 @@ def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
 
 
 def _may_stay(game: ir.Game, stream: int) -> bool:
-    from sjdsl.interpreter.draws import return_stream
-
     sends = [n for n in ir.walk(game) if isinstance(n, ir.Send)]
     return any(n.stay for n in sends if stream in (n.order_stream, return_stream(n.order_stream)))
