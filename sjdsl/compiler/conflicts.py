@@ -51,17 +51,19 @@ class Write:
 
 @dataclass(frozen=True)
 class Around:
-    """What surrounds a sentence. `locals`: the variables each `let` and `draw` depends on (`draw` on itself)."""
+    """What surrounds a sentence. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
 
     frames: tuple[Frame, ...] = ()
     branches: tuple[Branch, ...] = ()
     facts: tuple[ir.Expr, ...] = ()
     locals: dict[str, frozenset[str]] = field(default_factory=dict)
+    lanes: dict[str, int] = field(default_factory=dict)
 
 
 def check_conflicts(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
     """Reports every pair of writes of one phase that could disagree, and `move` beside other sentences."""
-    writes = [replace(w, bounded=w.bounded and not _is_capped(w, game)) for w in _writes(phase.body, Around())]
+    around = Around(lanes={s.name: len(s.lanes) for s in game.shapes})
+    writes = [replace(w, bounded=w.bounded and not _is_capped(w, game)) for w in _writes(phase.body, around)]
     for write in writes:
         if not _agrees_with_itself(write):
             _report(write, write, phase, problems)
@@ -119,12 +121,20 @@ def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
 
 def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
     facts = (*_standing(s.domain), *(() if s.domain.where is None else conjuncts(s.domain.where)))
-    single = isinstance(s, ir.First) or (isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1)
-    frame = Frame(s, _bound(s.domain), single)
-    inner = replace(around, frames=(*around.frames, frame), facts=around.facts + facts)
-    yield from _writes(s.body, replace(inner, branches=(*around.branches, _branch(s, 0, around))))
+    if isinstance(s, ir.First):
+        single = isinstance(s.domain.place, ir.Near) and around.lanes[s.domain.place.shape] <= 1
+    else:
+        single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
+    inner = replace(around, frames=(*around.frames, Frame(s, _bound(s.domain), single)), facts=around.facts + facts)
+    other = around
+    if isinstance(s, ir.First) and not single:  # both ways can be taken, each in some lanes
+        other = replace(around, frames=(*around.frames, Frame(s, (), single)))
+    else:
+        inner = replace(inner, branches=(*around.branches, _branch(s, 0, around)))
+        other = replace(around, branches=(*around.branches, _branch(s, 1, around)))
+    yield from _writes(s.body, inner)
     if not isinstance(s, ir.Each):
-        yield from _writes(s.otherwise, replace(around, branches=(*around.branches, _branch(s, 1, around))))
+        yield from _writes(s.otherwise, other)
 
 
 def _standing(d: ir.Domain) -> tuple[ir.Expr, ...]:

@@ -54,6 +54,10 @@ SAFE = [
     "each agent as a { first tree in line(3) of a { pick 1 agent as b in disc(1) of tree { set a.last = b } } }",
     "pick 1 tree { pick 1 agent as b in disc(2) of tree { set b.bag = 1  set tree.taker = b  set king = b } }",
     "pick 1 agent as a { first agent as b in line(2) of a { set b.bag = a.index } }",
+    # one lane: one of the two ways
+    "each agent as a { first tree in line(2) of a { set a.bag = 1 } otherwise { set a.bag = 2 } }",
+    "each agent as a { first tree in line(2) of a { give 1 to a } otherwise { when a.bag < 9 { add 1 to a.bag } } }",
+    "each agent as a { first tree in fan(2, 1) of a { set a.bag = 1  set tree.fruit = none } }",
 ]
 REFUSED = [
     # the branch is met once for each agent
@@ -71,6 +75,11 @@ REFUSED = [
     "each agent as a { pick times tree in disc(2) of a { set a.last = a.last  set tree.taker = a } }",
     "pick 1 agent as a { each agent as b in disc(2) of a { set king = b } }",
     "each agent as a { pick 1 agent as b { set b.last = a } }",
+    # one for each lane
+    "each agent as a { first agent as b in fan(2, 1) of a { set a.last = b } }",
+    "pick 1 agent as a { first agent as b in fan(2, 1) of a { set king = b } }",
+    # both ways, in different lanes
+    "each agent as a { first tree in fan(2, 1) of a { set a.bag = 1 } otherwise { set a.bag = 2 } }",
 ]
 
 
@@ -82,3 +91,11 @@ def test_accepted(body: str) -> None:
 @pytest.mark.parametrize("body", REFUSED)
 def test_refused(body: str) -> None:
     assert codes(body) in (["SJ401"], ["SJ402"])
+
+
+@pytest.mark.parametrize("way", ["{ add_it } otherwise { give 1 to a }", "{ give 1 to a } otherwise { add_it }"])
+def test_an_add_in_every_lane_may_leave_the_range(way: str) -> None:
+    """A guard holds for one add; a shape with several lanes makes several."""
+    add = "when a.bag < 9 { add 1 to a.bag }"
+    for shape, refused in (("line(2)", []), ("fan(2, 1)", ["SJ204"])):
+        assert codes(f"each agent as a {{ first tree in {shape} of a {way} }}".replace("add_it", add)) == refused
