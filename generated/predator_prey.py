@@ -250,8 +250,8 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     heading = (state.heading + TURN[chosen]) & 3  # predator_prey.sj:56
     stride = STEP_BY[chosen]  # predator_prey.sj:56
     target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # predator_prey.sj:56
-    target = jnp.where((SITE_OF_GRASS[target] < 42) & (state.agent_role == 1) & (target != state.position), state.position, target)  # predator_prey.sj:56
-    target = jnp.where((SITE_OF_NEST[target] < 42) & (state.agent_role == 1) & (target != state.position), state.position, target)  # predator_prey.sj:56
+    target = jnp.where(((SITE_OF_GRASS[target] < 42) & (state.agent_role == 1)) & (target != state.position), state.position, target)  # predator_prey.sj:56
+    target = jnp.where(((SITE_OF_NEST[target] < 42) & (state.agent_role == 1)) & (target != state.position), state.position, target)  # predator_prey.sj:56
     position = resolve(state.position, target, words(key, 0xbcc46097, 13))  # predator_prey.sj:56
     return state.replace(heading=heading, position=position), out
 

@@ -230,7 +230,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     heading = (state.heading + TURN[chosen]) & 3  # territory.sj:49
     stride = STEP_BY[chosen]  # territory.sj:49
     target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # territory.sj:49
-    target = jnp.where((SITE_OF_BRICK[target] < 120) & (((state.brick_damage[SITE_OF_BRICK[target]]).astype(jnp.int32)) < 2) & (target != state.position), state.position, target)  # territory.sj:49
+    target = jnp.where(((SITE_OF_BRICK[target] < 120) & (((state.brick_damage[SITE_OF_BRICK[target]]).astype(jnp.int32)) < 2)) & (target != state.position), state.position, target)  # territory.sj:49
     position = resolve(state.position, target, words(key, 0xbcc46097, 9))  # territory.sj:49
     return state.replace(heading=heading, position=position), out
 

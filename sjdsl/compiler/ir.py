@@ -8,13 +8,15 @@ only part that two equal programs may differ in.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
+from functools import cache
+from typing import Literal, get_args, get_origin
 
 from sjdsl.compiler.ir_expressions import *
 from sjdsl.compiler.ir_nodes import *
 from sjdsl.compiler.ir_nodes import Expr, Node, Stmt, Turn, TurnNode, Type
 from sjdsl.compiler.ir_sentences import *
 from sjdsl.compiler.ir_sentences import Domain, Shape
+from sjdsl.compiler.source import Span
 
 
 class Size(Node):
@@ -190,15 +192,17 @@ class Game(Node):
 
 def children(node: Node) -> Iterator[Node]:
     """Yields the nodes directly inside `node`, in field order."""
-    for name in type(node).model_fields:
+    for name in _inner_fields(type(node)):
         yield from _nodes(getattr(node, name))
 
 
 def walk(node: Node) -> Iterator[Node]:
     """Yields `node` and every node below it, outermost first."""
-    yield node
-    for child in children(node):
-        yield from walk(child)
+    waiting = [node]
+    while waiting:
+        following = waiting.pop()
+        yield following
+        waiting += reversed([*children(following)])
 
 
 def _nodes(value: object) -> Iterator[Node]:
@@ -207,3 +211,16 @@ def _nodes(value: object) -> Iterator[Node]:
     elif isinstance(value, tuple):
         for item in value:
             yield from _nodes(item)
+
+
+@cache
+def _inner_fields(kind: type[Node]) -> tuple[str, ...]:
+    """Returns the fields that can hold nodes: most hold names and numbers, and a game is walked often."""
+    return tuple(name for name, field in kind.model_fields.items() if _can_hold_nodes(field.annotation))
+
+
+def _can_hold_nodes(annotation: object) -> bool:
+    if get_origin(annotation) is Literal:
+        return False
+    inside = [a for a in get_args(annotation) if a is not Ellipsis]
+    return any(_can_hold_nodes(a) for a in inside) if inside else annotation not in (str, int, float, bool, type(None), Span)

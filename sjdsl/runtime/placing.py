@@ -94,7 +94,7 @@ def pair(ranks: Array, alike: bool) -> Array:
 
     Args:
       ranks: `[L, R]` uint32, 0 where the two are no pair; equal ranks: the earlier first.
-      alike: both sides are the agents, so a member taken on one side is not free on the other.
+      alike: both sides are the same members, so one taken on one side is not free on the other.
     Returns:
       `[L]` int32, R for those without a partner.
     """
@@ -126,7 +126,7 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
       reached: `[L, K]` int32, numbers of right members, 0 .. right - 1 where the rank is not 0; one may stand there twice.
       ranks: `[L, K]` uint32, 0 where there is no pair; equal ranks: the smaller left, then the smaller right number first.
       right: number of right members.
-      alike: both sides are the agents, so a member taken on one side is not free on the other.
+      alike: both sides are the same members, so one taken on one side is not free on the other.
     Returns:
       `[L]` int32, `right` for those without a partner.
     """

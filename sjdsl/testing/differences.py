@@ -16,7 +16,7 @@ CLOSE = {"rtol": 1e-6, "atol": 1e-6}
 MANY = 12  # of longer lists only the entries that differ are shown
 
 
-def state_differences(env: Environment, state: Any, world: World, observation: Any, allowed: Any = None) -> list[str]:
+def state_differences(env: Environment, state: Any, world: World, observation: Any, allowed: Any = None, close: dict = CLOSE) -> list[str]:
     """Returns where two states differ: places, fields, timers, marks, who is away, what is seen and, if given, allowed."""
     game, (_, cols), pad = env.game, env.module.FRAME, env.module.PAD
     places = [(p // cols - pad, p % cols - pad) if p else None for p in np.asarray(state.position).tolist()]
@@ -39,7 +39,7 @@ def state_differences(env: Environment, state: Any, world: World, observation: A
     for declared in fields_of(game):
         mine, theirs = np.asarray(getattr(state, attribute_name(declared))), np.asarray(stored_values(declared, world))
         theirs = theirs if theirs.size else theirs.reshape(mine.shape)  # of no cells, a list does not tell the length of rows
-        same = np.allclose(mine, theirs, **CLOSE) if declared.type.kind == "real" else mine.tolist() == theirs.tolist()
+        same = np.allclose(mine, theirs, **close) if declared.type.kind == "real" else mine.tolist() == theirs.tolist()
         if not same:
             found.append(shown(attribute_name(declared), mine.tolist(), theirs.tolist()))
     mine, theirs = np.asarray(observation), interpreter_view.observe(game, world)
@@ -59,7 +59,7 @@ def shown(name: str, mine: Any, theirs: Any) -> str:
     return f"{name}: {mine} / {theirs}"
 
 
-def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], outcome: Outcome) -> list[str]:
+def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], outcome: Outcome, close: dict = CLOSE) -> list[str]:
     """Returns where rewards, events, metrics and endings of two steps differ."""
     pairs: list[tuple[str, Any, Any]] = [("reward", reward, outcome.reward)]
     for event in env.game.events:
@@ -70,4 +70,4 @@ def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], out
     pairs.append(("terminated", info["terminated"], outcome.terminated))
     pairs.append(("truncated", info["truncated"], outcome.truncated and not outcome.terminated))
     found = [(name, np.asarray(mine, np.float64), np.asarray(theirs, np.float64)) for name, mine, theirs in pairs]
-    return [f"{name}: {mine.tolist()} / {theirs.tolist()}" for name, mine, theirs in found if not np.allclose(mine, theirs, **CLOSE)]
+    return [f"{name}: {mine.tolist()} / {theirs.tolist()}" for name, mine, theirs in found if not np.allclose(mine, theirs, **close)]

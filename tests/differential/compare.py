@@ -11,7 +11,7 @@ from sjdsl.interpreter.draws import Recorded, Threefry
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.differences import outcome_differences, state_differences
+from sjdsl.testing.differences import CLOSE, outcome_differences, state_differences
 
 
 @dataclass
@@ -58,13 +58,15 @@ def run(
     return report
 
 
-def compare(env: Environment, state: Any, observation: jax.Array, world: World, report: Report) -> None:
+def compare(env: Environment, state: Any, observation: jax.Array, world: World, report: Report, close: dict = CLOSE) -> None:
     """Adds every difference between two states to the report."""
-    report.differences += state_differences(env, state, world, observation)
+    report.differences += state_differences(env, state, world, observation, close=close)
 
 
-def compare_outcome(env: Environment, reward: jax.Array, done: jax.Array, info: dict, outcome: Outcome, report: Report) -> None:
+def compare_outcome(
+    env: Environment, reward: jax.Array, done: jax.Array, info: dict, outcome: Outcome, report: Report, close: dict = CLOSE
+) -> None:
     """Adds differences of rewards, events, measures and endings to the report."""
-    report.differences += outcome_differences(env, reward, info, outcome)
+    report.differences += outcome_differences(env, reward, info, outcome, close)
     if bool(done) != (outcome.terminated or outcome.truncated):
         report.differences.append(f"done: {bool(done)} / {outcome.terminated or outcome.truncated}")

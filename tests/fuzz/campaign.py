@@ -7,17 +7,17 @@ import argparse
 import gc
 import time
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from random import Random
 
 import jax
 
 from sjdsl.factory import load_module
+from tests.fuzz.coverage import Grammar, rule_parts_used, table
 from tests.fuzz.judge import Verdict, judge
+from tests.fuzz.kept import RUNS, keep
 from tests.fuzz.programs import Program, program
-from tests.fuzz.reduce import reduced
-
-FOUND = Path(__file__).parent / "found"
 
 
 def main() -> None:
@@ -26,12 +26,15 @@ def main() -> None:
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--steps", type=int, default=50)
     options.add_argument("--jit", action="store_true", help="run on JAX as well")
+    options.add_argument("--coverage", action="store_true", help="end with what of the language was used")
     options.add_argument("--no-trace", action="store_true", help="do not trace with JAX's strict dtypes")
-    options.add_argument("--shrink", type=int, default=1500, help="tries to make a failing program small; 0: keep it as it is")
-    options.add_argument("--into", type=Path, default=Path("runs/fuzz"), help="where failing programs are written")
+    options.add_argument("--shrink", type=int, default=300, help="tries to make a failing program small; 0: keep it as it is")
+    options.add_argument("--into", type=Path, default=RUNS, help="where failing programs are written")
     given = options.parse_args()
     counts: Counter[str] = Counter()
     sorts: dict[str, list[int]] = {}
+    parts: Counter[str] = Counter()
+    grammar = Grammar()
     begun = time.process_time()
     for number in range(given.seed, given.seed + given.examples):
         made = program(Random(number))
@@ -40,10 +43,15 @@ def main() -> None:
             if verdict.fault:
                 sorts.setdefault(verdict.sort, []).append(number)
                 if len(sorts[verdict.sort]) == 1:
-                    keep(made, verdict, number, given)
+                    report(made, verdict, number, given)
+            elif verdict.accepted and verdict.game is not None and given.coverage:
+                parts += rule_parts_used(verdict.game)
+        if given.coverage:
+            grammar.read(made)
         if number % 10 == 9:
             forget()
             print(f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
+    print(*table(grammar, parts) if given.coverage else (), sep="\n")
     for sort, numbers in sorts.items():
         print(f"{len(numbers)} times {sort}: seeds {numbers[:10]}")
 
@@ -57,28 +65,18 @@ def count(verdict: Verdict, counts: Counter[str]) -> None:
     counts.update(verdict.codes)
 
 
+def report(made: Program, verdict: Verdict, number: int, given: argparse.Namespace) -> None:
+    """Prints and writes down the first program with a fault of a sort, made small."""
+    print(f"seed {number} {'+'.join(verdict.variants)}: {verdict.fault}", flush=True)
+    again = partial(judge, seed=number, steps=given.steps, jit=given.jit, strict=not given.no_trace)
+    print(keep(made, verdict, f"seed_{number}", again, given.shrink, given.into).read_text("utf-8"), flush=True)
+
+
 def forget() -> None:
     """JAX and the loader keep what they have compiled; programs here are never met again."""
     jax.clear_caches()
     load_module.cache_clear()
     gc.collect()
-
-
-def keep(made: Program, verdict: Verdict, number: int, given: argparse.Namespace) -> None:
-    """Writes a failing program down, made small."""
-    print(f"seed {number} {'+'.join(verdict.variants)}: {verdict.fault}", flush=True)
-
-    def fails(smaller: Program) -> bool:
-        return any(v.sort == verdict.sort for v in judge(smaller, number, given.steps, given.jit, not given.no_trace) if v.fault)
-
-    if given.shrink:
-        made = reduced(made, fails, given.shrink)
-    given.into.mkdir(parents=True, exist_ok=True)
-    name = f"seed_{number}"
-    (given.into / f"{name}.sj").write_text(f"# {verdict.fault.splitlines()[0][:130]}\n{made.text}", encoding="utf-8")
-    for file, text in made.files.items():
-        (given.into / file).write_text(text, encoding="utf-8")
-    print(made.text, *made.files.values(), flush=True)
 
 
 if __name__ == "__main__":

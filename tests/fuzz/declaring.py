@@ -43,7 +43,7 @@ def declare(random: Random) -> World:
     w.agents = random.choice((1, 2, 2, 3, 3, 4, 5))
     acts = [*random.sample(MOVES, random.randint(2, 6)), "stay", *random.sample(ACTIONS, random.randint(1, 3))]
     random.shuffle(acts)
-    w.actions = tuple(acts)
+    w.actions = tuple(acts) if random.random() < 0.97 else ("stay",)
     shapes(w)
     for name in random.sample(EVENTS, random.randint(1, 3)):
         w.events.append(Event(name, random.choice(w.word_sets) if w.is_now(0.4) else (), w.is_now(0.5)))

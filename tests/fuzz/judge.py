@@ -13,13 +13,13 @@ from typing import Any
 from sjdsl.compiler import Build, build, ir, lower_build
 from sjdsl.compiler.diagnostics import CompileError
 from sjdsl.compiler.optimise import PASSES, optimise
-from sjdsl.compiler.render import render
 from sjdsl.compiler.source import Source
 from sjdsl.compiler.verify import verify
 from sjdsl.factory import load_module
 from sjdsl.runtime.env import Environment
+from tests.fuzz.printed import changed_by_layout
 from tests.fuzz.programs import Program
-from tests.fuzz.together import forms, interpret, jitted, on_numpy, random_play, run, same_course
+from tests.fuzz.together import forms, interpret, jitted, module_text, of_text, random_play, run, same_course
 
 # What a generated text may be refused for: things its generator does not look at closely.
 FORESEEN = {
@@ -43,7 +43,20 @@ FORESEEN = {
     "SJ508": "a define that asks for a place, used in `phase start`",
     "SJ601": "a stated limit",
 }
+IN_VARIANTS = 15  # steps that are played in each variant
+TRACED = 3  # one program in so many is traced: it takes as long as all else
 SETS = {"all": PASSES, "none": (), **{p.__name__: (p,) for p in PASSES}, "reversed": PASSES[::-1]}
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How a program is played. `sets`: with which passes; see `judge`."""
+
+    seed: int
+    steps: int
+    jit: bool = False
+    strict: bool = False
+    sets: tuple[str, ...] = tuple(SETS)
 
 
 @dataclass
@@ -83,12 +96,21 @@ def written(program: Program) -> Iterator[Source]:
 
 
 def judge(program: Program, seed: int, steps: int = 50, jit: bool = False, strict: bool = True) -> list[Verdict]:
-    """Returns what becomes of a program without a variant and in each of them. `strict`: also traced by JAX; `jit`: also run there."""
+    """Returns what becomes of a program without a variant and, more briefly, in each of them.
+
+    strict: one program in `TRACED` is also traced by JAX. jit: also run there.
+    """
+    strict = strict and seed % TRACED == 0
     with written(program) as source:
-        return [_judge_one(source, v, seed, steps, jit, strict) for v in ((), *((name,) for name in program.variants))]
+        plain = _judge_one(source, (), Manner(seed, steps, jit, strict))
+        brief = Manner(seed, min(steps, IN_VARIANTS), sets=("all", "none"))
+        others = [_judge_one(source, (name,), brief) for name in program.variants]
+        if plain.accepted and plain.game is not None and not plain.fault:
+            plain.fault = changed_by_layout(program, source, plain.game)
+    return [plain, *others]
 
 
-def _judge_one(source: Source, variants: tuple[str, ...], seed: int, steps: int, jit: bool, strict: bool) -> Verdict:
+def _judge_one(source: Source, variants: tuple[str, ...], manner: Manner) -> Verdict:
     verdict = Verdict(variants)
     try:
         made = build(source, variants)
@@ -105,38 +127,39 @@ def _judge_one(source: Source, variants: tuple[str, ...], seed: int, steps: int,
         verdict.fault = f"compiler: {_told(error)}"
         return verdict
     try:
-        _play(verdict, made, seed, steps, jit, strict)
+        _play(verdict, made, manner)
     except Exception as error:
         verdict.fault = verdict.fault or f"{_told(error)}"
     return verdict
 
 
-def _play(verdict: Verdict, made: Build, seed: int, steps: int, jit: bool, strict: bool) -> None:
+def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
     game = made.game
-    play = random_play(game, seed, steps)
+    play = random_play(game, manner.seed, manner.steps)
     history = interpret(game, play)
     verdict.near = history.near
-    looked: list[ir.Game] = []
+    texts: list[str] = []
     course: list[Any] = []
-    for name, passes in SETS.items():
-        rules = verify(optimise(game, passes))
-        if rules in looked:
+    for name in manner.sets:
+        rules = verify(optimise(game, SETS[name]))
+        text = module_text(rules)
+        if text in texts:
             continue
-        looked.append(rules)
-        verdict.programs = len(looked)
-        if len(looked) == 1:
-            report, course = run(on_numpy(game, rules), play, history)
+        texts.append(text)
+        verdict.programs = len(texts)
+        if len(texts) == 1:
+            report, course = run(of_text(game, text), play, history)
             verdict.steps = report.steps
             verdict.fault = report.differences[0] if report.differences else ""
         else:
-            differs = same_course(on_numpy(game, rules), play, course)
+            differs = same_course(of_text(game, text), play, course)
             verdict.fault = f"passes {name}: {differs}" if differs else ""
-        if strict and not verdict.fault and name in ("all", "none"):
-            changed = forms(on_jax(game, rules))
+        if manner.strict and not verdict.fault and name in ("all", "none"):
+            changed = forms(on_jax(game, text))
             verdict.fault = f"the state changes its form: {changed[0]}" if changed else ""
         if verdict.fault:
             return
-    if jit:
+    if manner.jit:
         verdict.fault = _on_jax(made, play, history)
 
 
@@ -144,15 +167,13 @@ def _on_jax(made: Build, play: Any, history: Any) -> str:
     game = made.game
     other = random_play(game, 1 + play.start[0] % 1000, len(play.keys))
     plays, histories = [play, other], [history, interpret(game, other)]
-    differences = jitted(on_jax(game, optimise(game)), plays, histories)
+    differences = jitted(on_jax(game, module_text(optimise(game))), plays, histories)
     return f"on JAX, {differences[0]}" if differences else ""
 
 
-def on_jax(game: ir.Game, rules: ir.Game) -> Environment:
-    """Returns the environment of a game, its module compiled from `rules`."""
-    from sjdsl.compiler.lower import lower
-
-    module = load_module(render(lower(rules, "game.sj"), rules), f"<{game.name}>", game.name)
+def on_jax(game: ir.Game, text: str) -> Environment:
+    """Returns the environment of a game with this module."""
+    module = load_module(text, f"<{game.name}>", game.name)
     return Environment(game, module, module.default_params(), "", "tokens")
 
 

@@ -41,7 +41,7 @@ def checks(w: World) -> list[Lines]:
         text, *_ = domain(scope.having(Variable("agent")), 1)
         policies = w.random.choice(("random", f"never({w.actions[0]})", f"random, seek {text}"))
         lines.append(f"expect {name} >= 0 with {policies} over 5 episodes")
-    return [braces(w.random.choice(("checks", "checks dilemma")), lines)] if lines else []
+    return [braces(w.random.choice(("checks", "checks dilemma")), lines)] if lines or w.is_now(0.05) else []
 
 
 def observe(w: World) -> list[Lines]:
@@ -49,7 +49,7 @@ def observe(w: World) -> list[Lines]:
     if w.is_now(0.05):
         return []
     r = w.random
-    sides = {s: r.randint(0, 3) for s in r.sample(("ahead", "behind", "left", "right"), r.choice((3, 4, 4)))}
+    sides = {s: r.randint(0, 3) for s in r.sample(("ahead", "behind", "left", "right"), r.choice((1, 3, 4, 4)))}
     lines = [f"window {', '.join(f'{s} {n}' for s, n in sides.items())}"] if w.is_now(0.97) else []
     shown: set[str] = set()
     for owner, fields in (("agent", w.agent_fields), ("other", w.agent_fields), ("", w.fields)):
@@ -66,7 +66,7 @@ def observe(w: World) -> list[Lines]:
     if w.is_now(0.2):
         test = condition(_sight_scope(w, "other"), 1)
         lines.append("hide other.heading" + (f" when {test}" if w.is_now(0.7) else ""))
-    return [braces("observe", lines)] if lines else []
+    return [braces("observe", lines)] if lines or w.is_now(0.2) else []
 
 
 def _sight_scope(w: World, owner: str) -> Scope:

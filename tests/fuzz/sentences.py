@@ -26,6 +26,8 @@ def indented(lines: Lines) -> Lines:
 
 
 def braces(head: str, body: Lines) -> Lines:
+    if not body:
+        return [f"{head} {{ }}"]
     return [f"{head} {{ {body[0]} }}"] if len(body) == 1 and len(head + body[0]) < 100 else [f"{head} {{", *indented(body), "}"]
 
 
@@ -33,6 +35,8 @@ def block(scope: Scope, phase: Phase, depth: int, least: int = 1) -> Lines:
     """Returns the sentences of a block; what `let` and `draw` bind holds to its end."""
     r = scope.world.random
     lines: Lines = []
+    if r.random() < 0.01:
+        return lines
     for _ in range(r.choice((1, 1, 2, 2, 3)) + least - 1):
         if r.random() < 0.15:
             made, scope = let(scope)
@@ -163,7 +167,7 @@ def draw(scope: Scope) -> tuple[Lines, Scope]:
             some = r.sample(words, r.randint(1, len(words)))
             text, made = f"{{ {', '.join(some)} }}", ir.Type(kind="word", words=tuple(some))
         case _:
-            some = r.sample(words, min(len(words), 3))
+            some = r.sample(words, r.choice((1, min(len(words), 3), min(len(words), 3))))
             text, made = f"{{ {_weights(scope, some)} }}", ir.Type(kind="word", words=tuple(some))
     return [f"draw {name} from {text}"], replace(scope, locals=(*scope.locals, (name, made)))
 

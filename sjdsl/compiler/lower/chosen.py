@@ -7,7 +7,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, iota
-from sjdsl.compiler.lower.domains import _has_inner_blocks, enter, sites_in, sweep
+from sjdsl.compiler.lower.domains import _has_inner_blocks, enter, is_empty, sites_in, sweep
 from sjdsl.compiler.lower.draws import words
 from sjdsl.compiler.lower.expressions import lower
 from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped
@@ -28,7 +28,9 @@ def _mask_over(inner: Frame, axes: tuple[Axis, ...]) -> Value:
 
 def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
     """Returns the place inside a `pick`, and where there was no member at all."""
-    inner = enter(s.domain, replace(frame, mask=None), w)
+    if is_empty(s.domain, w):
+        return frame.when(literal(False, "bool")), literal(True, "bool")
+    inner = _candidates_of(s.domain, replace(frame, mask=None), w)
     new = _members(inner, frame)
     if not new:  # the member is determined: it is there or not
         there = inner.mask if inner.mask is not None else literal(True, "bool")
@@ -36,8 +38,6 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
         wanted = both(there, binary(">", number, literal(0, "i32"), "bool"))
         return inner.when(frame.mask).when(wanted), invert(there)
     axis = new[-1]
-    if axis.size == 0:
-        return inner.when(literal(False, "bool")), literal(True, "bool")
     member_var = inner.variables[s.domain.var.name]
     near = isinstance(s.domain.place, ir.Near) and isinstance(member_var, CellVar)
     total = axis.size if near else reads.member_total(member_var, w)
@@ -67,6 +67,19 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
     text = f"choose({mask.text}, {_spread(word, (*outer_axes, turns))}, {_number_array(number, outer_axes)})"
     taken = w.keep("taken", Value(text, "bool", axes))
     return replace(inner, mask=both(frame.mask, taken)), invert(found)
+
+
+def _candidates_of(d: ir.Domain, frame: Frame, w: Writer) -> Frame:
+    """Returns the place inside the domain of a `pick`, one axis for all that may be members; of agents in braces, in the order of ids."""
+    if not isinstance(d.place, ir.Among):
+        return enter(d, frame, w)
+    inner = enter(d.model_copy(update={"place": None}), frame, w)
+    one = reads.member_number(inner.variables[d.var.name])
+    named = literal(False, "bool")
+    for member in d.place.members:
+        same = binary("==", one, reads.member_number(frame.variables[member.name]), "bool")
+        named = same if named.literal else binary("|", named, same, "bool")
+    return inner.when(named)
 
 
 def _spread(word: Value, axes: tuple[Axis, ...]) -> str:
@@ -119,15 +132,22 @@ def _under(d: ir.Domain, agent: AgentVar | CellVar, w: Writer) -> dict[str, Agen
 
 def first(s: ir.First, frame: Frame, w: Writer) -> tuple[Frame, Frame]:
     """Returns the place inside a `first` (one more axis: the lanes), and the place of its `otherwise`."""
+    if is_empty(s.domain, w):
+        lanes = _lanes(s.domain, w)
+        return frame.when(literal(False, "bool")), _in_lanes(frame, lanes)
     inner, lanes, found, shape_axis = _nearest(s.domain, frame, w)
     hit = inner.when(frame.mask).when(found)
-    none = replace(
-        frame,
-        axes=(*frame.axes, lanes),
-        digits=(*frame.digits, (iota(lanes), lanes.size)),
-    ).when(invert(found))
     assert shape_axis.size >= lanes.size
-    return hit, none
+    return hit, _in_lanes(frame, lanes).when(invert(found))
+
+
+def _lanes(d: ir.Domain, w: Writer) -> Axis:
+    assert isinstance(d.place, ir.Near)
+    return w.axis("lane", len(w.module.shape(d.place.shape).lanes))
+
+
+def _in_lanes(frame: Frame, lanes: Axis) -> Frame:
+    return replace(frame, axes=(*frame.axes, lanes), digits=(*frame.digits, (iota(lanes), lanes.size)))
 
 
 def _nearest(d: ir.Domain, frame: Frame, w: Writer) -> tuple[Frame, Axis, Value, Axis]:
@@ -146,7 +166,7 @@ def _nearest(d: ir.Domain, frame: Frame, w: Writer) -> tuple[Frame, Axis, Value,
     rest = union(tuple(a for a in ok.axes if a != axis), tuple(a for a in _index(candidate).axes if a != axis))
     axes = (*rest, axis)
     ok = w.keep("ok", _mask_over(Frame(mask=ok), axes))
-    lanes = w.axis("lane", len(shape.lanes))
+    lanes = _lanes(d, w)
     longest = max(map(len, shape.lanes))
     table = np.full((lanes.size, longest), axis.size, np.int32)
     number = 0
@@ -176,10 +196,8 @@ def _nearest(d: ir.Domain, frame: Frame, w: Writer) -> tuple[Frame, Axis, Value,
     )
     variable = AgentVar(chosen) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
     inner = replace(
-        frame,
+        _in_lanes(frame, lanes),
         mask=None,
-        axes=(*frame.axes, lanes),
-        digits=(*frame.digits, (iota(lanes), lanes.size)),
         variables={**frame.variables, d.var.name: variable, **_under(d, variable, w)},
     )
     return inner, lanes, found, axis
@@ -238,7 +256,9 @@ def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
 def _partners(s: ir.Match, left: Frame, w: Writer) -> tuple[Value, int]:
     """Returns the partner of each left member, and how many right members there are: the partner of those who have none."""
     right, rows = s.right, left.axes[-1]
-    alike = s.left.var.who == "agent" and right.var.who == "agent"
+    alike = (s.left.var.who, s.left.var.kinds) == (right.var.who, right.var.kinds)
+    if not alike and set(s.left.var.kinds) & set(right.var.kinds):
+        raise NotSupported("a `match` of two groups of cells that overlap", s.origin)
     size = w.module.num_agents if right.var.who == "agent" else w.module.layout.num_cells(right.var.kinds)
     if s.first:
         inner, lanes, found, _ = _nearest(right, left.always(), w)

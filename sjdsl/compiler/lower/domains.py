@@ -37,6 +37,12 @@ def enter(d: ir.Domain, frame: Frame, w: Writer) -> Frame:
     return inner
 
 
+def is_empty(d: ir.Domain, w: Writer) -> bool:
+    """Returns whether nobody can ever be a member, because the map has no cell of a kind; tables of such cells have no entries."""
+    kinds = ([d.var.kinds] if d.var.who == "cell" else []) + ([d.on.kinds] if d.on is not None else [])
+    return not all(map(w.module.layout.num_cells, kinds))
+
+
 def extended(frame: Frame, axis: Axis | None, d: ir.Domain, variable: AgentVar | CellVar, digit: Value, radix: int) -> Frame:
     """Returns the place with one more quantifier around it."""
     return replace(
@@ -214,7 +220,7 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, axis: Axis, w: Writer)
     blocked = Value(f"{fixed}[{cells.text}]", "bool", cells.axes)
     for kind in w.module.game.kinds:
         for block in kind.blocks:
-            if block.what == shape.name and block.condition is not None:
+            if block.what == shape.name and block.condition is not None and layout.num_cells((kind.name,)):
                 here = blocked_by(block, kind, cells, w)
                 blocked = binary("|", blocked, here, "bool")
     blocked = w.keep(f"{shape.name}_blocked", blocked)

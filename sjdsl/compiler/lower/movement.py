@@ -47,10 +47,10 @@ def _conditional_blocks(agent: AgentVar, w: Writer) -> None:
     """Cells that block agents only in some states: the mover stays where it is."""
     for kind in w.module.game.kinds:
         for block in kind.blocks:
-            if block.what == "agents" and block.condition is not None:
+            if block.what == "agents" and block.condition is not None and w.module.layout.num_cells((kind.name,)):
                 assert agent.axis is not None
                 blocked = blocked_by(block, kind, Value("target", "i32", (agent.axis,)), w, agent)
-                w.line(f"target = jnp.where({blocked.text} & (target != state.position), state.position, target)")
+                w.line(f"target = jnp.where({wrapped(blocked)} & (target != state.position), state.position, target)")
                 w.known.clear()
 
 

@@ -19,11 +19,6 @@ def field(e: ir.FieldRead, owner: AgentVar | CellVar | None, w: Writer) -> Value
         if e.type.kind == "agent":
             return Value(f"{wrapped(value)}.astype(jnp.int32) - 1", "i32", value.axes)
         return as_dtype(value, "i32") if e.type.kind == "int" else value
-    if isinstance(owner, CellVar) and not w.module.layout.num_cells(owner.kinds) and owner.axis is None:
-        # no such cell is on the map: there is nothing to read, and nothing that is read is used
-        if levels:
-            return Value(f"jnp.zeros({len(e.type.by[0])}, jnp.int32)", "i32", (), levels)
-        return literal(0, "i32" if e.type.kind == "int" else storage(w.module.field(e, owner.kinds[0]), w))
     if owner is None:
         declared = w.module.field(e)
         return _widened(Value(f"state.{attribute_name(declared)}", storage(declared, w), (), levels), declared)
@@ -112,8 +107,6 @@ def present(owner: AgentVar, w: Writer) -> Value | None:
 def cell(owner: CellVar, w: Writer) -> Value:
     """Returns the cells of a cell variable in the frame."""
     check_placed(owner)
-    if not w.module.layout.num_cells(owner.kinds) and owner.axis is None:
-        return literal(0, "i32")
     name = w.module.constant(
         "cells_" + "_".join(owner.kinds), w.module.layout.cells_table(owner.kinds), f"cells of {', '.join(owner.kinds)}"
     )

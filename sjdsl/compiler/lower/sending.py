@@ -151,7 +151,8 @@ def place(pool: Pool, sent: str, leaving: str, w: Writer, stream_change: int) ->
         test = lower(pool.send.domain.where, Frame(axes=(axis,), variables={pool.send.domain.var.name: variable}), w)
         free = both(free, test)
     stream = pool.send.order_stream ^ stream_change
-    free = Value(f"jnp.full({axis.size}, True)", "bool", (axis,)) if free is None else w.keep("free", free)
+    free = literal(True, "bool") if free is None else free
+    free = w.keep("free", free) if free.axes else Value(f"jnp.full({axis.size}, {free.text})", "bool", (axis,))
     placed = w.names.fresh("placed")
     before = w.current("position")
     if "position" not in w.changed:

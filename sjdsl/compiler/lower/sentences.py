@@ -9,7 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.chosen import first, match_, pick
 from sjdsl.compiler.lower.context import AgentVar, Frame, NotSupported, Writer
-from sjdsl.compiler.lower.domains import enter, sweep
+from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.expressions import lower
 from sjdsl.compiler.lower.giving import give, tally
@@ -43,7 +43,7 @@ def block(body: tuple[ir.Stmt, ...], frame: Frame, w: Writer, sends: Sends) -> N
 
 def sentence(s: ir.Stmt, frame: Frame, w: Writer, sends: Sends) -> None:
     match s:
-        case ir.Each():
+        case ir.Each() if not is_empty(s.domain, w):
             _inside(s.body, enter(s.domain, frame, w), w, sends)
         case ir.Pick():
             inner, nobody = pick(s, frame, w)
@@ -53,8 +53,10 @@ def sentence(s: ir.Stmt, frame: Frame, w: Writer, sends: Sends) -> None:
             inner, none = first(s, frame, w)
             _inside(s.body, inner, w, sends)
             _inside(s.otherwise, none, w, sends)
-        case ir.Match():
+        case ir.Match() if not is_empty(s.left, w) and not is_empty(s.right, w):
             _inside(s.body, match_(s, frame, w), w, sends)
+        case ir.Each() | ir.Match():
+            pass
         case ir.When():
             when(s, frame, w, sends)
         case ir.Chance():

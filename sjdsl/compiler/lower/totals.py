@@ -4,13 +4,15 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.context import CellVar, Frame, Writer, iota
-from sjdsl.compiler.lower.domains import enter
+from sjdsl.compiler.lower.domains import enter, is_empty
 from sjdsl.compiler.lower.expressions import lower
 from sjdsl.compiler.lower.values import Value, as_dtype, literal, reduce, select
 
 
 def total(e: ir.Count | ir.Sum, frame: Frame, w: Writer) -> Value:
     """Returns a count or a sum, with the axes of the surroundings it depends on."""
+    if is_empty(e.domain, w):
+        return literal(0, "i32" if e.type.kind == "int" else "f32")
     if isinstance(e, ir.Count):
         quick = _size(e, frame, w) or _near(e, frame, w)
         if quick is not None:

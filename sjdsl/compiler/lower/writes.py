@@ -145,12 +145,17 @@ def _entries(
         new = select(mask, value, old)
         return replace(before, text=f"{before.text}.at[{lead}{key.text}].set({new.text})")
     words = len(target.type.by[0])
-    chosen = f"{aligned(key, before.axes)}[..., None] == jnp.arange({words}, dtype=jnp.uint8)"
+    chosen = f"{_for_each_word(key, before.axes)} == jnp.arange({words}, dtype=jnp.uint8)"
     if before.axes:
         chosen += f"[{', '.join(['None'] * len(before.axes))}, :]"
-    hit = f"({chosen})" if mask is None else f"(({chosen}) & {wrapped(replace(mask, text=aligned(mask, before.axes)))}[..., None])"
-    new = value.text if value.literal or not value.axes else f"{wrapped(replace(value, text=aligned(value, before.axes)))}[..., None]"
+    hit = f"({chosen})" if mask is None else f"(({chosen}) & {_for_each_word(replace(mask, text=wrapped(mask)), before.axes)})"
+    new = _for_each_word(value, before.axes)
     return replace(before, text=f"jnp.where({hit}, {new}, {before.text})")
+
+
+def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> str:
+    """Returns the text with one more axis, for the words of a row; what has no axes is the same for all."""
+    return f"{wrapped(replace(value, text=aligned(value, axes)))}[..., None]" if value.axes else value.text
 
 
 def _with_levels(mask: Value, axes: tuple[Axis, ...], levels: int) -> str:
@@ -209,7 +214,7 @@ def add(s: ir.Add, frame: Frame, w: Writer) -> None:
     target, keys = split(s.target)
     for declared, who, place in targets(target, frame, w):
         if target.type.kind == "agents":
-            _add_member(s, declared, who, place, w)
+            _add_member(s, declared, who, keys, target, place, w)
             continue
         value = lower(s.value, place.always(), w)
         value = as_dtype(value, "f32" if target.type.kind == "real" else "i32")
@@ -284,13 +289,20 @@ def _one_hot(value: Value, key: Value, words: int) -> Value:
     """Returns a row that has the value at the key's word and 0 elsewhere."""
     axes = union(value.axes, key.axes)
     lead = f"[{', '.join(['None'] * len(axes))}, :]" if axes else ""
-    word = key.text if key.literal or not key.axes else f"{wrapped(replace(key, text=aligned(key, axes)))}[..., None]"
-    amount = value.text if value.literal or not value.axes else f"{wrapped(replace(value, text=aligned(value, axes)))}[..., None]"
+    word, amount = (_for_each_word(x, axes) for x in (key, value))
     zero = "jnp.float32(0.0)" if value.dtype == "f32" else "jnp.int32(0)"
     return Value(f"jnp.where({word} == jnp.arange({words}, dtype=jnp.uint8){lead}, {amount}, {zero})", value.dtype, axes, 1)
 
 
-def _add_member(s: ir.Add, declared: ir.VarField, who: AgentVar | CellVar | None, frame: Frame, w: Writer) -> None:
+def _add_member(
+    s: ir.Add,
+    declared: ir.VarField,
+    who: AgentVar | CellVar | None,
+    keys: tuple[ir.Expr, ...],
+    target: ir.FieldRead,
+    frame: Frame,
+    w: Writer,
+) -> None:
     """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
     attribute = attribute_name(declared)
     n = w.module.num_agents
@@ -302,11 +314,15 @@ def _add_member(s: ir.Add, declared: ir.VarField, who: AgentVar | CellVar | None
         raise NotSupported("a world field that is a set of agents", s.origin)
     index = who.index if isinstance(who, AgentVar) else who.site
     size = n if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
-    axes = union(index.axes, member.axes, () if frame.mask is None else frame.mask.axes)
+    key = [to_words(lower(k, frame.always(), w), k.type.words, target.type.by[0]) for k in keys]
+    axes = union(index.axes, member.axes, *(k.axes for k in key), () if frame.mask is None else frame.mask.axes)
     at = select(frame.mask, index, literal(size, "i32"))
     shape = ", ".join(str(a.size) for a in axes)
-    places = [f"jnp.broadcast_to({aligned(x, axes)}, ({shape},))" if x.axes != axes else x.text for x in (at, member)]
-    table = f'jnp.zeros(({size}, {n}), bool).at[{places[0]}, {places[1]}].set(True, mode="drop")'
+    spread = [x.text if x.axes == axes else f"jnp.broadcast_to({aligned(x, axes)}, ({shape},))" for x in (at, *key, member)]
+    words = [str(len(target.type.by[0])) for _ in key]
+    table = f'jnp.zeros(({", ".join([str(size), *words, str(n)])}), bool).at[{", ".join(spread)}].set(True, mode="drop")'
+    if target.type.by and not keys:  # to every entry of the row
+        table = f"({table})[:, None, :]"
     name = w.keep(f"{attribute}_joined", Value(table, "bool"))
     text = f"{w.current(attribute)} | as_bits({name.text}, {dtype})"
     w.late.append((attribute, text, name.text))

@@ -1,0 +1,23 @@
+"""Random programs use every alternative of the grammar."""
+
+from random import Random
+
+from tests.fuzz.coverage import Grammar
+from tests.fuzz.programs import program
+
+NEVER = {
+    "call: NAME LPAR RPAR": "whatever is called takes values",
+    "game: GAME NAME LBRACE RBRACE": "a game has a map",
+    "game: GAME NAME title LBRACE RBRACE": "a game has a map",
+}
+
+
+def test_every_alternative_of_the_grammar_is_used() -> None:
+    grammar = Grammar()
+    assert set(NEVER) <= set(grammar.alternatives)
+    for seed in range(1000):
+        grammar.read(program(Random(seed)))
+        if not set(grammar.missing()) - set(NEVER):
+            break
+    assert set(grammar.missing()) == set(NEVER)
+    assert len(grammar.alternatives) > 300

@@ -1,0 +1,18 @@
+"""Programs that were compiled wrongly once, made small: the first line of each says what was wrong."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.fuzz.judge import TRACED, judge
+from tests.fuzz.programs import Program
+
+FOUND = sorted((Path(__file__).parent / "found").glob("*.sj"))
+
+
+@pytest.mark.parametrize("path", FOUND, ids=lambda path: path.stem)
+def test_interpreter_numpy_and_jax_agree(path: Path) -> None:
+    (verdict,) = judge(Program(path.read_text("utf-8")), seed=TRACED, steps=20, jit=True)
+    assert verdict.accepted, verdict.messages
+    assert not verdict.fault
+    assert verdict.steps == 20
