@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test check bench damage golden docs wheel-test clean
+.PHONY: run test test-all check bench damage golden docs wheel-test clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -21,6 +21,10 @@ run: .venv/ready
 
 test: .venv/ready
 	$(PYTEST)
+
+# Also every variant and crowd, with XLA's optimisations: for half an hour without anything to do.
+test-all: .venv/ready
+	$(PYTEST) --all
 
 check: .venv/ready
 	$(BIN)/ruff format --check .

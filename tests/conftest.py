@@ -12,14 +12,27 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="write what goldens should be instead of comparing; read the diff before committing"
     )
+    parser.addoption("--all", action="store_true", help="also the tests marked slow, and everything compiled as users have it")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Lets workers, commands and later runs share what XLA has compiled: half the time of the tests."""
+    """Saves time: workers, commands and later runs share what XLA has compiled, and it is compiled for few steps, not for speed."""
     folder = config.rootpath / ".pytest_cache" / "jax"
-    for name, value in (("jax_compilation_cache_dir", str(folder)), ("jax_persistent_cache_min_compile_time_secs", 0.3)):
+    settings: dict[str, object] = {"jax_compilation_cache_dir": str(folder), "jax_persistent_cache_min_compile_time_secs": 0.3}
+    if not config.getoption("--all"):
+        settings["jax_disable_most_optimizations"] = True
+    for name, value in settings.items():
         os.environ[name.upper()] = str(value)
         jax.config.update(name, value)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leaves the slow tests out unless all are asked for."""
+    if config.getoption("--all"):
+        return
+    slow = [item for item in items if item.get_closest_marker("slow")]
+    config.hook.pytest_deselected(items=slow)
+    items[:] = [item for item in items if item not in slow]
 
 
 @pytest.fixture

@@ -31,7 +31,12 @@ TOGETHER = 10  # steps that both engines take from a start
 SAMPLED = 6  # steps that both engines take from wherever a run has come to, beside those in which something is counted
 
 
-@pytest.fixture(scope="module", params=programs(), ids=str)
+def is_rare(form: Form) -> bool:
+    """Returns whether a form is played only with all tests: crowds (see `tests/differential/test_twenty_agents.py`) and third variants."""
+    return form.agents is not None or form.variant in ("crowd", "meltingpot")
+
+
+@pytest.fixture(scope="module", params=[pytest.param(f, marks=pytest.mark.slow) if is_rare(f) else f for f in programs()], ids=str)
 def form(request: pytest.FixtureRequest) -> Form:
     """Of module scope, so that the tests of one form follow one another and share its runs."""
     return request.param

@@ -78,7 +78,6 @@ def test_errors_look_as_the_manual_shows_them(folder):
         assert render(check(source), {source.name: source}, colour=False).strip() == block.text.strip()
 
 
-@pytest.mark.slow
 def test_the_python_of_the_manual_runs(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     for block in (b for b in manual_blocks() if b.language == "python"):
@@ -116,7 +115,6 @@ def rest(name: str, seed: int, steps: int, folder: Path) -> View:
     return view
 
 
-@pytest.mark.slow
 @chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES)
 def test_compiled_example_equals_the_interpreted(example, folder):
     for block in example.said("result"):

@@ -69,13 +69,11 @@ def _site_packages(folder: Path) -> Path:
     return next((folder / "empty/lib").glob("python*/site-packages"))
 
 
-@pytest.mark.slow
 def test_only_sjdsl_is_installed(installed: Path) -> None:
     names = {path.name for path in _site_packages(installed).iterdir() if path.name != "__pycache__"}
     assert {name for name in names if not name.endswith((".dist-info", ".pth"))} == {"sjdsl"}
 
 
-@pytest.mark.slow
 def test_it_works_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "my_game.sj").write_text(GAME)
     shell = installed / "empty/bin"
