@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-all check bench damage golden docs wheel-test clean
+.PHONY: run test test-all check bench damage fuzz golden docs wheel-test clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -33,6 +33,10 @@ check: .venv/ready
 	$(BIN)/sjdsl compile --all --check
 	$(BIN)/sjdsl doc --all --check
 	$(PYTEST)
+
+# As many random programs as one likes, each in every way it can be compiled; what fails is made small and kept in runs/fuzz.
+fuzz: .venv/ready
+	$(BIN)/python -m tests.fuzz.campaign --examples $(or $(EXAMPLES),2000) --seed $(or $(SEED),0) --coverage
 
 bench: .venv/ready
 	$(BIN)/sjdsl bench
