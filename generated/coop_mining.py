@@ -7,13 +7,12 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.counting import occupied, size_of_set
+from sjdsl.runtime.counting import occupied, size_of_set, times_in
 from sjdsl.runtime.draws import below, next_threshold, threshold, words
 from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick_of_set, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import as_bits
 from sjdsl.runtime.view import paint, planes_of, windows
 
 NAME = 'coop_mining'
@@ -200,8 +199,8 @@ def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     found = jnp.any(in_lane, axis=-1)  # coop_mining.sj:46
     place_2 = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # coop_mining.sj:46
     rock = jnp.take_along_axis(ray_rock, jnp.minimum(place_2, 2), axis=1)  # coop_mining.sj:46
-    rock_miners_joined = jnp.zeros((538, 6), bool).at[jnp.where(active[:, None] & found, rock, 538), jnp.broadcast_to(jnp.arange(6, dtype=jnp.int32)[:, None], (6, 1,))].set(True, mode="drop")  # coop_mining.sj:46
-    rock_miners = state.rock_miners | as_bits(rock_miners_joined, jnp.uint8)
+    rock_miners_joined = jnp.zeros((538,), jnp.uint8).at[jnp.where(active[:, None] & found, rock, 538)].add(((jnp.uint8(1) << jnp.arange(6, dtype=jnp.uint8)))[:, None], mode="drop")  # coop_mining.sj:46
+    rock_miners = state.rock_miners | rock_miners_joined
     return state.replace(rock_miners=rock_miners, mark_mine=marked), out
 
 
@@ -210,7 +209,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     active = (state.rock_miners != 0) & (state.rock_ore == 1)  # coop_mining.sj:50
     winner, found = pick_of_set(state.rock_miners, words(key, 0x23bf2029, 538, 1)[:, 0])  # coop_mining.sj:51
     active_2 = active & found  # coop_mining.sj:51
-    times = jnp.sum(active_2[:, None] & (winner[:, None] == jnp.arange(6, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # coop_mining.sj:51
+    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner.astype(jnp.uint8), 0), 6)  # coop_mining.sj:51
     reward = out.reward + (times.astype(jnp.float32) * params.iron_pays)  # coop_mining.sj:51
     event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:51
     rock_ore = jnp.where(active, 0, state.rock_ore)  # coop_mining.sj:52
@@ -224,7 +223,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     holds_2 = num_agent >= params.fewest  # coop_mining.sj:57
     active_5 = (active_3 & ~holds) & holds_2  # coop_mining.sj:57
     active_6 = active_5 & (num_agent <= params.most)  # coop_mining.sj:59
-    times_2 = jnp.sum(active_6[:, None] & (((state.rock_miners[:, None] >> jnp.arange(6, dtype=jnp.uint8)[None, :]) & 1) != 0), axis=0, dtype=jnp.int32)  # coop_mining.sj:60
+    times_2 = times_in(jnp.where(active_6, state.rock_miners, 0), 6)  # coop_mining.sj:60
     reward = reward + (times_2.astype(jnp.float32) * params.gold_pays)  # coop_mining.sj:60
     event_gold_mined = out.event_gold_mined + times_2  # coop_mining.sj:61
     times_3 = jnp.sum(active_6, dtype=jnp.int32)  # coop_mining.sj:62

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
+from sjdsl.runtime.counting import times_in
 from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.geometry import blocking, cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
@@ -240,15 +241,15 @@ def claim(state: State, out: Outcome, params: Params, actions: Array, key: Array
     present = state.position != 0  # territory.sj:51
     touch_cells = state.position[:, None] + TOUCH_OFFSETS[state.heading]  # territory.sj:51
     touch_brick = SITE_OF_BRICK[touch_cells]  # territory.sj:51
-    brick_rivals_joined = jnp.zeros((120, 9), bool).at[jnp.where(present[:, None] & (touch_brick < 120), touch_brick, 120), jnp.broadcast_to(jnp.arange(9, dtype=jnp.int32)[:, None], (9, 1,))].set(True, mode="drop")  # territory.sj:51
+    brick_rivals_joined = jnp.zeros((120,), jnp.uint32).at[jnp.where(present[:, None] & (touch_brick < 120), touch_brick, 120)].add(((jnp.uint32(1) << jnp.arange(9, dtype=jnp.uint32)))[:, None], mode="drop")  # territory.sj:51
     active = present & (actions == 8)  # territory.sj:52
     paint_cells = state.position[:, None] + PAINT_OFFSETS[state.heading]  # territory.sj:52
     paint_reached = ((PAINT_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(2, dtype=jnp.uint8)[None, :]) & 1) != 0  # territory.sj:52
     marked = jnp.where(active[:, None] & paint_reached, paint_cells, 0).reshape(-1)  # territory.sj:52
     paint_brick = SITE_OF_BRICK[paint_cells]  # territory.sj:52
     brick_rivals_joined_2 = jnp.zeros((120, 9), bool).at[jnp.where(active[:, None] & ((paint_brick < 120) & paint_reached), paint_brick, 120), jnp.broadcast_to(jnp.arange(9, dtype=jnp.int32)[:, None], (9, 2,))].set(True, mode="drop")  # territory.sj:52
-    brick_rivals = state.brick_rivals | as_bits(brick_rivals_joined, jnp.uint32)
-    brick_rivals = brick_rivals | as_bits(brick_rivals_joined_2, jnp.uint32)
+    brick_rivals_joined_3 = as_bits(brick_rivals_joined_2, jnp.uint32)  # territory.sj:52
+    brick_rivals = state.brick_rivals | brick_rivals_joined | brick_rivals_joined_3
     return state.replace(brick_rivals=brick_rivals, mark_claim=marked), out
 
 
@@ -261,7 +262,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     brick_owner = jnp.where(active_2, winner, state.brick_owner)  # territory.sj:58
     brick_paint = jnp.where(active_2, 1, state.brick_paint)  # territory.sj:58
     brick_wetness = jnp.where(active_2, params.drying, state.brick_wetness)  # territory.sj:58
-    times = jnp.sum(active_2[:, None] & (winner[:, None] == jnp.arange(9, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # territory.sj:58
+    times = times_in(jnp.where(active_2, jnp.uint32(1) << winner.astype(jnp.uint32), 0), 9)  # territory.sj:58
     event_claimed = out.event_claimed + times  # territory.sj:58
     brick_rivals = jnp.where(active, 0, state.brick_rivals)  # territory.sj:61
     return state.replace(brick_owner=brick_owner, brick_paint=brick_paint, brick_wetness=brick_wetness, brick_rivals=brick_rivals), out.replace(event_claimed=event_claimed)
@@ -319,7 +320,7 @@ def pay(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     """Phase `pay`."""
     happens = (words(key, 0x47378959, 120) >> 1) < threshold(params.rate)  # territory.sj:78
     active = ((state.brick_paint == 2) & (state.brick_owner != -1)) & happens  # territory.sj:78
-    times = jnp.sum(active[:, None] & (state.brick_owner[:, None] == jnp.arange(9, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # territory.sj:78
+    times = times_in(jnp.where(active, jnp.uint32(1) << state.brick_owner.astype(jnp.uint32), 0), 9)  # territory.sj:78
     reward = out.reward + (times.astype(jnp.float32) * params.yield_)  # territory.sj:78
     event_paid = out.event_paid + times  # territory.sj:78
     return state, out.replace(reward=reward, event_paid=event_paid)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from sjdsl.compiler import ir
 
 KERNELS = {
-    "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set"),
+    "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
     "sjdsl.runtime.draws": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
     "sjdsl.runtime.geometry": (
         "blocking",

@@ -1,5 +1,8 @@
 """Counting members near each cell and of sets by bits, and who stands where."""
 
+import functools
+import operator
+
 import jax.numpy as jnp
 from jax import Array, lax
 
@@ -23,6 +26,29 @@ def count_near(member: Array, masks: Array) -> Array:
 def size_of_set(members: Array) -> Array:
     """Returns how many agents sets have that are kept as bits: `[...]` unsigned -> `[...]` int32."""
     return lax.population_count(members).astype(jnp.int32)
+
+
+def times_in(sets: Array, agents: int) -> Array:
+    """Returns how many of the sets each agent is in.
+
+    Several agents are counted in one word, a field of bits each: the sum over many sets is what costs.
+
+    Args:
+      sets: any shape, unsigned; bit i for agent i.
+      agents: at most 32.
+    Returns:
+      `[agents]` int32.
+    """
+    flat = sets.reshape(-1).astype(jnp.uint32)
+    width = flat.shape[0].bit_length()
+    together, field = 32 // width, jnp.uint32((1 << width) - 1)
+    counts = []
+    for first in range(0, agents, together):
+        here = range(min(together, agents - first))
+        spread = [((flat >> jnp.uint32(first + i)) & jnp.uint32(1)) << jnp.uint32(width * i) for i in here]
+        total = jnp.sum(functools.reduce(operator.or_, spread), dtype=jnp.uint32)
+        counts += [(total >> jnp.uint32(width * i)) & field for i in here]
+    return jnp.stack(counts).astype(jnp.int32)
 
 
 def occupied(site: Array, size: int) -> Array:

@@ -117,7 +117,7 @@ class Writer:
     outcome: dict[str, str] = field(default_factory=dict)
     added: dict[str, list[Value]] = field(default_factory=dict)
     marked: dict[str, int] = field(default_factory=dict)
-    late: list[tuple[str, str, str]] = field(default_factory=list)
+    joined: dict[str, list[str]] = field(default_factory=dict)
 
     def line(self, text: str) -> None:
         self.lines.append(Line(text, self.origin))

@@ -1,10 +1,15 @@
 """Rewards and counts of events: what each agent, everybody or the episode gets from all instances of a sentence together."""
 
+import math
+from dataclasses import replace
+
 from sjdsl.compiler import ir
 from sjdsl.compiler.identifiers import param_attribute
 from sjdsl.compiler.lower.context import AgentVar, Frame, Writer, iota
 from sjdsl.compiler.lower.expressions import lower, owner, real, to_words
-from sjdsl.compiler.lower.values import Axis, Value, as_dtype, binary, both, literal, reduce, select, wrapped
+from sjdsl.compiler.lower.values import DTYPES, Axis, Value, as_dtype, binary, both, literal, reduce, select, wrapped
+
+MANY = 64  # instances from which on agents are counted by the bits of sets
 
 
 def give(s: ir.Give, frame: Frame, w: Writer) -> None:
@@ -55,16 +60,31 @@ def deliver(attribute: str, place: str, got: Value, w: Writer) -> None:
 
 def per_agent(e: ir.Expr, amount: Value, frame: Frame, w: Writer) -> Value:
     """Returns what each agent gets in all: `[N]`, or a number if that is the same for all."""
+    axis = w.axis("receiver", w.module.num_agents)
+    many = math.prod(a.size for a in frame.axes) >= MANY and not amount.axes and axis.size <= 32
     if e.type.kind == "agents":
-        axis = w.axis("receiver", w.module.num_agents)
+        if many:
+            return _counted(lower(e, frame, w), amount, axis, frame, w)
         return _summed(both(frame.mask, _in_set(e, axis, frame, w)), amount, frame.axes, w)
     who = owner(e, frame, w)
     assert isinstance(who, AgentVar)
     if who.axis is not None:
         return _summed(frame.mask, amount, tuple(a for a in frame.axes if a != who.axis), w)
+    if many:
+        dtype = DTYPES["u8" if axis.size <= 8 else "u32"]
+        one = replace(who.index, text=f"{dtype}(1) << {wrapped(who.index)}.astype({dtype})", dtype="u8" if axis.size <= 8 else "u32")
+        return _counted(one, amount, axis, frame, w)
     # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
-    axis = w.axis("receiver", w.module.num_agents)
     return _summed(both(frame.mask, binary("==", who.index, iota(axis), "bool")), amount, frame.axes, w)
+
+
+def _counted(sets: Value, amount: Value, axis: Axis, frame: Frame, w: Writer) -> Value:
+    """Returns an amount that is the same for all, times how many of the sets of the instances an agent is in."""
+    reached = select(frame.mask, sets, literal(0, sets.dtype))
+    missing = math.prod(a.size for a in frame.axes if a not in reached.axes)
+    count = w.keep("times", Value(f"times_in({reached.text}, {axis.size})", "i32", (axis,)))
+    times = binary("*", amount, literal(missing, amount.dtype), amount.dtype) if missing > 1 else amount
+    return count if times == literal(1, "i32") else binary("*", as_dtype(count, times.dtype), times, times.dtype)
 
 
 def _in_set(e: ir.Expr, axis: Axis, frame: Frame, w: Writer) -> Value:

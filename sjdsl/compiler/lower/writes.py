@@ -309,6 +309,7 @@ def _add_member(
     if n > 32:
         raise NotSupported(f"a set of agents in a game of {n} agents (at most 32)", s.origin)
     member = lower(s.value, frame.always(), w)
+    joining = frame.variables[s.value.name] if isinstance(s.value, ir.Member) else None
     dtype = "jnp.uint8" if n <= 8 else "jnp.uint32"
     if who is None:
         raise NotSupported("a world field that is a set of agents", s.origin)
@@ -320,12 +321,18 @@ def _add_member(
     shape = ", ".join(str(a.size) for a in axes)
     spread = [x.text if x.axes == axes else f"jnp.broadcast_to({aligned(x, axes)}, ({shape},))" for x in (at, *key, member)]
     words = [str(len(target.type.by[0])) for _ in key]
-    table = f'jnp.zeros(({", ".join([str(size), *words, str(n)])}), bool).at[{", ".join(spread)}].set(True, mode="drop")'
+    name = f"{attribute}_joined"
+    itself = joining.axis if isinstance(joining, AgentVar) else None
+    if itself in axes and all(a.size == 1 or a == itself for a in axes):  # the bit of an agent is added once at most
+        own = aligned(Value(f"({dtype}(1) << jnp.arange({n}, dtype={dtype}))", "u8", (itself,)), axes)
+        where = spread[0] if not key else ", ".join(spread[:-1])
+        sets = f'jnp.zeros(({", ".join([str(size), *words])},), {dtype}).at[{where}].add({own}, mode="drop")'
+    else:
+        table = f'jnp.zeros(({", ".join([str(size), *words, str(n)])}), bool).at[{", ".join(spread)}].set(True, mode="drop")'
+        sets = f"as_bits({w.keep(name, Value(table, 'bool')).text}, {dtype})"
     if target.type.by and not keys:  # to every entry of the row
-        table = f"({table})[:, None, :]"
-    name = w.keep(f"{attribute}_joined", Value(table, "bool"))
-    text = f"{w.current(attribute)} | as_bits({name.text}, {dtype})"
-    w.late.append((attribute, text, name.text))
+        sets = f"({sets})[:, None]"
+    w.joined.setdefault(attribute, []).append(w.keep(name, Value(sets, "u8")).text)
 
 
 def finish(w: Writer) -> None:
@@ -340,9 +347,8 @@ def finish(w: Writer) -> None:
         if declared.capped:
             text = f"jnp.clip({text}, {int(declared.type.low)}, {int(declared.type.high)})"
         w.assign(attribute, as_dtype(Value(text, wide), dtype).text)
-    for attribute, _, joined in w.late:
-        dtype = "jnp.uint8" if w.module.num_agents <= 8 else "jnp.uint32"
-        w.assign(attribute, f"{w.current(attribute)} | as_bits({joined}, {dtype})")
+    for attribute, sets in w.joined.items():
+        w.assign(attribute, " | ".join([w.current(attribute), *sets]))
 
 
 def all_fields(game: ir.Game) -> list[ir.VarField]:
