@@ -1,6 +1,8 @@
 """Speed: how many environment steps a second compiled games do, beside a game written by hand in the same process."""
 
+from sjdsl.bench.compilation import Compilation
 from sjdsl.bench.loop import Task, game_task, yardstick_task
-from sjdsl.bench.timing import Compilation, Report, Speed, measure
+from sjdsl.bench.sweep import Sweep, measure_sweep
+from sjdsl.bench.timing import Report, Speed, measure
 
-__all__ = ["Compilation", "Report", "Speed", "Task", "game_task", "measure", "yardstick_task"]
+__all__ = ["Compilation", "Report", "Speed", "Sweep", "Task", "game_task", "measure", "measure_sweep", "yardstick_task"]

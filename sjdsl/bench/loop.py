@@ -16,7 +16,10 @@ YARDSTICK = "yardstick"
 
 @dataclass(frozen=True)
 class Task:
-    """Something to be measured: `step(state, actions, key) -> (state, reward, observation)` of one environment."""
+    """Something to be measured: `step(state, actions, key) -> (state, reward, observation)` of one environment.
+
+    `crowd` is the number of agents that was asked for instead of the game's own.
+    """
 
     name: str
     num_agents: int
@@ -24,6 +27,11 @@ class Task:
     reset: Callable[[], Any]
     step: Callable[[Any, Array, Array], tuple[Any, Array, Array]]
     env: Environment | None = None
+    crowd: int | None = None
+
+    @property
+    def observation(self) -> str:
+        return self.env.observation if self.env is not None else "tokens"
 
 
 def yardstick_task() -> Task:
@@ -31,7 +39,7 @@ def yardstick_task() -> Task:
     return Task(YARDSTICK, yardstick.NUM_AGENTS, yardstick.NUM_ACTIONS, yardstick.reset, yardstick.step)
 
 
-def game_task(env: Environment, name: str = "") -> Task:
+def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Task:
     """Returns `env.step`, its reset at the end of an episode included."""
 
     def step(state: Any, actions: Array, key: Array) -> tuple[Any, Array, Array]:
@@ -41,24 +49,36 @@ def game_task(env: Environment, name: str = "") -> Task:
     def reset() -> Any:
         return env.reset(jax.random.key(0))[1]
 
-    return Task(name or env.name, env.num_agents, env.num_actions, reset, step, env)
+    return Task(name or env.name, env.num_agents, env.num_actions, reset, step, env, crowd)
 
 
 def make_loop(task: Task, num_envs: int, num_steps: int) -> Callable[[Array], Array]:
     """Returns a function of a key that plays and returns the sum of all rewards and observations."""
 
     def run(key: Array) -> Array:
-        def body(carry: tuple[Any, Array, Array], _: None) -> tuple[tuple[Any, Array, Array], None]:
-            state, total, key = carry
-            key, k_action, k_step = jax.random.split(key, 3)
-            action = jax.random.randint(k_action, (num_envs, task.num_agents), 0, task.num_actions)
-            state, reward, observation = jax.vmap(task.step)(state, action, jax.random.split(k_step, num_envs))
-            return (state, total + reward.sum() + observation.astype(jnp.float32).sum(), key), None
-
         start = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), task.reset())
-        return jax.lax.scan(body, (start, jnp.float32(0), key), None, num_steps)[0][1]
+        return play(jax.vmap(task.step), start, (num_envs, task.num_agents), task.num_actions, num_steps, key)
 
     return run
+
+
+def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actions: int, num_steps: int, key: Array) -> Array:
+    """Returns the sum of all rewards and observations of random play.
+
+    Args:
+      step: `(states, actions, keys) -> (states, reward, observation)` of all environments.
+      start: the first states.
+      shape: how many environments, how many agents.
+    """
+
+    def body(carry: tuple[Any, Array, Array], _: None) -> tuple[tuple[Any, Array, Array], None]:
+        state, total, key = carry
+        key, k_action, k_step = jax.random.split(key, 3)
+        action = jax.random.randint(k_action, shape, 0, num_actions)
+        state, reward, observation = step(state, action, jax.random.split(k_step, shape[0]))
+        return (state, total + reward.sum() + observation.astype(jnp.float32).sum(), key), None
+
+    return jax.lax.scan(body, (start, jnp.float32(0), key), None, num_steps)[0][1]
 
 
 def steps_for(num_envs: int) -> int:

@@ -1,7 +1,5 @@
 """Timings that can be compared: every task is measured in turn, round by round, in one process."""
 
-import os
-import platform
 import statistics
 import time
 from collections.abc import Callable, Sequence
@@ -10,26 +8,32 @@ from typing import Any
 
 import jax
 from jax import Array
+from jax.stages import Compiled
 
-from sjdsl import __version__
+from sjdsl.bench.compilation import Compilation, compile_step
 from sjdsl.bench.loop import Task, make_loop, steps_for, yardstick_task
-from sjdsl.runtime.env import Environment
+from sjdsl.bench.machine import describe_machine, device_peak_bytes
 
 
 @dataclass(frozen=True)
 class Speed:
     """Environment steps a second of one task: the median of the rounds, the slowest and the fastest.
 
-    `ratio` is the median over rounds of the task's speed to the yardstick's in the same round.
+    `ratio` is the median over rounds of the task's speed to the yardstick's in the same round. `memory_bytes` is what XLA
+    says the whole loop needs: the states, the observations of one step and everything in between.
     """
 
     name: str
+    num_agents: int
+    observation: str
+    crowd: int | None
     num_envs: int
     env_steps_per_s: float
     slowest: float
     fastest: float
     ratio: float
     loop_compile_s: float
+    memory_bytes: int
 
     @property
     def spread(self) -> float:
@@ -38,23 +42,14 @@ class Speed:
 
 
 @dataclass(frozen=True)
-class Compilation:
-    """What XLA has to do for one `env.step` under `jit`."""
-
-    name: str
-    compile_s: float
-    stablehlo_lines: int
-
-
-@dataclass(frozen=True)
 class Report:
     """All figures of one run, and what they were measured on."""
 
     machine: dict[str, Any]
-    observation: str
     repeats: int
     speeds: tuple[Speed, ...]
     compilations: tuple[Compilation, ...]
+    device_peak_bytes: int | None
 
     def to_json(self) -> dict[str, Any]:
         return asdict(self)
@@ -84,22 +79,10 @@ def measure(
     speeds: list[Speed] = []
     for number in num_envs:
         speeds += _race([yardstick_task(), *tasks], number, steps(number), repeats, tell)
-    observation = next((task.env.observation for task in tasks if task.env is not None), "tokens")
-    return Report(describe_machine(), observation, repeats, tuple(speeds), tuple(compilations))
+    return Report(describe_machine(), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
-def compile_step(env: Environment, name: str = "") -> Compilation:
-    """Returns the cost of compiling one step of a single environment, and the size of what XLA is given."""
-    key = jax.random.key(0)
-    state = jax.eval_shape(env.reset, key)[1]
-    actions = jax.ShapeDtypeStruct((env.num_agents,), "int32")
-    lowered = env.step.lower(key, state, actions)
-    began = time.perf_counter()
-    lowered.compile()
-    return Compilation(name or env.name, time.perf_counter() - began, len(lowered.as_text().splitlines()))
-
-
-def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], None]) -> list[Speed]:
+def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], object]) -> list[Speed]:
     """Measures all tasks at one number of environments; the first of them is the yardstick."""
     loops, compile_s = [], []
     for task in tasks:
@@ -107,33 +90,33 @@ def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, te
         began = time.perf_counter()
         loops.append(jax.jit(make_loop(task, num_envs, num_steps)).lower(jax.random.key(0)).compile())
         compile_s.append(time.perf_counter() - began)
-        loops[-1](jax.random.key(1)).block_until_ready()
-    rates: list[list[float]] = [[] for _ in tasks]
-    for number in range(repeats):
-        tell(f"{num_envs} environments, round {number + 1} of {repeats}")
-        for index, loop in enumerate(loops):
-            rates[index].append(num_envs * num_steps / _seconds(loop, jax.random.key(number)))
+    rates = race(loops, num_envs * num_steps, repeats, lambda number: tell(f"{num_envs} environments, round {number} of {repeats}"))
     speeds = []
-    for task, rate, seconds in zip(tasks, rates, compile_s, strict=True):
+    for task, rate, seconds, loop in zip(tasks, rates, compile_s, loops, strict=True):
         ratio = statistics.median(a / b for a, b in zip(rate, rates[0], strict=True))
-        speeds.append(Speed(task.name, num_envs, statistics.median(rate), min(rate), max(rate), ratio, seconds))
+        figures = (statistics.median(rate), min(rate), max(rate), ratio, seconds, memory_of(loop))
+        speeds.append(Speed(task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures))
     return speeds
 
 
-def _seconds(loop: Callable[[Array], Array], key: Array) -> float:
-    began = time.perf_counter()
-    loop(key).block_until_ready()
-    return time.perf_counter() - began
+def race(loops: Sequence[Callable[[Array], Array]], env_steps: int, repeats: int, tell: Callable[[int], object]) -> list[list[float]]:
+    """Returns environment steps a second by loop and round: in each round every loop does `env_steps` once."""
+    for loop in loops:
+        loop(jax.random.key(1)).block_until_ready()  # the first call may be slower
+    rates: list[list[float]] = [[] for _ in loops]
+    for number in range(repeats):
+        tell(number + 1)
+        for rate, loop in zip(rates, loops, strict=True):
+            key = jax.random.key(number)
+            began = time.perf_counter()
+            loop(key).block_until_ready()
+            rate.append(env_steps / (time.perf_counter() - began))
+    return rates
 
 
-def describe_machine() -> dict[str, Any]:
-    """Returns what the figures depend on besides the games."""
-    device = jax.devices()[0]
-    return {
-        "platform": device.platform,
-        "device": device.device_kind,
-        "cpu_cores": os.cpu_count(),
-        "python": platform.python_version(),
-        "jax": jax.__version__,
-        "sjdsl": __version__,
-    }
+def memory_of(compiled: Compiled) -> int:
+    """Returns the bytes XLA needs for a program: arguments, results and everything in between, its code aside."""
+    stats = compiled.memory_analysis()
+    if stats is None:
+        return 0
+    return stats.temp_size_in_bytes + stats.argument_size_in_bytes + stats.output_size_in_bytes - stats.alias_size_in_bytes

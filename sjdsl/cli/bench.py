@@ -1,49 +1,50 @@
 """`sjdsl bench`: how fast games run, beside the yardstick in the same process."""
 
-import json
-from contextlib import nullcontext
+import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import describe_environment, make_environment
+from sjdsl.cli.bench_games import choose_tasks
+from sjdsl.cli.bench_options import Agents, Counts, Observations, Quoting
 from sjdsl.cli.game_file import variant_option
 from sjdsl.games_folder import bundled
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from sjdsl.bench import Task
 
-    from sjdsl.bench import Report
-
-
-class Counts(click.ParamType):
-    """`1,128,1024` as whole numbers."""
-
-    name = "numbers"
-
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
-        parts = value.split(",")
-        if not all(part.strip().isdigit() and int(part) > 0 for part in parts):
-            self.fail(f"`{value}` is not a list of whole numbers such as 1,128,1024", param, ctx)
-        return tuple(int(part) for part in parts)
+RACED = (1, 128, 1024, 4096)  # environments
+SWEPT = (16,)  # of each value
 
 
-@click.command("bench")
+@click.command("bench", cls=Quoting)
 @click.argument("games", nargs=-1, metavar="[GAME...]")
-@click.option("--envs", type=Counts(), default="1,128,1024,4096", show_default=True, help="Numbers of environments at once.")
-@click.option("--observation", type=click.Choice(["tokens", "onehot"]), default="tokens", show_default=True)
+@click.option("--envs", type=Counts(), help="Numbers of environments at once: 1,128,1024,4096; in a sweep, of each value: 16.")
+@click.option("--observation", "observations", type=Observations(), multiple=True, help="tokens (the default), onehot or tokens,onehot.")
+@click.option("--agents", type=Agents(), default="own", show_default=True, help="Numbers of agents, such as own,20.")
 @click.option("--repeats", type=click.IntRange(min=1), default=5, show_default=True, help="Rounds of timings.")
 @click.option("--steps", type=click.IntRange(min=1), help="Steps of one timing; by default about 40,000 environment steps.")
+@click.option("--sweep", metavar="PARAM", help="Instead: many values of a parameter of one GAME, in one program and in one each.")
+@click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="How many of them.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well.")
+@click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or between the marks of one there is.")
+@click.option("--plots", metavar="FOLDER", help="Draw speed over numbers of environments, as PNGs.")
 @variant_option
+@click.pass_context
 def command(
+    context: click.Context,
     games: tuple[str, ...],
-    envs: tuple[int, ...],
-    observation: str,
+    envs: tuple[int, ...] | None,
+    observations: tuple[tuple[str, ...], ...],
+    agents: tuple[int | None, ...],
     repeats: int,
     steps: int | None,
+    sweep: str | None,
+    values: int,
     json_file: str | None,
+    page: str | None,
+    plots: str | None,
     variant: str | None,
 ) -> None:
     """Measures environment steps a second under random actions: all bundled games, or the GAMEs named.
@@ -51,47 +52,43 @@ def command(
     Beside each game runs the yardstick, a step of Commons Harvest written by hand. Machines drift; the ratio to the
     yardstick, taken round by round, does not.
     """
-    from rich.console import Console
-
-    from sjdsl.bench import game_task, measure
+    from sjdsl.bench import Report, measure, measure_sweep
     from sjdsl.bench.loop import steps_for
+    from sjdsl.bench.plots import draw_scaling
+    from sjdsl.bench.tables import notes_of, tables_of
+    from sjdsl.cli.bench_output import print_tables, require_marks, section_name, telling, write_json, write_page
 
-    tasks = []
-    for name in games or bundled():
-        env = make_environment(describe_environment(name, variant, None, None, {}), observation)
-        tasks.append(game_task(env, f"{env.name}+{variant}" if variant else env.name))
-    status = Console(stderr=True).status("compiling") if Console(stderr=True).is_terminal else nullcontext()
-    with status as shown:
-        report = measure(tasks, envs, repeats, lambda n: steps or steps_for(n), shown.update if shown else lambda _: None)
-    console = Console()
-    print_report(report, console if console.is_terminal else Console(width=150))
+    seen = tuple(dict.fromkeys(word for words in observations for word in words)) or ("tokens",)
+    numbers = envs or (SWEPT if sweep else RACED)
+    if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):
+        raise click.UsageError("a sweep is of one game, one observation, one number of agents and of environments, without plots", context)
+    tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
+    if not tasks:
+        raise click.ClickException("; ".join(refused))
+    section = section_name(f"{tasks[0].name} {sweep}" if sweep else None)
+    if page:
+        require_marks(Path(page), section)
+    with telling() as tell:
+        if sweep:
+            found = measure_sweep(tasks[0], sweep, _swept(tasks[0], sweep, values), numbers[0], repeats, steps, tell=tell)
+        else:
+            found = measure(tasks, numbers, repeats, lambda n: steps or steps_for(n), tell)
+    tables, notes = tables_of(found), [*refused, *notes_of(found)]
+    print_tables(tables, found.machine, notes)
     if json_file:
-        Path(json_file).write_text(json.dumps(report.to_json(), indent=2) + "\n", encoding="utf-8")
+        write_json(Path(json_file), found)
+    pictures = draw_scaling(found, Path(plots)) if isinstance(found, Report) and plots else ()
+    if page:
+        said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
+        write_page(Path(page), section, said, found.machine, notes, tables, pictures)
 
 
-def print_report(report: "Report", console: "Console") -> None:
-    """Prints one row a game: for each number of environments its speed, the spread of the rounds, and the ratio."""
-    from rich import box
-    from rich.table import Table
+def _swept(task: "Task", param: str, number: int) -> "list[Any]":
+    """Returns the values of a sweep. Raises ClickException for a parameter the game does not have, or too many values."""
+    from sjdsl.bench.sweep import swept_params
 
-    machine = report.machine
-    table = Table(box=box.SIMPLE, title_justify="left", title=f"environment steps a second, {report.observation}")
-    table.add_column("game", no_wrap=True)
-    numbers = sorted({speed.num_envs for speed in report.speeds})
-    for heading in (*(f"{n:,} envs" for n in numbers), "loop compile", "step compile", "step lines"):
-        table.add_column(heading, justify="right")
-    steps = {step.name: step for step in report.compilations}
-    for name in dict.fromkeys(speed.name for speed in report.speeds):
-        speeds = {speed.num_envs: speed for speed in report.speeds if speed.name == name}
-        cells = [f"{_thousands(s.env_steps_per_s)} ±{s.spread:.0%} x{s.ratio:.2f}" for s in (speeds[n] for n in numbers)]
-        cells.append(f"{max(s.loop_compile_s for s in speeds.values()):.1f} s")
-        cells += [f"{steps[name].compile_s:.1f} s", f"{steps[name].stablehlo_lines:,}"] if name in steps else ["", ""]
-        table.add_row(name, *cells)
-    console.print(table)
-    where = f"{machine['device']}, {machine['cpu_cores']} cores, JAX {machine['jax']}"
-    console.print(f"{where}; median of {report.repeats} rounds, spread, ratio to the yardstick round by round")
-
-
-def _thousands(rate: float) -> str:
-    """Returns `9.48k` or `1,293k`: three digits say all that a timing knows."""
-    return f"{rate / 1000:,.0f}k" if rate >= 100_000 else f"{rate / 1000:.3g}k"
+    assert task.env is not None
+    try:
+        return swept_params(task.env, param, number)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None

@@ -11,8 +11,8 @@ from jax import Array
 
 import sjdsl
 from sjdsl.bench import Report, Task, game_task, measure, yardstick_task
+from sjdsl.bench.compilation import compile_step
 from sjdsl.bench.loop import make_loop
-from sjdsl.bench.timing import compile_step
 from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
 
@@ -67,6 +67,7 @@ def test_figures_agree_with_one_another(report: Report) -> None:
         assert 0 < speed.slowest <= speed.env_steps_per_s <= speed.fastest
         assert speed.ratio > 0
         assert speed.loop_compile_s > 0
+        assert speed.memory_bytes > 0
         if speed.name == "yardstick":
             assert speed.ratio == 1
 
@@ -74,10 +75,11 @@ def test_figures_agree_with_one_another(report: Report) -> None:
 def test_the_report_can_be_stored(report: Report) -> None:
     stored = json.loads(json.dumps(report.to_json()))
     assert stored["machine"]["jax"] == jax.__version__
-    assert stored["observation"] == "tokens"
     assert len(stored["speeds"]) == 4
     assert stored["compilations"][0]["name"] == "meadow"
     assert stored["compilations"][0]["stablehlo_lines"] > 100
+    assert stored["compilations"][0]["operations"]["sort"] == 0
+    assert {speed["observation"] for speed in stored["speeds"]} == {"tokens"}
 
 
 def test_one_step_is_what_is_compiled(env: Environment) -> None:
@@ -111,3 +113,29 @@ def test_the_command_prints_and_stores_a_table(tmp_path: Path, monkeypatch: pyte
     for part in ("yardstick", "meadow", "2 envs", "x1.00"):
         assert part in shown
     assert json.loads(Path("out.json").read_text())["repeats"] == 1
+
+
+def test_the_command_measures_several_forms_and_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("meadow.sj").write_text(GAME)
+    Path("docs").mkdir()
+    Path("docs/page.md").write_text("Speed.\n<!-- speed cpu -->\n<!-- end speed cpu -->\nThat was it.\n")
+    asked = "bench meadow.sj --observation tokens,onehot --agents own,9 --envs 2 --steps 2 --repeats 1"
+    assert run([*asked.split(), "--markdown", "docs/page.md", "--plots", "docs/plots"]) == 0
+    page = Path("docs/page.md").read_text()
+    assert f"`sjdsl {asked} --markdown docs/page.md --plots docs/plots`" in page
+    assert "| meadow | 2 | onehot |" in page
+    assert "meadow.sj is left out with 9 agents: " in page
+    assert "(plots/cpu_onehot_own_agents.png)" in page
+    assert page.startswith("Speed.") and page.endswith("That was it.\n")
+
+
+def test_a_page_without_marks_is_refused_before_anything_is_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("meadow.sj").write_text(GAME)
+    Path("page.md").write_text("Nothing here.\n")
+    assert run(["bench", "meadow.sj", "--markdown", "page.md"]) == 1
+    assert "<!-- speed cpu -->" in capsys.readouterr().err
+    assert Path("page.md").read_text() == "Nothing here.\n"

@@ -41,6 +41,9 @@ from sjdsl.cli import check, run
         ("train orchard.sj --algorithm dqn", 2, "'ippo'"),
         ("evaluate nowhere", 1, "nowhere"),
         ("bench orchard.sj --envs 1,many", 2, "1,128,1024"),
+        ("bench orchard.sj --agents own,few", 2, "own,20"),
+        ("bench orchard.sj --observation pixels", 2, "tokens,onehot"),
+        ("bench orchard.sj --agents 9", 1, "left out with 9 agents"),
         ("bench coinz", 1, "did you mean `coins`?"),
     ],
 )

@@ -1,0 +1,45 @@
+"""What figures depend on besides the games: the machine, and how much of its memory was used."""
+
+import os
+import platform
+from pathlib import Path
+from typing import Any
+
+import jax
+
+from sjdsl import __version__
+
+
+def describe_machine() -> dict[str, Any]:
+    """Returns the machine and the versions; `compilation_cache`: whether XLA may have found programs compiled before."""
+    device = jax.devices()[0]
+    return {
+        "platform": device.platform,
+        "device": _processor() if device.platform == "cpu" else device.device_kind,
+        "cpu_cores": os.cpu_count(),
+        "python": platform.python_version(),
+        "jax": jax.__version__,
+        "sjdsl": __version__,
+        "compilation_cache": bool(jax.config.jax_compilation_cache_dir),
+    }
+
+
+def machine_line(machine: dict[str, Any]) -> str:
+    """Returns the machine in one line."""
+    line = f"{machine['device']}, {machine['cpu_cores']} CPU cores, JAX {machine['jax']}, Python {machine['python']}"
+    return f"{line}; compile seconds with JAX's cache of compiled programs" if machine["compilation_cache"] else line
+
+
+def device_peak_bytes() -> int | None:
+    """Returns the most memory the device has held in this process; None where the device does not count (a CPU)."""
+    return (jax.devices()[0].memory_stats() or {}).get("peak_bytes_in_use")
+
+
+def _processor() -> str:
+    """Returns the processor's name where Linux tells it, else its architecture."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, "") or platform.machine()

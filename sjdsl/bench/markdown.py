@@ -1,0 +1,43 @@
+"""Tables on a page: the text between two marks is written anew, everything else stays as it is."""
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from sjdsl.bench.tables import Table
+
+
+def markdown_section(command: str, machine: str, notes: Iterable[str], tables: Iterable[Table], pictures: Iterable[str]) -> str:
+    """Returns the figures of one run as Markdown: the command, the machine, notes, tables, pictures (as seen from the page)."""
+    parts = [f"`{command}`, on {machine}.", *(f"{note}." for note in notes)]
+    for table in tables:
+        parts.append(f"{table.title[0].upper()}{table.title[1:]}:")
+        parts.append(markdown_table(table))
+    parts += [f"![{Path(picture).stem.replace('_', ' ')}]({picture})" for picture in pictures]
+    return "\n\n".join(parts) + "\n"
+
+
+def markdown_table(table: Table) -> str:
+    """Returns the table; figures are aligned to the right."""
+    rule = ("---",) * table.labels + ("--:",) * (len(table.headings) - table.labels)
+    return "\n".join(f"| {' | '.join(row)} |" for row in (table.headings, rule, *table.rows))
+
+
+def replace_section(page: str, name: str, text: str) -> str:
+    """Returns the page with the text between the marks `<!-- name -->` and `<!-- end name -->` replaced.
+
+    Raises ValueError where the page has no such marks.
+    """
+    opened, closed = f"<!-- {name} -->\n", f"<!-- end {name} -->"
+    marks = re.compile(f"({re.escape(opened)}).*?({re.escape(closed)})", re.DOTALL)
+    if not marks.search(page):
+        raise ValueError(f"the page has no lines `{opened.strip()}` and `{closed}` to write between")
+    return marks.sub(lambda found: f"{found[1]}{text}{found[2]}", page, count=1)
+
+
+def write_section(path: Path, name: str, text: str) -> None:
+    """Writes the text between the marks of the page; where there is no page yet, one with nothing else. Raises ValueError."""
+    empty = f"<!-- {name} -->\n<!-- end {name} -->\n"
+    page = path.read_text(encoding="utf-8") if path.is_file() else empty
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(replace_section(page, name, text), encoding="utf-8")

@@ -1,0 +1,147 @@
+"""Many values of one parameter: in one program that takes them as arguments, and in a program for each."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.stages import Compiled
+
+from sjdsl.bench.loop import Task, game_task, make_loop, play, steps_for
+from sjdsl.bench.machine import describe_machine
+from sjdsl.bench.timing import memory_of, race
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics import nearest
+from sjdsl.parameters import build_params
+from sjdsl.runtime.env import Environment
+
+FACTORS = (0.75, 1.25)  # times the game's own value: narrow enough that the promises of most games still hold
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What `num_values` values of `param` cost, `num_envs` environments each; environment steps a second by round.
+
+    `together`: all in one program. `apart`: a program with the value as a constant, for so few of the values as
+    `apart_compile_s` has entries; the rounds take them in turn. `constant`: one such program with as many environments as
+    `together`, to show what it costs that values are arguments.
+    """
+
+    machine: dict[str, Any]
+    name: str
+    param: str
+    num_values: int
+    num_envs: int
+    num_steps: int
+    together_compile_s: float
+    together: tuple[float, ...]
+    together_memory_bytes: int
+    apart_compile_s: tuple[float, ...]
+    apart: tuple[float, ...]
+    constant_compile_s: float
+    constant: tuple[float, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def measure_sweep(
+    task: Task,
+    param: str,
+    values: Sequence[Any],
+    num_envs: int,
+    repeats: int = 5,
+    num_steps: int | None = None,
+    apart: int = 3,
+    tell: Callable[[str], object] = lambda _: None,
+) -> Sweep:
+    """Returns what a sweep costs in one compilation and in many.
+
+    Args:
+      task: a game.
+      param, values: the parameter that is varied, and `Params` with each of its values (`swept_params`).
+      num_envs: environments of each value.
+      repeats, num_steps: rounds, and steps of one timing.
+      apart: how many of the programs with a constant are compiled and measured.
+      tell: called with a line whenever something has begun.
+    """
+    env, num_values, at_once = task.env, len(values), len(values) * num_envs
+    if env is None:
+        raise ValueError(f"{task.name} has no parameters")
+    num_steps = num_steps or steps_for(at_once)
+    tell(f"compiling one program for {num_values} values")
+    stacked = jax.tree.map(lambda *each: jnp.repeat(jnp.stack(each), num_envs, axis=0), *values)
+    together, together_s = _compiled(make_sweep_loop(env, at_once, num_steps), stacked)
+    few = [values[index] for index in np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)]
+    programs, seconds = [], []
+    for index, value in enumerate(few):
+        tell(f"compiling program {index + 1} of {len(few)} for one value each")
+        program, took = _compiled(_constant(env, value, num_envs, num_steps))
+        programs.append(program)
+        seconds.append(took)
+    tell("compiling one program for one value")
+    constant, constant_s = _compiled(_constant(env, few[0], at_once, num_steps))
+    loops = (lambda key: together(key, stacked), constant)
+    many, same = race(loops, at_once * num_steps, repeats, lambda n: tell(f"at once, round {n} of {repeats}"))
+    each = race(programs, num_envs * num_steps, repeats, lambda n: tell(f"one by one, round {n} of {repeats}"))
+    in_turn = [len(rates) / sum(1 / rate for rate in rates) for rates in zip(*each, strict=True)]
+    measured = (together_s, tuple(many), memory_of(together), tuple(seconds), tuple(in_turn), constant_s, tuple(same))
+    return Sweep(describe_machine(), task.name, param, num_values, num_envs, num_steps, *measured)
+
+
+def swept_params(env: Environment, name: str, number: int) -> list[Any]:
+    """Returns `Params` with one parameter at so many values: the game's own times factors at equal distances.
+
+    A table is multiplied as a whole; whole numbers are rounded. Raises ValueError: no such
+    parameter, or values the game does not admit.
+    """
+    param = next((p for p in env.game.params if p.name == name), None)
+    if param is None:
+        names = [p.name for p in env.game.params]
+        near = nearest(name, names)
+        meant = f"; did you mean `{near}`?" if near else f"; it has {', '.join(names)}"
+        raise ValueError(f"{env.name} has no parameter `{name}`{meant}")
+    if param.type.kind == "word":
+        raise ValueError(f"`{name}` is a word; only numbers can be swept")
+    factors = np.linspace(*FACTORS, number)
+    values = [_times(param.value, factor, param.type) for factor in factors.tolist()]
+    if len(set(values)) < number:
+        raise ValueError(f"`{name}` has only {len(set(values))} different values near {param.value}, not {number}")
+    return [build_params(env.game, env.module, {name: value}) for value in values]
+
+
+def _times(value: Any, factor: float, type_: ir.Type) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_times(entry, factor, type_) for entry in value)
+    scaled = min(max(value * factor, type_.low), type_.high)
+    return round(scaled) if type_.kind == "int" else scaled
+
+
+def make_sweep_loop(env: Environment, num_envs: int, num_steps: int) -> Callable[[Array, Any], Array]:
+    """Returns the loop over environments with a value each, as a function of a key and the values."""
+
+    def run(key: Array, params: Any) -> Array:
+        def step(states: Any, actions: Array, keys: Array) -> tuple[Any, Array, Array]:
+            observation, states, reward, _, _ = jax.vmap(env.step)(keys, states, actions, params)
+            return states, reward, observation
+
+        start = jax.vmap(lambda one: env.reset(jax.random.key(0), one)[1])(params)
+        return play(step, start, (num_envs, env.num_agents), env.num_actions, num_steps, key)
+
+    return run
+
+
+def _constant(env: Environment, params: Any, num_envs: int, num_steps: int) -> Callable[[Array], Array]:
+    """Returns the loop over environments with one value, a constant of the program; nothing traced for another is found again."""
+    return make_loop(game_task(Environment(env.game, env.module, params, env.hash, env.observation)), num_envs, num_steps)
+
+
+def _compiled(loop: Callable[..., Array], *arguments: Any) -> tuple[Compiled, float]:
+    """Returns the program and the seconds it took: traced, lowered and compiled."""
+    began = time.perf_counter()
+    program = jax.jit(loop).lower(jax.random.key(0), *arguments).compile()
+    return program, time.perf_counter() - began

@@ -1,0 +1,49 @@
+"""How the options of `sjdsl bench` are read."""
+
+import click
+
+OBSERVATIONS = ("tokens", "onehot")
+
+
+class Counts(click.ParamType):
+    """`1,128,1024` as whole numbers."""
+
+    name = "numbers"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
+        parts = [part.strip() for part in value.split(",")]
+        if not all(part.isdigit() and int(part) > 0 for part in parts):
+            self.fail(f"`{value}` is not a list of whole numbers such as 1,128,1024", param, ctx)
+        return tuple(dict.fromkeys(int(part) for part in parts))
+
+
+class Agents(click.ParamType):
+    """`own,20` as None, for as many agents as the game says, and whole numbers."""
+
+    name = "numbers"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int | None, ...]:
+        parts = [part.strip() for part in value.split(",")]
+        if not all(part == "own" or (part.isdigit() and int(part) > 0) for part in parts):
+            self.fail(f"`{value}` is not a list of numbers of agents such as own,20", param, ctx)
+        return tuple(dict.fromkeys(None if part == "own" else int(part) for part in parts))
+
+
+class Observations(click.ParamType):
+    """`tokens,onehot` as words."""
+
+    name = "words"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        parts = tuple(part.strip() for part in value.split(","))
+        if not set(parts) <= set(OBSERVATIONS):
+            self.fail(f"`{value}` is not `tokens`, `onehot` or `tokens,onehot`", param, ctx)
+        return parts
+
+
+class Quoting(click.Command):
+    """A command that keeps what was written after its name, to be quoted beside what it makes."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        ctx.meta["written"] = tuple(args)
+        return super().parse_args(ctx, args)

@@ -1,0 +1,104 @@
+"""Figures on pages: tables, marks, pictures; no figure is measured here."""
+
+from pathlib import Path
+
+import pytest
+
+from sjdsl.bench import Compilation, Report, Speed, Sweep
+from sjdsl.bench.markdown import markdown_section, markdown_table, replace_section, write_section
+from sjdsl.bench.plots import draw_scaling
+from sjdsl.bench.tables import cost_table, notes_of, relation_table, speed_table, sweep_table, tables_of
+
+MACHINE = {"platform": "cpu"}
+
+
+def speed(name: str, num_envs: int, rate: float, num_agents: int = 2, observation: str = "tokens", crowd: int | None = None) -> Speed:
+    figures = (rate, rate * 0.9, rate * 1.1, rate / 1e5, 2.0, 3_000_000 * num_envs)
+    return Speed(name, num_agents, observation, crowd, num_envs, *figures)
+
+
+def report(*speeds: Speed, peak: int | None = None) -> Report:
+    return Report(MACHINE, 3, speeds, (Compilation("meadow", 2, "tokens", 1.5, 1234, {"sort": 0}),), peak)
+
+
+RACE = report(
+    *(speed("yardstick", n, 1e5, 7) for n in (1, 128)),
+    *(speed("meadow", n, 2e5) for n in (1, 128)),
+    *(speed("meadow", n, 1e5, observation="onehot") for n in (1, 128)),
+    *(speed("meadow+crowd", n, 5e4, 20, crowd=20) for n in (1, 128)),
+)
+SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 50, 2.0, (4e5, 5e5, 6e5), 10, (1.0, 3.0), (2e5, 2e5, 2e5), 1.5, (5e5, 5e5, 5e5))
+
+
+def test_a_form_has_a_row_of_speeds() -> None:
+    table = speed_table(RACE)
+    assert table.headings == ("game", "agents", "observation", "1 env", "128 envs")
+    assert table.rows[1] == ("meadow", "2", "tokens", "200k ±10% x2.00", "200k ±10% x2.00")
+    assert [row[:3] for row in table.rows[2:]] == [("meadow", "2", "onehot"), ("meadow+crowd", "20", "tokens")]
+
+
+def test_a_form_has_a_row_of_costs() -> None:
+    rows = cost_table(RACE).rows
+    assert rows[1] == ("meadow", "2", "tokens", "1.5 s", "1,234", "2.0 s", "3 MB", "384 MB")
+    assert rows[0][3:6] == ("", "", "2.0 s")  # the yardstick is no environment
+
+
+def test_one_hot_and_crowds_are_compared_with_what_they_vary() -> None:
+    assert relation_table(RACE).rows == (
+        ("meadow, 2 agents: onehot to tokens", "2.00", "2.00"),
+        ("meadow, tokens: 20 agents to 2", "4.00", "4.00"),
+    )
+    assert len(tables_of(RACE)) == 3
+    assert len(tables_of(report(speed("meadow", 1, 1e5)))) == 2
+
+
+def test_many_compilations_are_said_to_be_extrapolated() -> None:
+    (table,) = tables_of(SWEEP)
+    assert [row[1:4] for row in table.rows] == [
+        ("1", "2.00 s", "1,024"),
+        ("64", "128.0 s extrapolated: 64 x 2.00 s, the mean of 2", "16"),
+        ("1", "1.50 s", "1,024"),
+    ]
+    assert table.rows[0][4] == "500k ±20%"
+    few = sweep_table(Sweep(**{**SWEEP.to_json(), "num_values": 2}))
+    assert few.rows[1][2] == "4.0 s"
+
+
+def test_a_device_that_counts_is_quoted() -> None:
+    assert notes_of(RACE) == notes_of(SWEEP) == ()
+    assert "2.5 GB" in notes_of(report(peak=2_500_000_000))[0]
+
+
+def test_a_table_as_markdown() -> None:
+    assert markdown_table(speed_table(report(speed("meadow", 1, 1e5)))).splitlines() == [
+        "| game | agents | observation | 1 env |",
+        "| --- | --- | --- | --: |",
+        "| meadow | 2 | tokens | 100k ±10% x1.00 |",
+    ]
+
+
+def test_a_section_says_by_what_and_where_it_was_measured() -> None:
+    text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables_of(RACE), ["plots/a_b.png"])
+    assert text.startswith("`sjdsl bench`, on a machine.\n\ncoins is left out.\n\nEnvironment steps")
+    assert text.endswith("\n\n![a b](plots/a_b.png)\n")
+
+
+def test_only_the_text_between_the_marks_is_replaced() -> None:
+    page = "before\n<!-- speed cpu -->\nold\n<!-- end speed cpu -->\nafter <!-- speed gpu -->\n<!-- end speed gpu -->\n"
+    assert replace_section(page, "speed cpu", r"new \1" + "\n") == page.replace("old", r"new \1")
+    assert replace_section(replace_section(page, "speed cpu", ""), "speed cpu", "old\n") == page
+    with pytest.raises(ValueError, match="<!-- speed tpu -->"):
+        replace_section(page, "speed tpu", "")
+
+
+def test_a_new_page_can_be_written_twice(tmp_path: Path) -> None:
+    page = tmp_path / "figures" / "page.md"
+    write_section(page, "speed cpu", "first\n")
+    write_section(page, "speed cpu", "second\n")
+    assert page.read_text() == "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n"
+
+
+def test_a_picture_for_each_observation_and_number_of_agents(tmp_path: Path) -> None:
+    files = draw_scaling(RACE, tmp_path / "plots")
+    assert [file.name for file in files] == ["cpu_tokens_own_agents.png", "cpu_onehot_own_agents.png", "cpu_tokens_20_agents.png"]
+    assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)

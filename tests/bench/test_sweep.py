@@ -1,0 +1,118 @@
+"""Sweeps: one program with many values plays as the programs with one value each do."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import pytest
+
+import sjdsl
+from sjdsl.bench import game_task, measure_sweep
+from sjdsl.bench.loop import make_loop
+from sjdsl.bench.sweep import make_sweep_loop, swept_params
+from sjdsl.cli import run
+from sjdsl.runtime.env import Environment
+
+GAME = """sj 1
+game orchard "Orchard" {
+  episode 3
+  param apple : reward = 2 in 0 .. 4
+  param worth : reward = { none: 1, ripe: -2 }
+  param rest  : steps  = 10 in 0 .. 12
+  param turns : word   = { none: ripe, ripe: none }
+  kind soil "A" { field fruit : { none, ripe } = ripe }
+  map { "AAA" }
+  agents 2 { acts forward, stay  moves relative  timer resting  forbid all when agent.resting > 0 }
+  phase start { each agent { send agent to soil } }
+  schedule tick -> walk -> eat
+  phase walk { move each agent }
+  phase eat {
+    each agent on soil where soil.fruit is ripe {
+      set soil.fruit = turns[soil.fruit]  give apple + worth[soil.fruit] to agent  set agent.resting = rest
+    }
+  }
+  observe { window ahead 1, behind 0, left 1, right 1 }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("games") / "orchard.sj"
+    path.write_text(GAME)
+    return path
+
+
+@pytest.fixture(scope="module")
+def env(file: Path) -> Environment:
+    return sjdsl.make(file)
+
+
+def test_values_lie_evenly_around_the_games_own(env: Environment) -> None:
+    assert [float(params.apple) for params in swept_params(env, "apple", 3)] == [1.5, 2, 2.5]
+    assert [int(params.rest) for params in swept_params(env, "rest", 3)] == [8, 10, 12]  # whole, and within the limits
+
+
+def test_a_table_is_varied_as_a_whole(env: Environment) -> None:
+    worth = [params.worth.tolist() for params in swept_params(env, "worth", 3)]
+    assert worth == [[0.75, -1.5], [1, -2], [1.25, -2.5]]
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "said"),
+    [
+        ("aple", 3, "did you mean `apple`"),
+        ("zzzzzz", 3, "it has apple, worth, rest, turns"),
+        ("turns", 3, "is a word"),
+        ("rest", 9, "only 5 different values"),
+    ],
+)
+def test_what_cannot_be_swept_is_told(env: Environment, name: str, number: int, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        swept_params(env, name, number)
+
+
+def test_values_as_arguments_play_as_constants_do(env: Environment) -> None:
+    key, own = jax.random.key(0), env.params
+    loop = jax.jit(make_sweep_loop(env, 4, 6))
+
+    def together(*values: Any) -> float:
+        return float(loop(key, jax.tree.map(lambda *each: jnp.stack(each), *values)))
+
+    assert together(own, own, own, own) == float(jax.jit(make_loop(game_task(env), 4, 6))(key))
+    dear = own.replace(apple=own.apple * 2)
+    assert together(own, own, own, own) < together(own, own, dear, own) < together(dear, dear, dear, dear)
+
+
+def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
+    sweep = measure_sweep(game_task(env), "apple", swept_params(env, "apple", 4), 2, repeats=3, num_steps=2, apart=2)
+    assert (sweep.name, sweep.param, sweep.num_values, sweep.num_envs, sweep.num_steps) == ("orchard", "apple", 4, 2, 2)
+    assert len(sweep.apart_compile_s) == 2
+    for rates in (sweep.together, sweep.apart, sweep.constant):
+        assert len(rates) == 3 and min(rates) > 0
+    assert min(sweep.together_compile_s, sweep.constant_compile_s, *sweep.apart_compile_s) > 0
+    assert json.loads(json.dumps(sweep.to_json()))["together_memory_bytes"] > 0
+
+
+def test_the_command_writes_a_sweep(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "page.md"
+    asked = ["--sweep", "apple", "--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--markdown", str(page)]
+    assert run(["bench", str(file), *asked]) == 0
+    assert "2 values of apple of orchard, 2 environments each" in capsys.readouterr().out
+    assert page.read_text().startswith("<!-- sweep orchard apple cpu -->\n`sjdsl bench ")
+
+
+@pytest.mark.parametrize(
+    ("asked", "status", "said"),
+    [
+        (["--sweep", "aple"], 1, "did you mean `apple`"),
+        (["--sweep", "apple", "--envs", "1,2"], 2, "a sweep is of one game"),
+        (["coins", "--sweep", "apple"], 2, "a sweep is of one game"),
+    ],
+)
+def test_a_mistake_is_told(file: Path, capsys: pytest.CaptureFixture[str], asked: list[str], status: int, said: str) -> None:
+    assert run(["bench", str(file), *asked]) == status
+    shown = capsys.readouterr()
+    assert said in shown.out + shown.err
