@@ -68,9 +68,9 @@ class PromiseItem(pytest.Item):
     def runtest(self) -> None:
         assert isinstance(self.parent, GameFile)
         verdict = self.parent.examination.verdict(self.number)
-        self.add_report_section("call", "promise", f"{verdict.how}: {verdict.said}")
         if not verdict.kept:
             raise PromiseBroken(verdict)
+        self.add_report_section("call", "promise", f"{verdict.how}: {verdict.said}")  # `pytest -rP` shows it
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *rest: Any) -> Any:
         """Returns the trace of a broken promise, or what is wrong with the file; a Python traceback only for faults of our own."""
@@ -85,9 +85,10 @@ class PromiseItem(pytest.Item):
                 return super().repr_failure(excinfo, *rest)
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
+        """Returns where the promise stands, and its heading; `-v` prints `::` for each `.` of a heading that is the name itself."""
         assert isinstance(self.parent, GameFile)
         origin = self.parent.examination.ground.own.checks[self.number].origin
-        return self.path, origin.line - 1 if origin is not None else None, self.name
+        return self.path, origin.line - 1 if origin is not None else None, f"promise: {self.name}"
 
 
 def _told(verdict: "Verdict") -> str:

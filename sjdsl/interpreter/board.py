@@ -13,6 +13,7 @@ class Board:
 
     kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
     pools: the first `send` written for each pool of sends, start first, then in the order of the schedule.
+    moving: the phases in which agents move, by their identity.
     closed: whether an expression names nothing around it, as far as asked, by its identity.
     """
 
@@ -26,6 +27,7 @@ class Board:
     world_fields: dict[str, ir.VarField]
     cell_fields: dict[tuple[str, str], ir.VarField]
     pools: dict[Pool, ir.Send]
+    moving: frozenset[int]
     closed: dict[int, tuple[ir.Expr, bool]] = field(default_factory=dict)
 
     @property
@@ -67,6 +69,7 @@ def _build(game: ir.Game) -> Board:
         world_fields={f.name: f for f in game.fields},
         cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},
         pools=_pools(game),
+        moving=frozenset(id(turn) for turn in (game.start, *game.schedule) if any(isinstance(node, ir.Move) for node in ir.walk(turn))),
     )
 
 

@@ -1,6 +1,5 @@
 """One `move` of several agents together: turns, swaps, one winner for each cell, nobody into a cell that stays taken."""
 
-from sjdsl.compiler import ir
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD, is_blocked
 from sjdsl.interpreter.state import Cell, World
@@ -20,11 +19,6 @@ def move(movers: dict[int, int], here: Instance, world: World) -> None:
     for agent, target in targets.items():
         world.position[agent] = target
     world.moved = [agent in targets for agent in range(here.board.agents)]
-
-
-def has_move(phase: ir.Phase) -> bool:
-    """Returns whether agents move in this phase."""
-    return any(isinstance(node, ir.Move) for node in ir.walk(phase))
 
 
 def _action(agent: int, here: Instance) -> str:

@@ -11,7 +11,7 @@ from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.draws import Draws
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.movement import has_move, move
+from sjdsl.interpreter.movement import move
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
 from sjdsl.interpreter.state import Outcome, Value, World, copied
@@ -91,7 +91,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
     perform(phase.body, here, writes)
     world = copied(here.world)
     write_fields(writes, here.board, world)
-    if has_move(phase):
+    if id(phase) in here.board.moving:
         assert not writes.sends, f"`{phase.label}` moves and sends"
         move(writes.movers or {}, here, world)
     send(phase.name, writes.sends, here, world)

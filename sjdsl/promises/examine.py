@@ -126,8 +126,8 @@ class Courses:
         return make_verdict(self.ground, check, True, "examples", said)
 
     def idle(self) -> tuple[int, ...]:
-        """Returns the lines of sentences that change something and never took place."""
-        if not self.tried.played:
+        """Returns the lines of sentences that change something and never took place; none if all promises broke, before many were played."""
+        if len(self._found) == len(self.promises):
             return ()
         took_place = {feature[0] for feature in self.tried.happened if isinstance(feature, tuple) and feature[1:] == (-1,)}
         writing = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.End)

@@ -17,6 +17,7 @@ LONGEST = 48  # steps after which a course is not continued
 OTHERS = 0.3  # how often a number is not the file's
 HABIT = 0.5  # how often an agent does what it always does
 MOVES = {*STEPS, *TURNS, "stay"}
+PLAIN = (0, 3, 9, 27)  # how much oftener than all others one glyph is on a map: where little is left to use up, it is used up soon
 WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
 COUNTS = (0, 1, 2, 5)  # of a whole number without limits
 
@@ -49,7 +50,7 @@ def random_map(ground: Ground, agents: int, random: Random) -> tuple[str, ...]:
     width = random.randint(2, MOST_COLUMNS)
     least = max(2, -(-needed // width))
     height = random.randint(least, max(MOST_ROWS, least))
-    often = (*ground.glyphs, *ground.open_glyphs * random.randrange(4))
+    often = (*ground.glyphs, *[random.choice(ground.open_glyphs or ground.glyphs)] * random.choice(PLAIN))
     cells = [random.choice(often) for _ in range(width * height)]
     kept: set[int] = set()
     for _, glyphs in ground.destinations:

@@ -19,7 +19,7 @@ from sjdsl.promises.shrink import shrink
 from sjdsl.promises.verdict import Effort
 from sjdsl.promises.watch import STATES, Break, find_break
 
-AGAIN = 0.6  # how often an older course goes on
+AGAIN = 0.4  # how often an older course goes on
 SELDOM = 3  # so often something happens and still makes a course worth going on with
 Breaks = Callable[[ir.Check, Played, Course], Break | None]
 
@@ -63,21 +63,25 @@ class Tried:
             new = (here | _seen(played, t + 1)) - before
             before |= new
             self.triggers.update(
-                number for number, check in enumerate(played.game.checks) if check.sort == "once" and (number, 0, True) in new
+                number
+                for number, check in enumerate(played.game.checks)
+                if check.sort == "once" and any((number, 0, first, True) in new for first in (False, True))
             )
-            if t < LONGEST and any(self.happened[feature] < SELDOM for feature in new):
+            over = played.outcomes[t].terminated or played.outcomes[t].truncated
+            if t < LONGEST and not over and any(self.happened[feature] < SELDOM for feature in new):
                 self.happened.update(new)
                 self.corpus.append(replace(course, actions=tuple(played.actions[: t + 1]), luck=course.luck[: t + 1]))
 
 
 def _seen(played: Played, at: int) -> set[object]:
-    """Returns, roughly, what a state is like: which values fields have somewhere, and what the promises read of it."""
+    """Returns, roughly, what a state is like: which values fields have somewhere, and what the promises read of it and of the start."""
     world = played.worlds[at]
     fields = [*world.cells.items(), *world.agents.items(), *((name, [value]) for name, value in world.fields.items())]
     found: set[object] = {(name, _rough(value)) for name, values in fields for value in values}
     for number, check in enumerate(played.game.checks):
         if check.sort in STATES:
-            found |= {(number, place, _rough(value)) for place, value in enumerate(played.values_at(check, at))}
+            ends = zip(played.values_at(check, 0), played.values_at(check, at), strict=True)
+            found |= {(number, place, _rough(first), _rough(value)) for place, (first, value) in enumerate(ends)}
     return found
 
 

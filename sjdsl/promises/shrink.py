@@ -3,12 +3,15 @@
 Hypothesis shrinks what it drew; it does not know that a row can be taken out of a map, or that a policy can be written down as actions.
 """
 
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.promises.course import Course
 
+SHORT = 5  # steps of a course on which more is tried
+SHORTCUTS = 3  # in the first so many steps: agents get where they are wanted
 SEEDS = 6  # other words tried for each change of the layout
 Try = Callable[[Course], Course | None]  # the course, cut off where it breaks and its actions written down; None if it does not
 
@@ -46,7 +49,7 @@ def shrink(course: Course, game: ir.Game, plain: str, attempt: Try, most: int) -
     seen = {course}
     while changed:
         changed = False
-        for candidate in _simpler(best, stay, plain):
+        for candidate in _simpler(best, game, stay, plain):
             if candidate in seen:
                 continue
             seen.add(candidate)
@@ -60,12 +63,12 @@ def shrink(course: Course, game: ir.Game, plain: str, attempt: Try, most: int) -
     return best
 
 
-def _simpler(course: Course, stay: int, plain: str) -> Iterator[Course]:
+def _simpler(course: Course, game: ir.Game, stay: int, plain: str) -> Iterator[Course]:
     yield from _quieter(course, stay)
     for smaller in (*_fewer_agents(course), *_smaller_maps(course)):
-        for seed in dict.fromkeys((course.seed, *range(SEEDS))):
-            yield replace(smaller, seed=seed)
+        yield from (replace(smaller, seed=seed) for seed in _seeds(course))
     yield from _fewer_steps(course, stay)
+    yield from _shortcuts(course, len(game.agents.actions))
     for i in range(len(course.params)):
         yield replace(course, params=course.params[:i] + course.params[i + 1 :])
     yield from _plainer_actions(course, stay)
@@ -75,6 +78,10 @@ def _simpler(course: Course, stay: int, plain: str) -> Iterator[Course]:
     for t, luck in enumerate(course.luck):
         if luck != "fair":
             yield replace(course, luck=(*course.luck[:t], "fair", *course.luck[t + 1 :]))
+
+
+def _seeds(course: Course) -> tuple[int, ...]:
+    return tuple(dict.fromkeys((course.seed, *range(SEEDS))))
 
 
 def _quieter(course: Course, stay: int) -> Iterator[Course]:
@@ -104,11 +111,30 @@ def _smaller_maps(course: Course) -> Iterator[Course]:
 
 
 def _fewer_steps(course: Course, stay: int) -> Iterator[Course]:
-    for t in range(len(course.actions) if len(course.actions) > 1 else 0):
-        yield replace(course, actions=course.actions[:t] + course.actions[t + 1 :], luck=course.luck[:t] + course.luck[t + 1 :])
+    """Yields courses without one step, or with one in which nobody acts."""
+    short = len(course.actions) <= SHORT  # an agent that turns first may stand that way from the start, with another seed
+    yield from _without_a_step(course, _seeds(course) if short else (course.seed,))
     for t, step in enumerate(course.actions):
         if any(action != stay for action in step):
             yield replace(course, actions=(*course.actions[:t], (stay,) * course.agents, *course.actions[t + 1 :]))
+
+
+def _without_a_step(course: Course, seeds: Iterable[int]) -> Iterator[Course]:
+    """Yields courses without one step. Later steps then draw other words: so also with chances that come at the end and not before."""
+    for t in range(len(course.actions) if len(course.actions) > 1 else 0):
+        shorter = replace(course, actions=course.actions[:t] + course.actions[t + 1 :], luck=course.luck[:t] + course.luck[t + 1 :])
+        late = replace(shorter, luck=("bad",) * (len(shorter.luck) - 1) + ("good",))
+        yield from (replace(one, seed=seed) for seed in seeds for one in (shorter, late))
+
+
+def _shortcuts(course: Course, count: int) -> Iterator[Course]:
+    """Yields courses without one step, in which one agent does something else in the next: one move for a turn and a move."""
+    for shorter in _without_a_step(course, (course.seed,)):
+        for t, step in enumerate(shorter.actions[:SHORTCUTS]):
+            for agent, action in itertools.product(range(course.agents), range(count)):
+                if action != step[agent]:
+                    other = (*step[:agent], action, *step[agent + 1 :])
+                    yield replace(shorter, actions=(*shorter.actions[:t], other, *shorter.actions[t + 1 :]))
 
 
 def _plainer_actions(course: Course, stay: int) -> Iterator[Course]:

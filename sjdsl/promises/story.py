@@ -27,7 +27,7 @@ def tell_course(ground: Ground, broken: Broken) -> list[str]:
     """Returns the whole course that breaks a promise."""
     played, course = broken.played, broken.course
     numbers = "".join(f", {name} = {shown(value)} (the file: {shown(_own(ground.own, name))})" for name, value in course.params)
-    lines = [f"{course.agents} agents on a small map{numbers}", *legend(ground, played.game, played.worlds[0])]
+    lines = [f"{course.agents} agent{'s' * (course.agents != 1)} on a small map{numbers}", *legend(ground, played.game, played.worlds[0])]
     for t in range(max(1, broken.where.at)):
         lines += tell_step(ground, played.game, played.worlds[t], played.actions[t], played.params, words_of(course, t))
     return lines + said_of_values(ground, broken)

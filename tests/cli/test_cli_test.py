@@ -1,0 +1,146 @@
+"""`sjdsl test`: what it prints of kept and of broken promises, its options, and its exit statuses."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from command_line import GAME, Sjdsl
+
+from sjdsl.promises import Effort, Ground, Report
+from sjdsl.promises.examine import settle
+
+HERE = Path(__file__).parent
+KEPT = """require apple >= 0
+    conserved count(agent)
+    always count(soil where soil.fruit is ripe) <= count(soil)
+    always count(agent on wall) == 0
+    symmetric agents
+    expect eaten == 0 with never(forward) over 3 episodes"""
+BROKEN = """require apple < 9.5
+    always count(agent on soil where soil.fruit is ripe) == 0
+    symmetric mirror
+    expect eaten > 0 with seek soil, random over 2 episodes
+    expect eaten == 0 with seek soil, random over 2 episodes"""
+
+
+def with_checks(checks: str, game: str = GAME) -> str:
+    return game.replace("  variant rich", f"  checks {{\n    {checks}\n  }}\n  variant rich")
+
+
+@pytest.fixture
+def games(folder: Path) -> Path:
+    """The folder, with a game that keeps its promises, one that does not, one without promises, and one with a mistake."""
+    (folder / "kept.sj").write_text(with_checks(KEPT))
+    (folder / "broken.sj").write_text(with_checks(BROKEN))
+    (folder / "wrong.sj").write_text(with_checks("always cuont(agent) > 0"))
+    return folder
+
+
+@pytest.mark.usefixtures("games")
+def test_promises_that_are_kept(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
+    shown = sjdsl("test", "kept.sj", "--examples", "30")
+    assert shown.status == 0
+    assert shown.err == ""
+    golden(HERE / "promises_kept.txt", shown.out)
+
+
+@pytest.mark.usefixtures("games")
+def test_promises_that_are_not(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
+    shown = sjdsl("test", "broken.sj")
+    assert shown.status == 1
+    assert shown.err == ""
+    golden(HERE / "promises_broken.txt", shown.out)
+
+
+@pytest.mark.usefixtures("games")
+def test_all_files_are_tested_though_one_fails(sjdsl: Sjdsl) -> None:
+    shown = sjdsl("test", "wrong.sj", "orchard.sj", "kept.sj", "--examples", "5")
+    assert shown.status == 1
+    assert "`cuont` is not known here" in shown.text
+    assert "Traceback" not in shown.text
+    assert "orchard.sj: 0 promises (write them in `checks { … }`)" in shown.out
+    assert "kept.sj: 6 promises kept" in shown.out
+
+
+@pytest.mark.usefixtures("games")
+def test_examples_and_seed(sjdsl: Sjdsl) -> None:
+    def courses(*options: str) -> str:
+        found = json.loads(sjdsl("test", "kept.sj", "--json", *options).out)
+        return next(p["said"] for p in found[0]["promises"] if p["how"] == "examples")
+
+    assert courses("--examples", "7").startswith("7 courses on small maps, 10 episodes of random play")
+    assert courses("--examples", "11").startswith("11 courses")
+    shown = [sjdsl("test", "broken.sj", "--examples", "40", "--seed", seed).out for seed in ("5", "5", "6")]
+    assert shown[0] == shown[1]
+    assert shown[0] != shown[2]  # the mean over other episodes
+
+
+@pytest.mark.usefixtures("games")
+def test_json_has_verdicts_and_traces(sjdsl: Sjdsl) -> None:
+    shown = sjdsl("test", "broken.sj", "--examples", "60", "--json")
+    assert shown.status == 1
+    (document,) = json.loads(shown.out)
+    assert document["file"] == "broken.sj"
+    assert [(p["verdict"], p["how"]) for p in document["promises"]] == [
+        ("kept", "decided"),
+        ("broken", "examples"),
+        ("kept", "proved"),
+        ("kept", "episodes"),
+        ("broken", "episodes"),
+    ]
+    assert "    chance growth[soil.fruit]" in "\n".join(document["promises"][1]["trace"])
+    lines = with_checks(BROKEN).splitlines()
+    assert all(p["promise"] in lines[p["line"] - 1] for p in document["promises"])
+
+
+def test_a_variant_has_its_own_promises(sjdsl: Sjdsl, folder: Path) -> None:
+    game = with_checks("always true").replace("checks {\n    always true", "checks worth {\n    always eaten >= 0")
+    (folder / "two.sj").write_text(game.replace("{ set apple = 2 }", "{ set apple = 2  checks worth { always eaten < 0 } }"))
+    assert sjdsl("test", "two.sj", "--examples", "5").status == 0
+    shown = sjdsl("test", "two.sj", "--examples", "5", "--variant", "rich")
+    assert shown.status == 1
+    assert "two.sj, variant rich: 1 promise, 1 not kept" in shown.out
+    none = sjdsl("test", "two.sj", "--variant", "poor")
+    assert none.status == 1
+    assert "no variant `poor`" in none.text
+    assert "Traceback" not in none.text
+
+
+def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only what needs no playing: `tests/promises/test_games.py` plays the games, with shorter episodes."""
+
+    def only_settled(ground: Ground, effort: Effort) -> Report:
+        del effort
+        verdicts = [settle(ground, number) for number in range(len(ground.own.checks))]
+        return Report(tuple(v for v in verdicts if v is not None), 0)
+
+    monkeypatch.setattr("sjdsl.promises.examine", only_settled)
+    shown = sjdsl("test", "pd_arena")
+    assert shown.status == 0
+    assert "pd_arena: " in shown.out
+    assert "require prisoners_dilemma(payoff)  [decided: " in shown.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "FILE"),
+        (("orchard.sj", "--examples", "0"), "--examples"),
+        (("orchard.sj", "--examples", "many"), "--examples"),
+        (("orchard.sj", "--seed", "-1"), "--seed"),
+        (("orchard.sj", "--sead", "1"), "--sead"),
+    ],
+)
+def test_mistakes_in_the_call(sjdsl: Sjdsl, arguments: tuple[str, ...], said: str) -> None:
+    shown = sjdsl("test", *arguments)
+    assert shown.status == 2
+    assert said in shown.err
+    assert "Traceback" not in shown.text
+
+
+def test_a_game_that_is_not_there(sjdsl: Sjdsl) -> None:
+    shown = sjdsl("test", "orchrad.sj")
+    assert shown.status == 1
+    assert "orchrad.sj" in shown.text
+    assert "Traceback" not in shown.text
