@@ -1,6 +1,7 @@
 """The promises of all bundled games: each is kept, and each is found broken after a deliberate fault (`mutations.py`).
 
-On few examples, and `expect` over few short episodes on a small map; the whole test is `sjdsl test` on each game.
+On few examples, and `expect` over few short episodes on a small map; the whole test is `sjdsl test` on each game. The faults are looked for
+with other courses by `pytest tests/promises/test_games.py -k fault --sj-seed N`.
 """
 
 import re
@@ -18,7 +19,7 @@ from sjdsl.promises import Effort, Ground, examine
 
 from .mutations import MUTATIONS, Mutation
 
-KEPT, FOUND = Effort(examples=6, episodes=0, tries=0), Effort(examples=200, episodes=0, tries=0)
+KEPT = Effort(examples=6, episodes=0, tries=0)
 STEPS, EPISODES = 40, 3
 SMALL = {  # a map on which the policies of the expectations have something to do, and how many agents play on it
     "coins": (("PCCCP", "CCCCC"), 2),
@@ -93,7 +94,7 @@ def test_expectations_are_kept_on_the_small_map(game: str, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda m: f"{m.game}: {m.promise}")
-def test_a_fault_breaks_its_promise(mutation: Mutation, tmp_path: Path) -> None:
+def test_a_fault_breaks_its_promise(mutation: Mutation, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     folder = folder_of(mutation.game, mutation.changes, tmp_path)
     source = read_source(folder / f"{mutation.game}.sj")
     if mutation.refused:
@@ -103,7 +104,8 @@ def test_a_fault_breaks_its_promise(mutation: Mutation, tmp_path: Path) -> None:
         return
     short = mutation.promise.startswith("expect")
     ground = shortened(folder, mutation.game) if short else Ground(source)
-    (verdict,) = examine(ground, FOUND, [number_of(ground, mutation.promise)]).verdicts
+    effort = Effort(examples=200, episodes=0, tries=0, seed=request.config.getoption("sj_seed"))
+    (verdict,) = examine(ground, effort, [number_of(ground, mutation.promise)]).verdicts
     assert verdict.kept is False
     assert verdict.trace
 

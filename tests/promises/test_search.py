@@ -12,7 +12,7 @@ from sjdsl.promises.search import search
 from sjdsl.promises.story import tell_course
 from sjdsl.promises.watch import find_break
 
-from .small_games import ground
+from .small_games import ORCHARD, ground
 
 GOLDEN = Path(__file__).parent
 BROKEN = [  # promise, rule, the steps and the agents of the shortest course
@@ -98,3 +98,22 @@ def test_a_game_that_takes_no_other_map_or_number_is_played_as_it_is() -> None:
     one = Ground(ground("always eaten <= 9").source)
     assert one.few_agents == (1, 2)
     assert set(one.glyphs) == {".", "#", "T"}
+
+
+FEW_MOVES = ("turn_left, turn_right, step_left, step_right, forward, backward, stay", "turn_left, turn_right, forward, stay")
+SELDOM = [  # a rule by which a collapse does not last, the steps of an episode, how many of 12 seeds must find that
+    ("each tree where nobody on tree { chance 0.001 { set tree.fruit = ripe } }", 20, 11),
+    ("each tree where tree.fruit is none { chance 0.5 { set tree.fruit = ripe } }", 20, 10),
+    ("each tree where tree.fruit is none { chance 0.5 { set tree.fruit = ripe } }", 6, 4),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rule", "steps", "least"), SELDOM)
+def test_what_is_seldom_is_found_with_most_seeds(rule: str, steps: int, least: int) -> None:
+    text = ORCHARD.replace("episode 20", f"episode {steps}")
+    text = text.replace(*FEW_MOVES) if steps < 20 else text  # short episodes of agents that must turn
+    orchard = ground("once fruit == 0 always fruit == 0", rule, text=text)
+    found = sum(bool(search(orchard, [0], Effort(examples=200, seed=seed, tries=0))[0]) for seed in range(12))
+    print(f"{found} of 12 seeds")
+    assert found >= least
