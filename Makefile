@@ -9,6 +9,10 @@ PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
 BIN := .venv/bin
 RUN := runs/first
 PYTEST := $(BIN)/python -m pytest -n 2
+BENCH := $(BIN)/sjdsl bench
+ENVS ?= 1,128,1024,4096
+NINE := coins harvest_open harvest_closed harvest_partnership clean_up coop_mining gift_refinement mushrooms pd_arena
+PAGE := --markdown docs/performance.md
 
 # The quickest tour: a game as Python, as pictures, and learnt by agents.
 run: .venv/ready
@@ -38,8 +42,11 @@ check: .venv/ready
 fuzz: .venv/ready
 	$(BIN)/python -m tests.fuzz.campaign --examples $(or $(EXAMPLES),2000) --seed $(or $(SEED),0) --coverage
 
+# Writes the tables and plots of docs/performance.md again; they are worth something on a machine with nothing else to do.
 bench: .venv/ready
-	$(BIN)/sjdsl bench
+	$(BENCH) $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json --plots docs/plots $(PAGE)
+	$(BENCH) harvest_open --sweep regrow_3 --values 64 $(PAGE)
+	$(BENCH) pd_arena --sweep payoff --values 64 $(PAGE)
 
 # What becomes of damaged games, thousands of them: docs/proof.md.
 damage: .venv/ready

@@ -102,3 +102,19 @@ def test_a_picture_for_each_observation_and_number_of_agents(tmp_path: Path) -> 
     files = draw_scaling(RACE, tmp_path / "plots")
     assert [file.name for file in files] == ["cpu_tokens_own_agents.png", "cpu_onehot_own_agents.png", "cpu_tokens_20_agents.png"]
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
+
+
+@pytest.mark.parametrize("sort", ["cpu", "gpu"])
+@pytest.mark.parametrize(
+    ("section", "made"),
+    [
+        ("speed", "--plots docs/plots"),
+        ("sweep harvest_open regrow_3", "harvest_open --sweep regrow_3"),
+        ("sweep pd_arena payoff", "pd_arena --sweep payoff"),
+    ],
+)
+def test_the_page_of_speeds_has_marks_for_what_make_bench_measures(section: str, made: str, sort: str) -> None:
+    root = Path(__file__).parents[2]
+    page = (root / "docs" / "performance.md").read_text(encoding="utf-8")
+    assert "newly measured" in replace_section(page, f"{section} {sort}", "newly measured\n")
+    assert made in (root / "Makefile").read_text(encoding="utf-8")
