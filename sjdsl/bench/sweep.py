@@ -36,7 +36,6 @@ class Sweep:
     param: str
     num_values: int
     num_envs: int
-    num_steps: int
     together_compile_s: float
     together: tuple[float, ...]
     together_memory_bytes: int
@@ -65,32 +64,32 @@ def measure_sweep(
       task: a game.
       param, values: the parameter that is varied, and `Params` with each of its values (`swept_params`).
       num_envs: environments of each value.
-      repeats, num_steps: rounds, and steps of one timing.
+      repeats, num_steps: rounds, and steps of one timing (by default `steps_for` as many environments as a program has).
       apart: how many of the programs with a constant are compiled and measured.
       tell: called with a line whenever something has begun.
     """
     env, num_values, at_once = task.env, len(values), len(values) * num_envs
     if env is None:
         raise ValueError(f"{task.name} has no parameters")
-    num_steps = num_steps or steps_for(at_once)
+    many_steps, few_steps = num_steps or steps_for(at_once), num_steps or steps_for(num_envs)
     tell(f"compiling one program for {num_values} values")
     stacked = jax.tree.map(lambda *each: jnp.repeat(jnp.stack(each), num_envs, axis=0), *values)
-    together, together_s = _compiled(make_sweep_loop(env, at_once, num_steps), stacked)
+    together, together_s = _compiled(make_sweep_loop(env, at_once, many_steps), stacked)
     few = [values[index] for index in np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)]
     programs, seconds = [], []
     for index, value in enumerate(few):
         tell(f"compiling program {index + 1} of {len(few)} for one value each")
-        program, took = _compiled(_constant(env, value, num_envs, num_steps))
+        program, took = _compiled(_constant(env, value, num_envs, few_steps))
         programs.append(program)
         seconds.append(took)
     tell("compiling one program for one value")
-    constant, constant_s = _compiled(_constant(env, few[0], at_once, num_steps))
-    loops = (lambda key: together(key, stacked), constant)
-    many, same = race(loops, at_once * num_steps, repeats, lambda n: tell(f"at once, round {n} of {repeats}"))
-    each = race(programs, num_envs * num_steps, repeats, lambda n: tell(f"one by one, round {n} of {repeats}"))
+    constant, constant_s = _compiled(_constant(env, few[0], at_once, many_steps))
+    loops = [lambda key: together(key, stacked), constant, *programs]
+    env_steps = [at_once * many_steps] * 2 + [num_envs * few_steps] * len(programs)
+    many, same, *each = race(loops, env_steps, repeats, lambda n: tell(f"round {n} of {repeats}"))
     in_turn = [len(rates) / sum(1 / rate for rate in rates) for rates in zip(*each, strict=True)]
     measured = (together_s, tuple(many), memory_of(together), tuple(seconds), tuple(in_turn), constant_s, tuple(same))
-    return Sweep(describe_machine(), task.name, param, num_values, num_envs, num_steps, *measured)
+    return Sweep(describe_machine(), task.name, param, num_values, num_envs, *measured)
 
 
 def swept_params(env: Environment, name: str, number: int) -> list[Any]:

@@ -90,7 +90,8 @@ def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, te
         began = time.perf_counter()
         loops.append(jax.jit(make_loop(task, num_envs, num_steps)).lower(jax.random.key(0)).compile())
         compile_s.append(time.perf_counter() - began)
-    rates = race(loops, num_envs * num_steps, repeats, lambda number: tell(f"{num_envs} environments, round {number} of {repeats}"))
+    env_steps = [num_envs * num_steps] * len(loops)
+    rates = race(loops, env_steps, repeats, lambda number: tell(f"{num_envs} environments, round {number} of {repeats}"))
     speeds = []
     for task, rate, seconds, loop in zip(tasks, rates, compile_s, loops, strict=True):
         ratio = statistics.median(a / b for a, b in zip(rate, rates[0], strict=True))
@@ -99,18 +100,20 @@ def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, te
     return speeds
 
 
-def race(loops: Sequence[Callable[[Array], Array]], env_steps: int, repeats: int, tell: Callable[[int], object]) -> list[list[float]]:
-    """Returns environment steps a second by loop and round: in each round every loop does `env_steps` once."""
+def race(
+    loops: Sequence[Callable[[Array], Array]], env_steps: Sequence[int], repeats: int, tell: Callable[[int], object]
+) -> list[list[float]]:
+    """Returns environment steps a second by loop and round: in each round every loop runs once, which is so many `env_steps`."""
     for loop in loops:
         loop(jax.random.key(1)).block_until_ready()  # the first call may be slower
     rates: list[list[float]] = [[] for _ in loops]
     for number in range(repeats):
         tell(number + 1)
-        for rate, loop in zip(rates, loops, strict=True):
+        for rate, loop, number_of_steps in zip(rates, loops, env_steps, strict=True):
             key = jax.random.key(number)
             began = time.perf_counter()
             loop(key).block_until_ready()
-            rate.append(env_steps / (time.perf_counter() - began))
+            rate.append(number_of_steps / (time.perf_counter() - began))
     return rates
 
 

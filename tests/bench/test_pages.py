@@ -27,7 +27,7 @@ RACE = report(
     *(speed("meadow", n, 1e5, observation="onehot") for n in (1, 128)),
     *(speed("meadow+crowd", n, 5e4, 20, crowd=20) for n in (1, 128)),
 )
-SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 50, 2.0, (4e5, 5e5, 6e5), 10, (1.0, 3.0), (2e5, 2e5, 2e5), 1.5, (5e5, 5e5, 5e5))
+SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5, 6e5), 10, (1.0, 3.0), (2e5, 2e5, 2e5), 1.5, (5e5, 5e5, 5e5))
 
 
 def test_a_form_has_a_row_of_speeds() -> None:
