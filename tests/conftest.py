@@ -35,6 +35,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = [item for item in items if item not in slow]
 
 
+@pytest.fixture(autouse=True)
+def as_compiled(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Lets XLA optimise in tests that are marked so: those that run a program for longer than it takes to compile."""
+    if request.config.getoption("--all") or not request.node.get_closest_marker("optimised"):
+        yield
+        return
+    jax.config.update("jax_disable_most_optimizations", False)
+    yield
+    jax.config.update("jax_disable_most_optimizations", True)
+
+
 @pytest.fixture
 def strict_jax() -> Iterator[None]:
     """Makes JAX raise where a typed key is consumed twice, where dtypes differ and where ranks differ."""

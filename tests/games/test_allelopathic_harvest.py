@@ -13,6 +13,8 @@ from .chance import BATCH, assert_share, assert_uniform, distance, many
 from .environments import cells_of, placed
 from .map_reading import find, read_map, regions
 
+pytestmark = pytest.mark.optimised
+
 ROWS = ("rgb.....", "........", "..rrgb..", "........")
 LOOKS = {"R": "bush colour=red fruit=ripe", "G": "bush colour=green fruit=ripe", "B": "bush colour=blue fruit=ripe"}
 STAGE = Stage("allelopathic_harvest", ROWS, 3, looks=LOOKS)

@@ -11,6 +11,8 @@ import pytest
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import cells_of, environment, frame_cells
 
+pytestmark = pytest.mark.optimised
+
 WATER, RIVER, ORCHARD = 147, 167, 122  # cells. Source: the released code's map
 STAYS = [6] * 7
 SAND = [(9, c) for c in range(4, 8)] + [(8, c) for c in range(4, 7)]  # where nothing happens

@@ -11,6 +11,8 @@ import pytest
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import cells_of, environment, frame_cells
 
+pytestmark = pytest.mark.optimised
+
 STAY = 6
 
 

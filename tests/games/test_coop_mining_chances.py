@@ -9,6 +9,8 @@ import pytest
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import cells_of, environment, frame_cells, placed
 
+pytestmark = pytest.mark.optimised
+
 ROCK = 538  # cells. Source: the released code's map
 NONE, IRON, GOLD, PARTIAL = range(4)
 MINE, STAY, FORWARD = 7, 6, 4

@@ -9,6 +9,8 @@ import pytest
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import cells_of, environment, frame_cells, placed
 
+pytestmark = pytest.mark.optimised
+
 GAME = "gift_refinement"
 GROUND = 538  # cells. Source: the released code's map
 STAY, FORWARD = 6, 4

@@ -11,6 +11,8 @@ import pytest
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import cells_of, environment, frame_cells
 
+pytestmark = pytest.mark.optimised
+
 GAME = "harvest_open"
 SOUTH = [(15, c) for c in range(7)]  # where nothing happens
 # chance of growth with so many apples near. Source: the paper's and the released code's figures

@@ -13,6 +13,8 @@ import pytest
 from .chance import BATCH, assert_share, assert_shares, assert_uniform, many
 from .environments import Cell, cells_of, environment, frame_cells, placed
 
+pytestmark = pytest.mark.optimised
+
 GAME = "mushrooms"
 FLOOR = 276  # cells. Source: the released code's map
 RED, GREEN, BLUE, ORANGE = KINDS = 1, 2, 3, 4

@@ -6,9 +6,12 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from .chance import BATCH, assert_share, assert_shares, assert_uniform, many
 from .environments import cells_of, environment, frame_cells, placed
+
+pytestmark = pytest.mark.optimised
 
 GAME = "pd_arena"
 STAY, FORWARD, INTERACT = 6, 4, 7

@@ -10,6 +10,8 @@ from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import placed
 from .map_reading import find, read_map, regions
 
+pytestmark = pytest.mark.optimised
+
 FIELD = (".........", ".........", "..aan....", ".........", "gggg.....", ".........", ".........", ".........")
 STAGE = Stage("predator_prey", (*FIELD, "#########", "PPPPPP###", "XXXXXX###"), 6)
 BITE, STAY = 7, 6

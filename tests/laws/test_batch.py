@@ -11,7 +11,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.optimise import optimise
 from sjdsl.testing.engines import QUICK
 from tests.fuzz.judge import on_jax
-from tests.fuzz.together import on_numpy
+from tests.fuzz.together import module_text, on_numpy
 from tests.laws.corpus import crowded, game_of, random_games, some_actions
 from tests.laws.numpy_state import numpy_state
 
@@ -24,7 +24,7 @@ CLOSE = {"rtol": 1e-6, "atol": 1e-6}
 def parts(game: ir.Game, random: Random) -> str:
     """Returns where an environment of a batch and the same one alone differ; nothing if they do not."""
     alone = on_numpy(game, optimise(game))
-    env = on_jax(game, optimise(game))
+    env = on_jax(game, module_text(optimise(game)))
     batch = jax.jit(jax.vmap(env._step), compiler_options=QUICK)
     states = [numpy_state(alone, crowded(game, random)) for _ in range(TOGETHER)]
     last = alone.module.episode_length(alone.params) - 2
