@@ -116,11 +116,13 @@ def _chosen_variable(member: AgentVar | CellVar, axis: Axis, best: Value) -> Age
 
 def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
-    rest = tuple(a for a in values.axes if a != axis)
-    if not rest:
+    if values.axes == (axis,):
         return Value(f"{wrapped(values)}[{best.text}]", values.dtype, best.axes)
-    at = f"{wrapped(Value(aligned(best, rest), 'i32'))}[..., None]"
-    return Value(f"jnp.take_along_axis({values.text}, {at}, axis={values.axes.index(axis)})[..., 0]", values.dtype, rest)
+    everything = union(values.axes, best.axes)  # what is picked may differ along more axes than what it is picked from
+    at = aligned(best, everything) if best.axes else f"jnp.full(({', '.join(['1'] * len(everything))},), {best.text})"
+    taken = f"jnp.take_along_axis({aligned(values, everything)}, {at}, axis={everything.index(axis)})"
+    entry = "..., 0" if everything[-1] == axis else ", ".join("0" if a == axis else ":" for a in everything)
+    return Value(f"{taken}[{entry}]", values.dtype, tuple(a for a in everything if a != axis))
 
 
 def _under(d: ir.Domain, agent: AgentVar | CellVar, w: Writer) -> dict[str, AgentVar | CellVar]:
