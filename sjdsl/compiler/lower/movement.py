@@ -4,7 +4,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.context import AgentVar, Frame, Writer
+from sjdsl.compiler.lower.context import AgentVar, Frame, NotSupported, Writer
 from sjdsl.compiler.lower.domains import blocked_by, enter
 from sjdsl.compiler.lower.values import Value, wrapped
 
@@ -48,7 +48,8 @@ def _conditional_blocks(agent: AgentVar, w: Writer) -> None:
     for kind in w.module.game.kinds:
         for block in kind.blocks:
             if block.what == "agents" and block.condition is not None and w.module.layout.num_cells((kind.name,)):
-                assert agent.axis is not None
+                if agent.axis is None:
+                    raise NotSupported("`move each` of agents named one by one where cells block under a condition", w.origin)
                 blocked = blocked_by(block, kind, Value("target", "i32", (agent.axis,)), w, agent)
                 w.line(f"target = jnp.where({wrapped(blocked)} & (target != state.position), state.position, target)")
                 w.known.clear()
