@@ -26,7 +26,7 @@ run: .venv/ready
 test: .venv/ready
 	$(PYTEST)
 
-# Also every variant and crowd, with XLA's optimisations: for half an hour without anything to do.
+# Also every variant and crowd, with XLA's optimisations: takes much longer.
 test-all: .venv/ready
 	$(PYTEST) --all
 

@@ -6,6 +6,8 @@ import operator
 import jax.numpy as jnp
 from jax import Array, lax
 
+from sjdsl.runtime.bits import pack
+
 
 def count_near(member: Array, masks: Array) -> Array:
     """Returns how many members each cell has near it.
@@ -16,10 +18,7 @@ def count_near(member: Array, masks: Array) -> Array:
     Returns:
       `[S]` int32.
     """
-    padded = lax.pad(member, jnp.asarray(False), [(0, masks.shape[0] * 32 - member.shape[0], 0)])
-    bits = padded.reshape(-1, 32).astype(jnp.uint32) << jnp.arange(32, dtype=jnp.uint32)[None]
-    packed = jnp.sum(bits, axis=1, dtype=jnp.uint32)
-    near = lax.population_count(packed[:, None] & masks)
+    near = lax.population_count(pack(member)[:, None] & masks)
     return jnp.sum(near.astype(jnp.int32), axis=0, dtype=jnp.int32)
 
 

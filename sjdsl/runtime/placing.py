@@ -4,6 +4,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from sjdsl.runtime import bits
+from sjdsl.runtime.counting import size_of_set
 from sjdsl.runtime.draws import below
 
 
@@ -23,7 +24,7 @@ def pick(member: Array, word: Array) -> tuple[Array, Array]:
 
 def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
     """Returns one agent of each set that is kept as bits: as `pick`, from `[...]` unsigned."""
-    number = lax.population_count(members).astype(jnp.int32)
+    number = size_of_set(members)
     return bits.nth_bit(members, below(word, number)), number > 0
 
 

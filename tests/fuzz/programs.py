@@ -171,7 +171,7 @@ def agents(w: World) -> Lines:
     open_ = [a for a in w.actions if a != "stay"]
     for _ in range(w.random.choice((0, 0, 1, 2)) if open_ else 0):
         some = "all" if w.is_now(0.3) else ", ".join(sorted(w.random.sample(open_, w.random.randint(1, min(2, len(open_))))))
-        test = condition(Scope(w, "forbid", (Variable("agent"),)), 2)
+        test = condition(Scope(w, "forbid").having(Variable("agent")), 2)
         if not any(line.startswith(f"forbid {some} when") for line in lines):
             lines.append(f"forbid {some} when {test}")
     number = str(w.agents)

@@ -266,7 +266,7 @@ def destination(scope: Scope, kind: str) -> str:
     name = kind if not w.is_now(0.4) else w.variable()
     text = kind if name == kind else f"{kind} as {name}"
     if w.is_now(0.45):
-        alone = Scope(w, "destination", (Variable(name, w.kinds_of(kind)),))
+        alone = Scope(w, "destination").having(Variable(name, w.kinds_of(kind)))
         text += f" where {condition(alone, 2)}"
     return text
 

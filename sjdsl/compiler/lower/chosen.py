@@ -7,7 +7,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, iota
-from sjdsl.compiler.lower.domains import _has_inner_blocks, enter, is_empty, sites_in, sweep
+from sjdsl.compiler.lower.domains import _has_inner_blocks, enter, is_empty, sites_in, sweep, whole_set
 from sjdsl.compiler.lower.draws import words
 from sjdsl.compiler.lower.expressions import lower
 from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped
@@ -45,7 +45,7 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
     one = number.literal and int(number.text) == 1
     turns = w.axis("turn", min(s.most, total))
     word = words(s.stream, frame, (turns, turns.size))
-    members = _set_of(s.domain, frame, w) if one else None
+    members = whole_set(s.domain, frame, w) if one else None
     around = (members or inner.mask or literal(True, "bool")).axes
     outer_axes = union(word.axes[:-1], tuple(a for a in around if a != axis))
     axes = (*outer_axes, axis)
@@ -88,15 +88,6 @@ def _spread(word: Value, axes: tuple[Axis, ...]) -> str:
         return word.text
     shape = ", ".join(str(a.size) for a in axes)
     return f"jnp.broadcast_to({aligned(word, axes)}, ({shape},))"
-
-
-def _set_of(d: ir.Domain, frame: Frame, w: Writer) -> Value | None:
-    """Returns the set that a domain is, as bits, if it is nothing but a set of agents none of whom can be away."""
-    whole = isinstance(d.place, ir.InAgents) and d.place.value.type.kind == "agents" and d.on is None and d.where is None
-    if not whole or w.module.can_be_away:
-        return None
-    assert isinstance(d.place, ir.InAgents)
-    return lower(d.place.value, frame.always(), w)
 
 
 def _number_array(number: Value, axes: tuple[Axis, ...]) -> str:

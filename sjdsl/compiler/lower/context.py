@@ -84,6 +84,11 @@ class Module:
     def num_agents(self) -> int:
         return self.game.agents.number
 
+    @property
+    def set_dtype(self) -> str:
+        """How a set of agents is kept: a bit for each agent."""
+        return "u8" if self.num_agents <= 8 else "u32"
+
     @cached_property
     def can_be_away(self) -> bool:
         """Whether agents can be off the map during a step."""

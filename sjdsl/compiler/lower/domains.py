@@ -43,6 +43,19 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
     return not all(map(w.module.layout.num_cells, kinds))
 
 
+def in_set(members: Value, axis: Axis) -> Value:
+    """Returns which agents, along an axis, are in a set that is kept as bits."""
+    bit = binary("&", binary(">>", members, iota(axis, members.dtype), members.dtype), literal(1, members.dtype), members.dtype)
+    return binary("!=", bit, literal(0, members.dtype), "bool")
+
+
+def whole_set(d: ir.Domain, frame: Frame, w: Writer) -> Value | None:
+    """Returns the set that a domain is, as bits, if it is nothing but a set of agents none of whom can be away."""
+    if not isinstance(d.place, ir.InAgents) or d.place.value.type.kind != "agents" or d.on or d.where or w.module.can_be_away:
+        return None
+    return lower(d.place.value, frame.always(), w)
+
+
 def extended(frame: Frame, axis: Axis | None, d: ir.Domain, variable: AgentVar | CellVar, digit: Value, radix: int) -> Frame:
     """Returns the place with one more quantifier around it."""
     return replace(
@@ -72,10 +85,7 @@ def _agents(d: ir.Domain, frame: Frame, w: Writer) -> Frame:
         case ir.Near():
             return inner.when(agents_in(d.place, variable, inner, w))
         case ir.InAgents():
-            bits = lower(d.place.value, frame, w)
-            dtype = bits.dtype
-            shifted = binary(">>", bits, iota(axis, dtype), dtype)
-            return inner.when(binary("!=", binary("&", shifted, literal(1, dtype), dtype), literal(0, dtype), "bool"))
+            return inner.when(in_set(lower(d.place.value, frame, w), axis))
         case _:
             return inner
 

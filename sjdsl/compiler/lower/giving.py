@@ -6,6 +6,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.identifiers import param_attribute
 from sjdsl.compiler.lower.context import AgentVar, Frame, Writer, iota
+from sjdsl.compiler.lower.domains import in_set
 from sjdsl.compiler.lower.expressions import lower, owner, real, to_words
 from sjdsl.compiler.lower.values import DTYPES, Axis, Value, as_dtype, binary, both, literal, reduce, select, wrapped
 
@@ -63,17 +64,18 @@ def per_agent(e: ir.Expr, amount: Value, frame: Frame, w: Writer) -> Value:
     axis = w.axis("receiver", w.module.num_agents)
     many = math.prod(a.size for a in frame.axes) >= MANY and not amount.axes and axis.size <= 32
     if e.type.kind == "agents":
+        members = lower(e, frame, w)
         if many:
-            return _counted(lower(e, frame, w), amount, axis, frame, w)
-        return _summed(both(frame.mask, _in_set(e, axis, frame, w)), amount, frame.axes, w)
+            return _counted(members, amount, axis, frame, w)
+        return _summed(both(frame.mask, in_set(members, axis)), amount, frame.axes, w)
     who = owner(e, frame, w)
     assert isinstance(who, AgentVar)
     if who.axis is not None:
         return _summed(frame.mask, amount, tuple(a for a in frame.axes if a != who.axis), w)
     if many:
-        dtype = DTYPES["u8" if axis.size <= 8 else "u32"]
-        one = replace(who.index, text=f"{dtype}(1) << {wrapped(who.index)}.astype({dtype})", dtype="u8" if axis.size <= 8 else "u32")
-        return _counted(one, amount, axis, frame, w)
+        dtype = w.module.set_dtype
+        bit = f"{DTYPES[dtype]}(1) << {as_dtype(who.index, dtype).text}"
+        return _counted(replace(who.index, text=bit, dtype=dtype), amount, axis, frame, w)
     # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
     return _summed(both(frame.mask, binary("==", who.index, iota(axis), "bool")), amount, frame.axes, w)
 
@@ -81,17 +83,9 @@ def per_agent(e: ir.Expr, amount: Value, frame: Frame, w: Writer) -> Value:
 def _counted(sets: Value, amount: Value, axis: Axis, frame: Frame, w: Writer) -> Value:
     """Returns an amount that is the same for all, times how many of the sets of the instances an agent is in."""
     reached = select(frame.mask, sets, literal(0, sets.dtype))
-    missing = math.prod(a.size for a in frame.axes if a not in reached.axes)
     count = w.keep("times", Value(f"times_in({reached.text}, {axis.size})", "i32", (axis,)))
-    times = binary("*", amount, literal(missing, amount.dtype), amount.dtype) if missing > 1 else amount
-    return count if times == literal(1, "i32") else binary("*", as_dtype(count, times.dtype), times, times.dtype)
-
-
-def _in_set(e: ir.Expr, axis: Axis, frame: Frame, w: Writer) -> Value:
-    bits = lower(e, frame, w)
-    shifted = binary(">>", bits, iota(axis, bits.dtype), bits.dtype)
-    one = binary("&", shifted, literal(1, bits.dtype), bits.dtype)
-    return binary("!=", one, literal(0, bits.dtype), "bool")
+    alike = math.prod(a.size for a in frame.axes if a not in reached.axes)
+    return _times(count, _times(literal(alike, "i32"), amount))
 
 
 def _summed(reached: Value | None, amount: Value, over: tuple[Axis, ...], w: Writer) -> Value:
@@ -99,9 +93,13 @@ def _summed(reached: Value | None, amount: Value, over: tuple[Axis, ...], w: Wri
     if reached is None:
         return reduce("sum", amount, over)
     if over and not any(axis in amount.axes for axis in over):
-        count = w.keep("times", reduce("sum", reached, over))
-        return count if amount == literal(1, "i32") else binary("*", as_dtype(count, amount.dtype), amount, amount.dtype)
+        return _times(w.keep("times", reduce("sum", reached, over)), amount)
     return reduce("sum", select(reached, amount, literal(0, amount.dtype)), over)
+
+
+def _times(count: Value, amount: Value) -> Value:
+    one = literal(1, "i32")
+    return amount if count == one else count if amount == one else binary("*", as_dtype(count, amount.dtype), amount, amount.dtype)
 
 
 __all__ = ["give", "tally"]

@@ -67,7 +67,7 @@ def storage(declared: ir.VarField, w: Writer) -> str:
         case "agent":
             return "i32"
         case "agents":
-            return "u8" if w.module.num_agents <= 8 else "u32"
+            return w.module.set_dtype
         case _:
             raise AssertionError(type_)
 

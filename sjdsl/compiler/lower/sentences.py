@@ -3,10 +3,7 @@
 from dataclasses import replace
 from typing import assert_never
 
-import numpy as np
-
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.chosen import first, match_, pick
 from sjdsl.compiler.lower.context import AgentVar, Frame, NotSupported, Writer
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
@@ -136,4 +133,4 @@ def mark_size(rules: ir.Node, game: ir.Game) -> int:
     return size
 
 
-__all__ = ["block", "mark_size", "np", "reads"]
+__all__ = ["block", "mark_size"]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.context import CellVar, Frame, Writer, iota
-from sjdsl.compiler.lower.domains import enter, is_empty
+from sjdsl.compiler.lower.domains import enter, is_empty, whole_set
 from sjdsl.compiler.lower.expressions import lower
 from sjdsl.compiler.lower.values import Value, as_dtype, literal, reduce, select
 
@@ -33,10 +33,9 @@ def total(e: ir.Count | ir.Sum, frame: Frame, w: Writer) -> Value:
 
 def _size(e: ir.Count, frame: Frame, w: Writer) -> Value | None:
     """`count(agent in SET)` where nobody is ever away: the bits of the set itself."""
-    place = e.domain.place
-    if not isinstance(place, ir.InAgents) or place.value.type.kind != "agents" or e.domain.on or e.domain.where or w.module.can_be_away:
+    members = whole_set(e.domain, frame, w)
+    if members is None:
         return None
-    members = lower(place.value, frame, w)
     return w.keep(f"num_{e.domain.var.name}", replace(members, text=f"size_of_set({members.text})", dtype="i32"))
 
 

@@ -20,7 +20,7 @@ _COMPARISONS = {
 }
 _OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "%": operator.mod}
 _OPPOSITES = (("==", "!="), ("!=", "=="))
-_ATOM = re.compile(r"~?[A-Za-z_][A-Za-z0-9_.]*(\([^()]*\)|\[[^\[\]]*\])*|-?\d+(\.\d+)?(e-?\d+)?|0x[0-9a-f]+")
+_ATOM = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*(\([^()]*\)|\[[^\[\]]*\])*|-?\d+(\.\d+)?(e-?\d+)?|0x[0-9a-f]+")
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,12 @@ def wrapped(value: Value) -> str:
     return value.text if _ATOM.fullmatch(value.text) else f"({value.text})"
 
 
+def _in_operation(value: Value) -> str:
+    """Returns the text as an operand: `~name` needs no brackets there, while in `~name.astype(…)` the `~` would come last."""
+    is_negated = value.text.startswith("~") and _ATOM.fullmatch(value.text[1:])
+    return value.text if is_negated else wrapped(value)
+
+
 def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
     """Returns all the axes, left to right."""
     return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
@@ -65,8 +71,6 @@ def aligned(value: Value, axes: tuple[Axis, ...]) -> str:
     if value.axes == axes or (not value.axes and not value.levels):
         return value.text
     index = [":" if a in value.axes else "None" for a in axes]
-    if not value.axes and all(i == "None" for i in index):
-        return f"{wrapped(value)}[{', '.join(index)}]"
     return f"{wrapped(value)}[{', '.join(index)}]"
 
 
@@ -94,12 +98,12 @@ def binary(op: str, a: Value, b: Value, dtype: str) -> Value:
 
 def _operand(value: Value, axes: tuple[Axis, ...], levels: int) -> str:
     if value.literal or (not value.axes and not value.levels):
-        return wrapped(value)
+        return _in_operation(value)
     text = aligned(value, axes)
     if value.levels < levels:
         base = value if value.axes == axes else replace(value, text=text)
         return f"{wrapped(base)}[{', '.join([':'] * len(axes) + ['None'] * (levels - value.levels))}]"
-    return wrapped(replace(value, text=text))
+    return _in_operation(replace(value, text=text))
 
 
 def both(*conditions: Value | None) -> Value | None:

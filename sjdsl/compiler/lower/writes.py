@@ -10,6 +10,7 @@ from sjdsl.compiler.lower import reads
 from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer
 from sjdsl.compiler.lower.expressions import lower, owner, to_words
 from sjdsl.compiler.lower.values import (
+    DTYPES,
     Axis,
     Value,
     aligned,
@@ -46,7 +47,7 @@ def set_(s: ir.Set, frame: Frame, w: Writer) -> None:
 def stored_value(e: ir.Expr, type_: ir.Type, frame: Frame, w: Writer) -> Value:
     """Returns a value as the field keeps it: words of its own set, agents as numbers, nobody as the empty set."""
     if type_.kind == "agents" and isinstance(e, ir.Nobody):
-        return literal(0, "u8" if w.module.num_agents <= 8 else "u32")
+        return literal(0, w.module.set_dtype)
     value = lower(e, frame.always(), w)
     if type_.kind == "word":
         return to_words(value, e.type.words, type_.words)
@@ -310,7 +311,7 @@ def _add_member(
         raise NotSupported(f"a set of agents in a game of {n} agents (at most 32)", s.origin)
     member = lower(s.value, frame.always(), w)
     joining = frame.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    dtype = "jnp.uint8" if n <= 8 else "jnp.uint32"
+    dtype = DTYPES[w.module.set_dtype]
     if who is None:
         raise NotSupported("a world field that is a set of agents", s.origin)
     index = who.index if isinstance(who, AgentVar) else who.site
@@ -324,7 +325,7 @@ def _add_member(
     name = f"{attribute}_joined"
     itself = joining.axis if isinstance(joining, AgentVar) else None
     if itself in axes and all(a.size == 1 or a == itself for a in axes):  # the bit of an agent is added once at most
-        own = aligned(Value(f"({dtype}(1) << jnp.arange({n}, dtype={dtype}))", "u8", (itself,)), axes)
+        own = aligned(Value(f"({dtype}(1) << jnp.arange({n}, dtype={dtype}))", w.module.set_dtype, (itself,)), axes)
         where = spread[0] if not key else ", ".join(spread[:-1])
         sets = f'jnp.zeros(({", ".join([str(size), *words])},), {dtype}).at[{where}].add({own}, mode="drop")'
     else:
@@ -332,7 +333,7 @@ def _add_member(
         sets = f"as_bits({w.keep(name, Value(table, 'bool')).text}, {dtype})"
     if target.type.by and not keys:  # to every entry of the row
         sets = f"({sets})[:, None]"
-    w.joined.setdefault(attribute, []).append(w.keep(name, Value(sets, "u8")).text)
+    w.joined.setdefault(attribute, []).append(w.keep(name, Value(sets, w.module.set_dtype)).text)
 
 
 def finish(w: Writer) -> None:
