@@ -13,7 +13,7 @@ from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'allelopathic_harvest'
 TITLE = 'Allelopathic Harvest'
@@ -86,7 +86,7 @@ FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True,
 FORBIDS_3 = jnp.asarray([False, False, False, False, False, False, False, False,  True,  True,  True], bool)  # actions a `forbid` is about
 BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, 'r': 2, 'g': 2, 'b': 2}))  # looks of the cells of the frame, fields aside
 CELLS_BUSH = jnp.asarray(cells_of(MAP, PAD, 'rgb'))  # cells of bush
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 BUSH_COLOUR_START = jnp.asarray(values_of(MAP, {'r': 0, 'g': 1, 'b': 2}, 'uint8'))  # colour of bush as on the map
 
 
@@ -424,10 +424,10 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 9]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 9, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
     plane_1 = jnp.zeros(2256, jnp.uint8)
-    plane_0 = plane_0.at[CELLS_BUSH].set(((state.bush_colour) * 2 + state.bush_fruit + 2), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # allelopathic_harvest.sj:24
+    plane_0 = fill(plane_0, CELLS_BUSH, ((state.bush_colour) * 2 + state.bush_fruit + 2))  # allelopathic_harvest.sj:24
     plane_1 = paint(plane_1, state.mark_sow_sow_red_red, 1)  # allelopathic_harvest.sj:65
     plane_1 = paint(plane_1, state.mark_sow_sow_green_green, 2)  # allelopathic_harvest.sj:65
     plane_1 = paint(plane_1, state.mark_sow_sow_blue_blue, 4)  # allelopathic_harvest.sj:65
@@ -443,4 +443,4 @@ def observe(state: State, params: Params) -> Array:
     shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:84
     shown_empty = state.agent_empty.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:84
     present = state.position != 0  # allelopathic_harvest.sj:84
-    return jnp.where(present[:, None, None, None], planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (seen_1 >> 0) & 15, jnp.where(theirs, state.agent_coat[who] + 1, 0), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_taste[:, None, None], (16, 11, 11)), jnp.broadcast_to(shown_stunned[:, None, None], (16, 11, 11)), jnp.broadcast_to(shown_hot[:, None, None], (16, 11, 11)), jnp.broadcast_to(shown_empty[:, None, None], (16, 11, 11))), 0)
+    return planes_of((11, 11), present, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (seen_1 >> 0) & 15, jnp.where(theirs, state.agent_coat[who] + 1, 0), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_taste[:, None], (16, 121)), jnp.broadcast_to(shown_stunned[:, None], (16, 121)), jnp.broadcast_to(shown_hot[:, None], (16, 121)), jnp.broadcast_to(shown_empty[:, None], (16, 121)))

@@ -14,7 +14,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import mix
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'chicken'
 TITLE = 'Chicken in the matrix: Arena'
@@ -70,7 +70,7 @@ SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'P')))  # n
 FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
 BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'C': 3, 'D': 3, 'P': 7}))  # looks of the cells of the frame, fields aside
 CELLS_PATCH = jnp.asarray(cells_of(MAP, PAD, 'CD'))  # cells of patch
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 PATCH_CLASS_START = jnp.asarray(values_of(MAP, {'C': 0, 'D': 1}, 'uint8'))  # class of patch as on the map
 
 
@@ -255,9 +255,9 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 6]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = plane_0.at[CELLS_PATCH].set(((state.patch_class) * 2 + state.patch_stock + 3), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # chicken.sj:10
+    plane_0 = fill(plane_0, CELLS_PATCH, ((state.patch_class) * 2 + state.patch_stock + 3))  # chicken.sj:10
     plane_0 = paint(plane_0, state.mark_meet, 64)  # pd_arena.sj:53
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # pd_arena.sj:31
     seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:66
@@ -265,4 +265,4 @@ def observe(state: State, params: Params) -> Array:
     shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:67
     shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:67
     shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, jnp.uint8(0), jnp.uint8(1))).astype(jnp.uint8)  # pd_arena.sj:67
-    return planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None, None], (4, 11, 11)), jnp.broadcast_to(shown_bag_2[:, None, None], (4, 11, 11)), jnp.broadcast_to(shown_resting[:, None, None], (4, 11, 11)))
+    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (4, 121)), jnp.broadcast_to(shown_bag_2[:, None], (4, 121)), jnp.broadcast_to(shown_resting[:, None], (4, 121)))

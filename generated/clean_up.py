@@ -14,7 +14,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import ramp
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'clean_up'
 TITLE = 'Clean Up'
@@ -63,7 +63,7 @@ SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'P')))  # n
 BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'H': 2, 'F': 2, 'S': 4, 'B': 5, 'P': 7}))  # looks of the cells of the frame, fields aside
 CELLS_WATER = jnp.asarray(cells_of(MAP, PAD, 'HF'))  # cells of water
 CELLS_ORCHARD = jnp.asarray(cells_of(MAP, PAD, 'B'))  # cells of orchard
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 WATER_STATE_START = jnp.asarray(values_of(MAP, {'H': 0, 'F': 1}, 'uint8'))  # state of water as on the map
 
 
@@ -265,10 +265,10 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 3]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = plane_0.at[CELLS_WATER].set((state.water_state + 2), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # clean_up.sj:24
-    plane_0 = plane_0.at[CELLS_ORCHARD].set((state.orchard_fruit + 5), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # clean_up.sj:26
+    plane_0 = fill(plane_0, CELLS_WATER, (state.water_state + 2))  # clean_up.sj:24
+    plane_0 = fill(plane_0, CELLS_ORCHARD, (state.orchard_fruit + 5))  # clean_up.sj:26
     plane_0 = paint(plane_0, state.mark_scrub, 64)  # clean_up.sj:57
     plane_0 = paint(plane_0, state.mark_fire, 128)  # clean_up.sj:63
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # clean_up.sj:31
@@ -276,4 +276,4 @@ def observe(state: State, params: Params) -> Array:
     raw = seen_0 & 7  # clean_up.sj:70
     content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # clean_up.sj:70
     agent = (seen_0 >> 3) & 7  # clean_up.sj:70
-    return planes_of(content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 3)
+    return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 3)

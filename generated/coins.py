@@ -13,7 +13,7 @@ from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, site
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'coins'
 TITLE = 'Coins'
@@ -53,7 +53,7 @@ STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4], jnp.int32)  # direction of a step b
 NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, ''))  # where a step leads, by cell and direction; the cell itself if blocked
 BASE = jnp.asarray(painted(MAP, PAD, {'C': 1, 'P': 4}))  # looks of the cells of the frame, fields aside
 CELLS_TILE = jnp.asarray(cells_of(MAP, PAD, 'C'))  # cells of tile
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
 @struct.dataclass
@@ -196,14 +196,14 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 2]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 2, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = plane_0.at[CELLS_TILE].set((state.tile_coin + 1), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # coins.sj:18
+    plane_0 = fill(plane_0, CELLS_TILE, (state.tile_coin + 1))  # coins.sj:18
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coins.sj:22
     seen_0 = windows(plane_0.reshape(34, 29), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coins.sj:59
     raw = seen_0 & 7  # coins.sj:59
     is_tile = (raw >= 1) & (raw < 4)  # coins.sj:59
     tile_coin = (raw - 1)  # coins.sj:59
-    content = jnp.where(is_tile, ((jnp.where(tile_coin == ((state.agent_colour + 1)[:, None, None]), 0, jnp.where(tile_coin != 0, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8)) + 1, raw)  # coins.sj:59
+    content = jnp.where(is_tile, ((jnp.where(tile_coin == ((state.agent_colour + 1)[:, None]), 0, jnp.where(tile_coin != 0, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8)) + 1, raw)  # coins.sj:59
     agent = (seen_0 >> 3) & 7  # coins.sj:59
-    return planes_of(content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8))
+    return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8))

@@ -13,7 +13,7 @@ from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick_of_set, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'coop_mining'
 TITLE = 'Coop Mining'
@@ -69,7 +69,7 @@ SITE_OF_ROCK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'O')))  # n
 LANES_OF_RAY = jnp.asarray([[0, 1, 2]], jnp.int32)  # cells of each lane of ray, nearest first
 BASE = jnp.asarray(painted(MAP, PAD, {'O': 1, '#': 5, 'P': 6}))  # looks of the cells of the frame, fields aside
 CELLS_ROCK = jnp.asarray(cells_of(MAP, PAD, 'O'))  # cells of rock
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
 @struct.dataclass
@@ -280,11 +280,11 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 3]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = plane_0.at[CELLS_ROCK].set((state.rock_ore + 1), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # coop_mining.sj:23
+    plane_0 = fill(plane_0, CELLS_ROCK, (state.rock_ore + 1))  # coop_mining.sj:23
     plane_0 = paint(plane_0, state.mark_mine, 64)  # coop_mining.sj:43
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coop_mining.sj:32
     seen_0 = windows(plane_0.reshape(45, 45), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coop_mining.sj:79
     agent = (seen_0 >> 3) & 7  # coop_mining.sj:79
-    return planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)
+    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)

@@ -14,7 +14,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import entry, lowest
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'gift_refinement'
 TITLE = 'Gift Refinement'
@@ -70,7 +70,7 @@ INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
 LANES_OF_RAY = jnp.asarray([[0]], jnp.int32)  # cells of each lane of ray, nearest first
 BASE = jnp.asarray(painted(MAP, PAD, {'T': 1, '#': 3, 'P': 4}))  # looks of the cells of the frame, fields aside
 CELLS_GROUND = jnp.asarray(cells_of(MAP, PAD, 'T'))  # cells of ground
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
 @struct.dataclass
@@ -272,9 +272,9 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 6]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = plane_0.at[CELLS_GROUND].set((state.ground_token + 1), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # gift_refinement.sj:21
+    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_token + 1))  # gift_refinement.sj:21
     plane_0 = paint(plane_0, state.mark_offer, 64)  # gift_refinement.sj:49
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # gift_refinement.sj:26
     seen_0 = windows(plane_0.reshape(43, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # gift_refinement.sj:70
@@ -282,4 +282,4 @@ def observe(state: State, params: Params) -> Array:
     shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # gift_refinement.sj:70
     shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # gift_refinement.sj:70
     shown_bag_3 = state.agent_bag.astype(jnp.int32)[:, 2].astype(jnp.uint8)  # gift_refinement.sj:70
-    return planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None, None], (5, 11, 11)), jnp.broadcast_to(shown_bag_2[:, None, None], (5, 11, 11)), jnp.broadcast_to(shown_bag_3[:, None, None], (5, 11, 11)))
+    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (5, 121)), jnp.broadcast_to(shown_bag_2[:, None], (5, 121)), jnp.broadcast_to(shown_bag_3[:, None], (5, 121)))

@@ -13,7 +13,7 @@ from sjdsl.runtime.geometry import cells_of, inside, lane_reach, near_masks, nei
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'harvest_closed'
 TITLE = 'Commons Harvest: Closed'
@@ -60,7 +60,7 @@ BEAM_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, -1), 
 SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'P')))  # number of each cell among gate; past the end: none
 BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'A': 3, 'Q': 5, 'P': 6}))  # looks of the cells of the frame, fields aside
 CELLS_SOIL = jnp.asarray(cells_of(MAP, PAD, 'A'))  # cells of soil
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
 @struct.dataclass
@@ -230,11 +230,11 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 3]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = plane_0.at[CELLS_SOIL].set((state.soil_fruit + 3), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # harvest_open.sj:22
+    plane_0 = fill(plane_0, CELLS_SOIL, (state.soil_fruit + 3))  # harvest_open.sj:22
     plane_0 = paint(plane_0, state.mark_fire, 64)  # harvest_open.sj:58
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # harvest_open.sj:27
     seen_0 = windows(plane_0.reshape(34, 40), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # harvest_open.sj:68
     agent = (seen_0 >> 3) & 7  # harvest_open.sj:68
-    return planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)
+    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)

@@ -13,7 +13,7 @@ from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, paint
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'mushrooms'
 TITLE = 'Externality Mushrooms'
@@ -53,7 +53,7 @@ BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1,
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
 FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
 BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, 'R': 1, 'G': 1, 'B': 1, 'O': 1}))  # looks of the cells of the frame, fields aside
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 GROUND_GROWS_START = jnp.asarray(values_of(MAP, {'.': 0, 'R': 1, 'G': 2, 'B': 3, 'O': 4}, 'uint8'))  # grows of ground as on the map
 
 
@@ -295,12 +295,12 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 4]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 4, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = plane_0.at[CELLS_GROUND].set((state.ground_grows + 1), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # mushrooms.sj:27
+    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_grows + 1))  # mushrooms.sj:27
     plane_0 = paint(plane_0, state.mark_fire, 64)  # mushrooms.sj:71
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # mushrooms.sj:38
     seen_0 = windows(plane_0.reshape(30, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # mushrooms.sj:81
     agent = (seen_0 >> 3) & 7  # mushrooms.sj:81
     shown_digesting = state.agent_digesting.astype(jnp.int32).astype(jnp.uint8)  # mushrooms.sj:81
-    return planes_of(seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_digesting[:, None, None], (5, 11, 11)))
+    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_digesting[:, None], (5, 121)))

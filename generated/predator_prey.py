@@ -13,7 +13,7 @@ from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, paint
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'predator_prey'
 TITLE = 'Predator and Prey: Open'
@@ -72,7 +72,7 @@ FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], 
 BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'g': 3, 'P': 4, 'X': 5, 'a': 6, 'n': 8}))  # looks of the cells of the frame, fields aside
 CELLS_TREE = jnp.asarray(cells_of(MAP, PAD, 'a'))  # cells of tree
 CELLS_OAK = jnp.asarray(cells_of(MAP, PAD, 'n'))  # cells of oak
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
 @struct.dataclass
@@ -348,11 +348,11 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 7]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 7, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
     plane_1 = jnp.zeros(1517, jnp.uint8)
-    plane_0 = plane_0.at[CELLS_TREE].set((state.tree_fruit + 6), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # predator_prey.sj:29
-    plane_0 = plane_0.at[CELLS_OAK].set((state.oak_fruit + 8), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # predator_prey.sj:30
+    plane_0 = fill(plane_0, CELLS_TREE, (state.tree_fruit + 6))  # predator_prey.sj:29
+    plane_0 = fill(plane_0, CELLS_OAK, (state.oak_fruit + 8))  # predator_prey.sj:30
     plane_1 = paint(plane_1, state.mark_hunt, 1)  # predator_prey.sj:71
     plane_0 = paint(plane_0, state.position, (jnp.arange(13, dtype=jnp.uint8) + 1) << 4)  # predator_prey.sj:33
     seen_0 = windows(plane_0.reshape(37, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # predator_prey.sj:83
@@ -363,4 +363,4 @@ def observe(state: State, params: Params) -> Array:
     shown_role = state.agent_role  # predator_prey.sj:84
     shown_mouth = state.agent_mouth  # predator_prey.sj:84
     present = state.position != 0  # predator_prey.sj:84
-    return jnp.where(present[:, None, None, None], planes_of(seen_0 & 15, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), seen_1, jnp.where(theirs, state.agent_role[who] + 1, 0), jnp.where(theirs, state.agent_mouth[who] + 1, 0), jnp.broadcast_to(shown_role[:, None, None], (13, 11, 11)), jnp.broadcast_to(shown_mouth[:, None, None], (13, 11, 11))), 0)
+    return planes_of((11, 11), present, seen_0 & 15, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), seen_1, jnp.where(theirs, state.agent_role[who] + 1, 0), jnp.where(theirs, state.agent_mouth[who] + 1, 0), jnp.broadcast_to(shown_role[:, None], (13, 121)), jnp.broadcast_to(shown_mouth[:, None], (13, 121)))

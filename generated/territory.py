@@ -14,7 +14,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import as_bits, reached
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'territory'
 TITLE = 'Territory: Rooms'
@@ -73,7 +73,7 @@ FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True,  
 FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True, False], bool)  # actions a `forbid` is about
 BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'R': 3, 'P': 93}))  # looks of the cells of the frame, fields aside
 CELLS_BRICK = jnp.asarray(cells_of(MAP, PAD, 'R'))  # cells of brick
-MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # where the observer is in its window
+MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
 @struct.dataclass
@@ -348,10 +348,10 @@ def episode_length(params: Params) -> Array:
 
 
 def observe(state: State, params: Params) -> Array:
-    """Returns what each agent sees: `[N, 11, 11, 6]` uint8; planes as in TOKEN_PLANES."""
+    """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
     plane_1 = jnp.zeros(1369, jnp.uint8)
-    plane_0 = plane_0.at[CELLS_BRICK].set((((state.brick_paint) * 3 + state.brick_damage) * 10 + (state.brick_owner + 1).astype(jnp.uint8) + 3), mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)  # territory.sj:23
+    plane_0 = fill(plane_0, CELLS_BRICK, (((state.brick_paint) * 3 + state.brick_damage) * 10 + (state.brick_owner + 1).astype(jnp.uint8) + 3))  # territory.sj:23
     plane_0 = paint(plane_0, state.mark_claim, 128)  # territory.sj:50
     plane_1 = paint(plane_1, state.mark_fire, 16)  # territory.sj:64
     plane_1 = paint(plane_1, state.position, (jnp.arange(9, dtype=jnp.uint8) + 1))  # territory.sj:33
@@ -362,11 +362,11 @@ def observe(state: State, params: Params) -> Array:
     brick_owner = (raw - 3) % 10  # territory.sj:82
     brick_damage = ((raw - 3) // 10) % 3  # territory.sj:82
     brick_paint = (((raw - 3) // 10) // 3)  # territory.sj:82
-    content = jnp.where(is_brick, ((((brick_paint * 3) + ((jnp.where((brick_owner.astype(jnp.int32) - 1) == jnp.arange(9, dtype=jnp.int32)[:, None, None], 0, jnp.where((brick_owner.astype(jnp.int32) - 1) == -1, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) * 3) + ((jnp.where(brick_damage.astype(jnp.int32) == 0, 0, jnp.where(brick_damage.astype(jnp.int32) < 2, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) + 3, raw + (((raw >= 93).astype(jnp.uint8)) * -63))  # territory.sj:82
+    content = jnp.where(is_brick, ((((brick_paint * 3) + ((jnp.where((brick_owner.astype(jnp.int32) - 1) == jnp.arange(9, dtype=jnp.int32)[:, None], 0, jnp.where((brick_owner.astype(jnp.int32) - 1) == -1, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) * 3) + ((jnp.where(brick_damage.astype(jnp.int32) == 0, 0, jnp.where(brick_damage.astype(jnp.int32) < 2, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) + 3, raw + (((raw >= 93).astype(jnp.uint8)) * -63))  # territory.sj:82
     agent = seen_1 & 15  # territory.sj:82
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # territory.sj:82
     theirs = (agent != 0) & ~MYSELF[None]  # territory.sj:82
     shown_stunned = state.agent_stunned.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:82
     shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:82
     present = state.position != 0  # territory.sj:82
-    return jnp.where(present[:, None, None, None], planes_of(content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (((seen_0 >> 7) & 1) << 0) | (((seen_1 >> 4) & 1) << 1), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_stunned[:, None, None], (9, 11, 11)), jnp.broadcast_to(shown_hot[:, None, None], (9, 11, 11))), 0)
+    return planes_of((11, 11), present, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (((seen_0 >> 7) & 1) << 0) | (((seen_1 >> 4) & 1) << 1), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_stunned[:, None], (9, 121)), jnp.broadcast_to(shown_hot[:, None], (9, 121)))

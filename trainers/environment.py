@@ -21,7 +21,7 @@ class Environment(Protocol):
     params: Any  # pytree of the game's numbers; not part of `hash`
 
     def reset(self, key: Array) -> tuple[Array, Any]:
-        """Returns the observation `[N, V, V, P]` uint8 and the state of a new episode."""
+        """Returns the observation `[N, P, V, V]` uint8 and the state of a new episode."""
         ...
 
     def step(self, key: Array, state: Any, actions: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:

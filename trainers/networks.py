@@ -32,10 +32,10 @@ class ActorCritic(nn.Module):
 
     @nn.compact
     def __call__(self, observation: Array) -> tuple[Array, Array]:
-        """Returns logits `[..., A]` and values `[...]` for observations `[..., V, V, P]` uint8."""
+        """Returns logits `[..., A]` and values `[...]` for observations `[..., P, V, V]` uint8."""
         features = to_channels(observation, self.planes, jnp.float32, scale_numbers=True)
         lead = observation.shape[:-3]
-        features = features.reshape(-1, *features.shape[-3:])
+        features = jnp.moveaxis(features.reshape(-1, *features.shape[-3:]), 1, -1)  # convolutions want channels last
         if self.kind == "cnn":
             for index, side in enumerate((5, 3, 3)):
                 shape = (side, side, features.shape[-1], CONVOLUTION_CHANNELS)

@@ -58,7 +58,7 @@ def make_network(env: Environment, config: Config) -> ActorCritic:
       ConfigError: the environment gives no token observations.
     """
     observation, _ = reset_shapes(env)
-    if observation.dtype != jnp.uint8 or observation.shape[-1] != len(env.token_planes):
+    if observation.dtype != jnp.uint8 or observation.shape[1] != len(env.token_planes):
         raise ConfigError(
             f"trainers read token observations, uint8 with {len(env.token_planes)} planes, but `{env.name}` gives "
             f'{observation.dtype} {observation.shape}; make it with observation="tokens"'

@@ -26,7 +26,7 @@ KERNELS = {
     "sjdsl.runtime.movement": ("resolve",),
     "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "place"),
     "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
-    "sjdsl.runtime.view": ("paint", "planes_of", "windows"),
+    "sjdsl.runtime.view": ("fill", "paint", "planes_of", "windows"),
 }
 RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step", "observe", "measures", "tick", "allowed",

@@ -18,22 +18,22 @@ _OTHER_HIDDEN = 6
 
 
 def observe(game: ir.Game, world: World) -> np.ndarray:
-    """Returns uint8 `[agents, rows, columns, planes]`; who is away sees zeros."""
+    """Returns uint8 `[agents, planes, rows, columns]`; who is away sees zeros."""
     board, window, all_planes = board_of(game), game.window, planes.planes(game)
     rows, columns = window.ahead + 1 + window.behind, window.left + 1 + window.right
-    picture = np.zeros((board.agents, rows, columns, len(all_planes)), np.uint8)
+    picture = np.zeros((board.agents, len(all_planes), rows, columns), np.uint8)
     for agent, place in enumerate(world.position):
         if place is None:
             continue
         here = Instance(board, world, names={"agent": agent})
         for number, plane in enumerate(all_planes):
             if plane.what in ("own", "world"):  # the same in the whole window
-                picture[agent, :, :, number] = _shown(_sight(plane), here, 0)
+                picture[agent, number] = _shown(_sight(plane), here, 0)
                 continue
             for row in range(rows):
                 for column in range(columns):
                     cell = cell_at(place, world.heading[agent], window.ahead - row, column - window.left)
-                    picture[agent, row, column, number] = _value(plane, cell, agent, here)
+                    picture[agent, number, row, column] = _value(plane, cell, agent, here)
     return picture
 
 

@@ -38,7 +38,8 @@ def times_in(sets: Array, agents: int) -> Array:
     Returns:
       `[agents]` int32.
     """
-    flat = sets.reshape(-1).astype(jnp.uint32)
+    # a barrier: XLA would compute what the sets come from (a draw each) again for every word of counts
+    flat = lax.optimization_barrier(sets).reshape(-1).astype(jnp.uint32)
     width = flat.shape[0].bit_length()
     together, field = 32 // width, jnp.uint32((1 << width) - 1)
     counts = []

@@ -25,7 +25,7 @@ class Environment:
     Attributes:
       name, title, hash: the game; two games share a hash if and only if their rules are equal.
       num_agents, num_actions, action_names, episode_length.
-      observation_shape: `(N, rows, cols, P)` for tokens, `(N, rows, cols, C)` for onehot; observation_dtype: uint8.
+      observation_shape: `(N, P, rows, cols)` for tokens, `(N, C, rows, cols)` for onehot; observation_dtype: uint8.
       token_planes: what each of the P planes means; channel_names: names of the C one-hot channels.
       params: the run-time parameters, a pytree; the defaults of `reset` and `step`.
       game: the typed rules; module: the generated code.
@@ -75,7 +75,7 @@ class Environment:
     def observation_shape(self) -> tuple[int, int, int, int]:
         window = self.game.window
         depth = len(self.token_planes) if self.observation == "tokens" else len(self.channel_names)
-        return self.num_agents, window.ahead + 1 + window.behind, window.left + 1 + window.right, depth
+        return self.num_agents, depth, window.ahead + 1 + window.behind, window.left + 1 + window.right
 
     @property
     def observation_dtype(self) -> jnp.dtype:

@@ -127,7 +127,5 @@ def near_masks(around: np.ndarray, size: int) -> np.ndarray:
 
 
 def own_cell(rows: int, columns: int, row: int, column: int) -> np.ndarray:
-    """Returns where the observer is in its window: `[rows, columns]` bool."""
-    window = np.zeros((rows, columns), bool)
-    window[row, column] = True
-    return window
+    """Returns which cell of its window is the observer's own: `[rows * columns]` bool."""
+    return np.arange(rows * columns) == row * columns + column

@@ -1,7 +1,7 @@
 """The one-hot form of token planes: the same information, a channel for each value."""
 
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 from sjdsl.runtime.planes import TokenPlane, channel_names
 
@@ -12,30 +12,29 @@ def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype,
     """Returns the one-hot form of token planes.
 
     Args:
-      tokens: `[..., P]` uint8, one plane a position of the last axis.
+      tokens: `[..., P, rows, cols]` uint8.
       planes: the P planes' meanings.
       dtype: dtype of the result.
       scale_numbers: divide number planes by their `high`, for networks; needs a floating dtype.
     Returns:
-      `[..., C]` of `dtype`; C is `len(channel_names(planes))`.
+      `[..., C, rows, cols]` of `dtype`; C is `len(channel_names(planes))`.
+    Raises:
+      ValueError: not as many planes as are described.
     """
-    if tokens.shape[-1] != len(planes):
-        raise ValueError(f"tokens have {tokens.shape[-1]} planes, {len(planes)} are described")
-    columns = []
+    *lead, number, rows, cols = tokens.shape
+    if number != len(planes):
+        raise ValueError(f"tokens have {number} planes, {len(planes)} are described")
+    cells = tokens.reshape(*lead, number, rows * cols)  # in rows each would be too short for vector instructions
+    channels = []
     for index, plane in enumerate(planes):
-        value = tokens[..., index, None]
+        value = cells[..., index, :]
         match plane.encoding:
             case "word":
-                columns.append((value == _numbers(plane, tokens)).astype(dtype))
+                channels += [(value == jnp.uint8(label)).astype(dtype) for label in range(len(plane.labels))]
             case "bits":
-                columns.append(((value >> _numbers(plane, tokens)) & jnp.uint8(1)).astype(dtype))
+                channels += [((value >> jnp.uint8(label)) & jnp.uint8(1)).astype(dtype) for label in range(len(plane.labels))]
             case "number":
                 scaled = value.astype(dtype)
-                columns.append(scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled)
-    return jnp.concatenate(columns, axis=-1)
-
-
-def _numbers(plane: TokenPlane, tokens: Array) -> Array:
-    """Returns 0, 1, … for the labels of a plane, shaped to stand beside the tokens."""
-    numbers = jnp.arange(len(plane.labels), dtype=tokens.dtype)
-    return numbers.reshape((1,) * (tokens.ndim - 1) + (-1,))
+                channels.append(scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled)
+    together = lax.optimization_barrier(jnp.concatenate(channels, axis=-1))
+    return together.reshape(*lead, len(channels), rows, cols)

@@ -1,8 +1,12 @@
 """Windows: what each agent sees of the map's planes, cut out and turned so that forward is up."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, lax
+from jax.custom_batching import custom_vmap
 
 
 def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind: int, left: int, right: int) -> Array:
@@ -16,7 +20,8 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
       heading: `[N]` int32, 0 north .. 3 west.
       ahead, behind, left, right: cells seen to each side.
     Returns:
-      `[N, ahead + 1 + behind, left + 1 + right]`; the agent at (ahead, left).
+      `[N, V]`, the cells of each window row by row: `(ahead + 1 + behind) * (left + 1 + right)` of them, the agent's own in
+      row `ahead`, column `left`. Not in rows: XLA makes vector instructions of the last axis only, and a row is too short.
     """
     rows, cols = plane.shape
     side = max(rows, cols)
@@ -29,12 +34,57 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
     # jnp.rot90 turns counter-clockwise: facing east (1), east becomes up
     turned_row = jnp.select([heading == 0, heading == 1, heading == 2], [row, cols - 1 - col, rows - 1 - row], col)
     turned_col = jnp.select([heading == 0, heading == 1, heading == 2], [col, row, cols - 1 - col], rows - 1 - row)
-    size = (1, ahead + 1 + behind, left + 1 + right)
+    size = (ahead + 1 + behind, left + 1 + right)
 
     def cut(h: Array, r: Array, c: Array) -> Array:
-        return lax.dynamic_slice(planes, (h, r - ahead, c - left), size)[0]
+        return lax.dynamic_slice(planes, (h, r - ahead, c - left), (1, *size))[0]
 
-    return jax.vmap(cut)(heading, turned_row, turned_col)
+    seen = lax.optimization_barrier(jax.vmap(cut)(heading, turned_row, turned_col))
+    return seen.reshape(position.size, size[0] * size[1])
+
+
+def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
+    """Returns a plane with values in some of its cells.
+
+    For a batch it is put together from runs of neighbouring cells, if they are long: a copy for each run instead of a
+    scatter cell by cell, which takes twice as long for 538 cells in 81 runs (docs/performance.md).
+
+    Args:
+      plane: `[cells]` uint8.
+      cells: `[S]` int32, ascending; constant: not traced.
+      values: `[S]` uint8.
+    """
+    constant = np.asarray(cells)
+    first = np.flatnonzero(np.diff(constant, prepend=-2) != 1)
+    if constant.size < LONG_RUN * first.size:
+        return _scattered(plane, cells, values)
+
+    @custom_vmap
+    def filled(plane: Array, values: Array) -> Array:
+        return _scattered(plane, cells, values)
+
+    @filled.def_vmap
+    def batched(size: int, in_batched: Any, plane: Array, values: Array) -> tuple[Array, bool]:
+        both = [x if b else jnp.broadcast_to(x, (size, *x.shape)) for x, b in zip((plane, values), in_batched, strict=True)]
+        return _from_runs(*both, constant, first), True
+
+    return filled(plane, values)
+
+
+LONG_RUN = 4  # cells of a run, on average: below, copies are not faster
+
+
+def _scattered(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
+    return plane.at[cells].set(values, mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)
+
+
+def _from_runs(planes: Array, values: Array, cells: np.ndarray, first: np.ndarray) -> Array:
+    """Returns `[B, cells]` planes: pieces of the planes and the runs in turn. `first`: number of each run's first cell."""
+    pieces, place = [], 0
+    for begin, end in zip(first, [*first[1:], cells.size], strict=True):
+        pieces += [planes[:, place : cells[begin]], values[:, begin:end]]
+        place = cells[end - 1] + 1
+    return jnp.concatenate([*pieces, planes[:, place:]], axis=1)
 
 
 def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
@@ -49,17 +99,19 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
     return plane.at[cells].set(painted, mode="promise_in_bounds")
 
 
-def planes_of(*planes: Array) -> Array:
-    """Returns planes side by side in a last axis: P arrays `[...]` uint8 -> `[..., P]`.
+def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> Array:
+    """Returns the planes of all windows, each plane contiguous.
 
-    Packed into words and taken as bytes again: the same values as `jnp.stack`, at two thirds of its time on a CPU.
+    Bytes of several planes side by side would be written one by one: ten times as long on a CPU (docs/performance.md).
+
+    Args:
+      view: rows and columns of a window.
+      present: `[N]` bool, who is on the map; the others see zeros. None: all are.
+      planes: P arrays `[N, rows * columns]` uint8.
+    Returns:
+      `[N, P, rows, columns]` uint8.
     """
-    shape = planes[0].shape
-    words = []
-    for first in range(0, len(planes), 4):
-        word = jnp.zeros(shape, jnp.uint32)
-        for place, plane in enumerate(planes[first : first + 4]):
-            word = word | (plane.astype(jnp.uint32) << jnp.uint32(8 * place))
-        words.append(lax.bitcast_convert_type(word, jnp.uint8))
-    together = words[0] if len(words) == 1 else jnp.concatenate(words, axis=-1)
-    return together[..., : len(planes)]
+    together = jnp.concatenate(planes, axis=1)
+    if present is not None:
+        together = jnp.where(present[:, None], together, jnp.uint8(0))
+    return lax.optimization_barrier(together).reshape(-1, len(planes), *view)

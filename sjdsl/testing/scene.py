@@ -145,7 +145,7 @@ class Scene:
         if not (-window.behind <= ahead <= window.ahead and -window.left <= right <= window.right):
             raise ValueError(f"{ahead} ahead, {right} to the right is outside the window")
         shown = planes[names.index(plane)]
-        value = int(self.observation[agent, window.ahead - ahead, window.left + right, names.index(plane)])
+        value = int(self.observation[agent, names.index(plane), window.ahead - ahead, window.left + right])
         match shown.encoding:
             case "bits":
                 return "+".join(label for bit, label in enumerate(shown.labels) if value >> bit & 1)

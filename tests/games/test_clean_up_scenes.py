@@ -243,8 +243,8 @@ def test_water_channel_and_orchard_are_walked_on_and_walls_are_not() -> None:
 def test_one_sees_oneself_in_column_5_of_row_9() -> None:
     scene = put(*CLEAN, ".>.....", "PPP^#..", "BBB<BBB", BARE[1])
     planes = [p.name for p in STAGE.env.token_planes]
-    assert (scene.observation[:, 9, 5, planes.index("agent")] == 1).all()
-    assert (scene.observation[..., planes.index("agent")] == 1).sum() == 3
+    assert (scene.observation[:, planes.index("agent"), 9, 5] == 1).all()
+    assert (scene.observation[:, planes.index("agent")] == 1).sum() == 3
 
 
 @pytest.mark.parametrize(("heading", "arrow"), list(enumerate("^>v<")))
@@ -304,7 +304,7 @@ def test_marks_are_seen_in_one_observation() -> None:
     assert scene.seen(0, "content", ahead=1) == "water state=clean"
     assert scene.seen(2, "marks", ahead=2) == "scrub+fire"
     scene.step("stay, stay")
-    assert not scene.observation[..., [p.name for p in STAGE.env.token_planes].index("marks")].any()
+    assert not scene.observation[:, [p.name for p in STAGE.env.token_planes].index("marks")].any()
 
 
 def test_the_last_step_pays() -> None:

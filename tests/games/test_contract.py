@@ -47,7 +47,7 @@ def test_description(game: str) -> None:
     env = environment(game)
     assert (env.name, env.num_agents, env.num_actions, env.episode_length) == (game, AGENTS[game], ACTIONS[game], 1000)
     assert env.action_names[:7] == ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
-    assert env.observation_shape == (env.num_agents, 11, 11, len(env.token_planes))
+    assert env.observation_shape == (env.num_agents, len(env.token_planes), 11, 11)
 
 
 def test_names(form: Form) -> None:
@@ -134,14 +134,14 @@ def test_one_sees_oneself_in_the_window(form: Form) -> None:
     """In the cell where the window has it, and nowhere else; every plane holds values it has a meaning for."""
     play = played(form)
     window, names = play.env.game.window, [p.name for p in play.env.token_planes]
-    own = play.observations[..., names.index("agent")] == 1
+    own = play.observations[..., names.index("agent"), :, :] == 1
     here = play.states.position > 0
     assert (own[..., window.ahead, window.left] == here).all()
     assert own.sum() == here.sum()
     assert form.game not in NINE or (window.ahead, window.left) == (9, 5)
     for index, plane in enumerate(play.env.token_planes):
         most = {"word": len(plane.labels) - 1, "bits": 2 ** len(plane.labels) - 1, "number": plane.high}[plane.encoding]
-        assert play.observations[..., index].max() <= most
+        assert play.observations[..., index, :, :].max() <= most
 
 
 def test_it_plays_as_the_interpreter_says(form: Form) -> None:

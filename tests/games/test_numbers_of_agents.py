@@ -69,6 +69,6 @@ def test_few_and_many_can_be_simulated(game: str) -> None:
         key = jax.random.key(0)
         observation, state = jax.eval_shape(env.reset, key)
         seen, after, reward, _, _ = jax.eval_shape(env.step, key, state, jnp.zeros(number, jnp.int32))
-        assert observation.shape == seen.shape == (number, 11, 11, len(env.token_planes))
+        assert observation.shape == seen.shape == (number, len(env.token_planes), 11, 11)
         assert reward.shape == (number,)
         assert jax.tree.map(lambda x: x.shape, state) == jax.tree.map(lambda x: x.shape, after)

@@ -43,7 +43,7 @@ def course(game: ir.Game, start: Start, world: World | None = None) -> list[Any]
         for words, actions in zip(start.keys, start.actions, strict=True):
             state, reward, done, info = env.advance(words, state, actions)
             planes = [p.name for p in env.token_planes]
-            view = dict(zip(planes, np.moveaxis(np.asarray(env._observe(state)), -1, 0), strict=True))
+            view = dict(zip(planes, np.moveaxis(np.asarray(env._observe(state)), 1, 0), strict=True))
             allowed = env.module.allowed_actions(state, env.params)
             seen.append({"state": plain(env, state), "seen": view, "given": (reward, done), "info": info, "allowed": allowed})
             if done:

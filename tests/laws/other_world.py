@@ -48,11 +48,11 @@ def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
     seen = np.asarray(_agents(list(picture), s))
     if not s.mirror:
         return seen
-    seen = seen[:, :, ::-1].copy()
+    seen = seen[..., ::-1].copy()
     names = [p.name for p in planes(game)]
     if any(sight.what == "heading" for sight in game.sights):
         number = names.index("agent")
-        seen[..., number] = MIRRORED[seen[..., number]]
+        seen[:, number] = MIRRORED[seen[:, number]]
     return seen
 
 

@@ -238,7 +238,7 @@ def _check_seen(seen: re.Match[str], line: int, game: ir.Game, view: View) -> No
     number, labels = plane_names(game)[plane]
     row = game.window.ahead + (int(rows) if up == "behind" else -int(rows or 0))
     column = game.window.left + (int(columns) if side == "right" else -int(columns or 0))
-    value = int(view.observation[int(agent), row, column, number])
+    value = int(view.observation[int(agent), number, row, column])
     if plane == "marks":
         shown = " and ".join(label for bit, label in enumerate(labels) if value >> bit & 1) or "none"
     else:

@@ -62,7 +62,7 @@ def some_states(env: Environment, number: int = 4) -> Any:
 def test_description(env: Environment) -> None:
     assert (env.name, env.num_agents, env.num_actions, env.episode_length) == ("yard", 3, 5, LENGTH)
     assert env.action_names == ("turn_left", "turn_right", "forward", "stay", "rest")
-    assert env.observation_shape == (3, 4, 4, len(env.token_planes))
+    assert env.observation_shape == (3, len(env.token_planes), 4, 4)
     assert [p.name for p in env.token_planes] == ["content", "agent", "agent.bag"]
     assert env.observation_dtype == jnp.uint8
 
@@ -318,7 +318,7 @@ def channels_by_hand(env: Environment, tokens: np.ndarray) -> np.ndarray:
     """Returns the one-hot form of tokens, label by label."""
     columns = []
     for index, plane in enumerate(env.token_planes):
-        value = tokens[..., index]
+        value = tokens[..., index, :, :]
         match plane.encoding:
             case "word":
                 columns += [value == number for number in range(len(plane.labels))]
@@ -326,12 +326,12 @@ def channels_by_hand(env: Environment, tokens: np.ndarray) -> np.ndarray:
                 columns += [(value >> number) % 2 for number in range(len(plane.labels))]
             case "number":
                 columns.append(value)
-    return np.stack(columns, axis=-1).astype(np.uint8)
+    return np.stack(columns, axis=-3).astype(np.uint8)
 
 
 def test_onehot_holds_what_tokens_hold(env: Environment) -> None:
     onehot = make(YARD, observation="onehot")
-    assert onehot.observation_shape == (3, 4, 4, len(onehot.channel_names))
+    assert onehot.observation_shape == (3, len(onehot.channel_names), 4, 4)
     tokens, state = env.reset(jax.random.key(0))
     channels, same = onehot.reset(jax.random.key(0))
     assert_same(same, state)
@@ -341,7 +341,7 @@ def test_onehot_holds_what_tokens_hold(env: Environment) -> None:
         np.testing.assert_array_equal(channels, to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8)))
         for first in ("content: ", "agent: "):
             shown = [i for i, name in enumerate(onehot.channel_names) if name.startswith(first)]
-            assert (np.asarray(channels)[..., shown].sum(axis=-1) == 1).all()
+            assert (np.asarray(channels)[:, shown].sum(axis=1) == 1).all()
         actions = random_actions(200 + t)
         tokens, state, *_ = env.step(key, state, actions)
         channels, *_ = onehot.step(key, same, actions)
@@ -350,13 +350,13 @@ def test_onehot_holds_what_tokens_hold(env: Environment) -> None:
 
 def test_onehot_of_a_batch_and_scaled_numbers(env: Environment) -> None:
     tokens = jax.vmap(env.reset)(keys(0, 3))[0]
-    tokens = tokens.at[..., 2].set(9)  # a full bag
+    tokens = tokens.at[:, :, 2].set(9)  # a full bag
     one_hot = to_channels(tokens, env.token_planes, jnp.dtype(jnp.float32), scale_numbers=True)
     expected = channels_by_hand(env, np.asarray(tokens)).astype(np.float32)
-    expected[..., -1] = 1
+    expected[:, :, -1] = 1
     np.testing.assert_array_equal(one_hot, expected)
     with pytest.raises(ValueError, match="tokens have 2 planes, 3 are described"):
-        to_channels(tokens[..., :2], env.token_planes, jnp.dtype(jnp.uint8))
+        to_channels(tokens[:, :, :2], env.token_planes, jnp.dtype(jnp.uint8))
 
 
 def test_other_forms_of_observation_are_refused() -> None:

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.view import paint, planes_of, windows
+from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 from . import references
 
@@ -49,13 +49,13 @@ def test_windows_from_every_cell_and_heading(frame: tuple[int, int], view: tuple
         right=right,
     )
     assert found.dtype == jnp.uint8
-    np.testing.assert_array_equal(found, np.stack([naive(plane, *pose, view) for pose in poses]))
+    np.testing.assert_array_equal(found, np.stack([naive(plane, *pose, view).reshape(-1) for pose in poses]))
 
 
 def test_forward_is_up_and_right_is_right() -> None:
     """A hand-made case: what one who looks east has around it."""
     plane = jnp.array([[0, 0, 0, 0, 0], [0, 1, 2, 3, 0], [0, 4, 5, 6, 0], [0, 7, 8, 9, 0], [0, 0, 0, 0, 0]], jnp.uint8)
-    seen = {h: windows(plane, jnp.array([12]), jnp.array([h]), ahead=1, behind=1, left=1, right=1)[0].tolist() for h in range(4)}
+    seen = {h: windows(plane, jnp.array([12]), jnp.array([h]), ahead=1, behind=1, left=1, right=1).reshape(3, 3).tolist() for h in range(4)}
     assert seen[0] == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
     assert seen[1] == [[3, 6, 9], [2, 5, 8], [1, 4, 7]]
     assert seen[2] == [[9, 8, 7], [6, 5, 4], [3, 2, 1]]
@@ -76,6 +76,23 @@ def test_windows_of_a_batch_are_those_of_each() -> None:
     )
 
 
+@pytest.mark.parametrize("length", [1, 3, 4, 9])
+def test_fill_alone_and_in_batches(length: int) -> None:
+    """Short runs and long ones, at both ends and side by side with one cell between."""
+    cells = np.array([c for c in range(40) if c % (length + 1) != length], np.int32)
+    planes, values = np.arange(120, dtype=np.uint8).reshape(3, 40), 200 + np.arange(3 * cells.size, dtype=np.uint8).reshape(3, -1) % 50
+    wanted = planes.copy()
+    wanted[:, cells] = values
+    np.testing.assert_array_equal(fill(jnp.asarray(planes[0]), cells, jnp.asarray(values[0])), wanted[0])
+    both = jax.jit(jax.vmap(lambda plane, value: fill(plane, cells, value)))
+    np.testing.assert_array_equal(both(planes, values), wanted)
+    constant = jax.vmap(lambda value: fill(jnp.asarray(planes[0]), cells, value))(jnp.asarray(values))
+    np.testing.assert_array_equal(constant[:, cells], values)
+    np.testing.assert_array_equal(constant[1], np.where(np.isin(np.arange(40), cells), wanted[1], planes[0]))
+    twice = jax.vmap(both)(jnp.asarray([planes, planes]), jnp.asarray([values, values]))
+    np.testing.assert_array_equal(twice, [wanted, wanted])
+
+
 def test_paint_adds_bits() -> None:
     plane = jnp.array([1, 2, 4, 8, 0], jnp.uint8)
     assert paint(plane, jnp.array([1, 3, 1], jnp.int32), 4).tolist() == [1, 6, 4, 12, 0]
@@ -87,7 +104,9 @@ def test_paint_adds_bits() -> None:
 
 @pytest.mark.parametrize("number", range(1, 10))
 def test_planes_side_by_side(number: int) -> None:
-    planes = np.random.default_rng(number).integers(0, 256, (number, 3, 5, 7)).astype(np.uint8)
-    found = planes_of(*(jnp.asarray(p) for p in planes))
+    planes = np.random.default_rng(number).integers(1, 256, (number, 3, 35)).astype(np.uint8)
+    found = planes_of((5, 7), None, *(jnp.asarray(p) for p in planes))
     assert found.dtype == jnp.uint8
-    np.testing.assert_array_equal(found, np.stack(planes, axis=-1))
+    np.testing.assert_array_equal(found, np.stack(planes, axis=1).reshape(3, number, 5, 7))
+    without = planes_of((5, 7), jnp.array([True, False, True]), *(jnp.asarray(p) for p in planes))
+    np.testing.assert_array_equal(without, np.where([[[[True]]], [[[False]]], [[[True]]]], found, 0))

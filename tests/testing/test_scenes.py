@@ -43,7 +43,7 @@ VALUES = [
 def test_what_is_put_is_there(name: str, written: Any, read: Any) -> None:
     scene = put(fields={name: written}).has({name: written})
     assert scene.value(name) == read
-    assert scene.observation.shape == (3, 11, 11, 6)  # here the compiled state is compared with the interpreter's
+    assert scene.observation.shape == (3, 6, 11, 11)  # here the compiled state is compared with the interpreter's
 
 
 def test_a_step_is_told() -> None:

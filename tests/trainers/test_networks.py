@@ -23,7 +23,7 @@ def network(request: pytest.FixtureRequest) -> ActorCritic:
 
 
 def _observations(key: jax.Array) -> jax.Array:
-    return jax.random.randint(key, (5, 2, 11, 11, 3), 0, 3).astype(jnp.uint8)
+    return jax.random.randint(key, (5, 2, 3, 11, 11), 0, 3).astype(jnp.uint8)
 
 
 def test_shapes_and_initial_scale(network: ActorCritic) -> None:
@@ -45,7 +45,7 @@ def test_every_plane_reaches_the_outputs(network: ActorCritic) -> None:
     parameters = jax.jit(network.init)(network_key, observation)
     _, value = network.apply(parameters, observation)
     for plane in range(3):
-        _, changed = network.apply(parameters, observation.at[..., 4, 6, plane].set(0))
+        _, changed = network.apply(parameters, observation.at[..., plane, 4, 6].set(0))
         assert not np.allclose(value, changed)
 
 

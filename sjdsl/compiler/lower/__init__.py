@@ -304,7 +304,7 @@ def _observe(module: Module) -> Function:
     planes = len(token_planes(module.game))
     window = module.game.window
     view = (window.ahead + 1 + window.behind, window.left + 1 + window.right)
-    doc = f"Returns what each agent sees: `[N, {view[0]}, {view[1]}, {planes}]` uint8; planes as in TOKEN_PLANES."
+    doc = f"Returns what each agent sees: `[N, {planes}, {view[0]}, {view[1]}]` uint8; planes as in TOKEN_PLANES."
     return Function("observe", "state: State, params: Params", doc, tuple(w.lines))
 
 

@@ -53,7 +53,7 @@ def observe(w: Writer) -> str:
     view = (window.ahead + 1 + window.behind, window.left + 1 + window.right)
     _paint(parts, by_id, w)
     cut = f"ahead={window.ahead}, behind={window.behind}, left={window.left}, right={window.right}"
-    axes = (w.axis("observer", n), w.axis("row", view[0]), w.axis("col", view[1]))
+    axes = (w.axis("observer", n), w.axis("seen", view[0] * view[1]))
     w.origin = window.origin
     planes: dict[str, Value] = {}
     num_planes = 1 + max(p.plane for p in parts)
@@ -71,10 +71,8 @@ def observe(w: Writer) -> str:
         columns.insert(2, _marks(marks, planes))
     columns += _own(axes, w)
     away = reads.present(AgentVar(iota(axes[0]), axes[0]), w)
-    stack = f"planes_of({', '.join(_full(c, axes) for c in columns)})"
-    if away is None:
-        return stack
-    return f"jnp.where({wrapped(away)}[:, None, None, None], {stack}, 0)"
+    present = "None" if away is None else away.text
+    return f"planes_of({view}, {present}, {', '.join(_full(c, axes) for c in columns)})"
 
 
 def _full(column: Value, axes: tuple[Axis, ...]) -> str:
@@ -102,10 +100,7 @@ def _paint(parts: tuple[Part, ...], by_id: bool, w: Writer) -> None:
         constant = w.module.constant(f"cells_{look.kind.name}", cells, f"cells of {look.kind.name}")
         w.origin = look.kind.origin
         value = wrapped(Value(_raw(look, w), "u8")) + (f" << {content.shift}" if content.shift else "")
-        w.line(
-            f"plane_{content.plane} = plane_{content.plane}.at[{constant}].set({value}, "
-            'mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)'
-        )
+        w.line(f"plane_{content.plane} = fill(plane_{content.plane}, {constant}, {value})")
     phases = {f"mark_{p.name}": p for p in marking_phases(game)}
     for part in parts:
         if part.name in phases:
@@ -205,13 +200,13 @@ def _sight(sight: ir.Sight, words: tuple[str, ...], values: dict[str, Value], pl
 def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> list[Value]:
     """Returns the plane of agents, then one for each thing shown of the others."""
     game, window = w.module.game, w.module.game.window
-    size = (axes[1].size, axes[2].size, window.ahead, window.left)
+    size = (window.ahead + 1 + window.behind, window.left + 1 + window.right, window.ahead, window.left)
     own = Table(own_cell(*size), f"own_cell{size}")
-    myself = w.module.constant("myself", own, "where the observer is in its window")
+    myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
     self_ = Value(f"{myself}[None]", "bool", axes)
     agent = w.keep("agent", agent)
     heading = next((s for s in game.sights if s.what == "heading"), None)
-    mine = "state.heading.astype(jnp.uint8)[:, None, None]"
+    mine = "state.heading.astype(jnp.uint8)[:, None]"
     somebody = binary("!=", agent, literal(0, "u8"), "bool")
     if not by_id:
         other = f"2 + (({agent.text} - 1 - {mine}) & 3)" if heading is not None else "jnp.uint8(2)"
@@ -223,7 +218,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     place = Frame(axes=axes, variables={"agent": observer, "other": other_var})
     facing: Value = literal(2, "u8")
     if heading is not None:
-        facing = Value(f"(2 + ((state.heading[{who.text}] - state.heading[:, None, None]) & 3)).astype(jnp.uint8)", "u8", axes)
+        facing = Value(f"(2 + ((state.heading[{who.text}] - state.heading[:, None]) & 3)).astype(jnp.uint8)", "u8", axes)
         if heading.hidden_when is not None:
             facing = select(lower(heading.hidden_when, place, w), literal(6, "u8"), facing)
     first = f"jnp.where({self_.text}, 1, jnp.where({somebody.text}, {facing.text}, 0)).astype(jnp.uint8)"

@@ -57,7 +57,7 @@ def stored_value(e: ir.Expr, type_: ir.Type, frame: Frame, w: Writer) -> Value:
 
 
 def targets(target: ir.FieldRead, frame: Frame, w: Writer) -> list[tuple[ir.VarField, AgentVar | CellVar | None, Frame]]:
-    """Returns the fields a write reaches, each with whose it is: one, or one for each kind of a group."""
+    """Returns the fields a write reaches, each with whose it is: one, or one for each kind of a group that is on the map."""
     if target.owner is None:
         return [(w.module.field(target), None, frame)]
     who = owner(target.owner, frame, w)
@@ -66,6 +66,8 @@ def targets(target: ir.FieldRead, frame: Frame, w: Writer) -> list[tuple[ir.VarF
     found: list[tuple[ir.VarField, AgentVar | CellVar | None, Frame]] = []
     layout = w.module.layout
     for kind in who.kinds:
+        if not len(layout.cells((kind,))):
+            continue  # not on this map: no cell that could be written
         table = layout.site_of((kind,))[layout.cells(who.kinds)]
         table = np.append(table, len(layout.cells((kind,)))).astype(np.int32)
         name = w.module.constant(
