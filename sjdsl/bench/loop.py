@@ -1,4 +1,4 @@
-"""The measured program: random play of many environments, with nothing that a compiler could leave out."""
+"""The measured program: random play of many environments, each step's observations written to memory."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -53,7 +53,7 @@ def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Tas
 
 
 def make_loop(task: Task, num_envs: int, num_steps: int) -> Callable[[Array], Array]:
-    """Returns a function of a key that plays and returns the sum of all rewards and observations."""
+    """Returns a function of a key that plays and returns the sum of all rewards and of the last observations."""
 
     def run(key: Array) -> Array:
         start = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), task.reset())
@@ -63,7 +63,10 @@ def make_loop(task: Task, num_envs: int, num_steps: int) -> Callable[[Array], Ar
 
 
 def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actions: int, num_steps: int, key: Array) -> Array:
-    """Returns the sum of all rewards and observations of random play.
+    """Returns the sum of all rewards and of the last observations of random play.
+
+    Each step's observations are written to memory and carried to the next, as a rollout would keep them. To sum them up in
+    each step instead costs more than some of the steps, the more so the more planes there are (docs/performance.md).
 
     Args:
       step: `(states, actions, keys) -> (states, reward, observation)` of all environments.
@@ -71,14 +74,21 @@ def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actio
       shape: how many environments, how many agents.
     """
 
-    def body(carry: tuple[Any, Array, Array], _: None) -> tuple[tuple[Any, Array, Array], None]:
-        state, total, key = carry
+    def body(carry: tuple[Any, Array, Array, Array], _: None) -> tuple[tuple[Any, Array, Array, Array], None]:
+        state, _, total, key = carry
+        state, observation, reward, key = one(state, key)
+        return (state, observation, total + reward.sum(), key), None
+
+    def one(state: Any, key: Array) -> tuple[Any, Array, Array, Array]:
         key, k_action, k_step = jax.random.split(key, 3)
         action = jax.random.randint(k_action, shape, 0, num_actions)
         state, reward, observation = step(state, action, jax.random.split(k_step, shape[0]))
-        return (state, total + reward.sum() + observation.astype(jnp.float32).sum(), key), None
+        return state, observation, reward, key
 
-    return jax.lax.scan(body, (start, jnp.float32(0), key), None, num_steps)[0][1]
+    seen = jax.eval_shape(one, start, key)[1]
+    nothing = jnp.zeros(seen.shape, seen.dtype)
+    _, observation, total, _ = jax.lax.scan(body, (start, nothing, jnp.float32(0), key), None, num_steps)[0]
+    return total + observation.astype(jnp.float32).sum()
 
 
 def steps_for(num_envs: int) -> int:

@@ -46,7 +46,7 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
 def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
     """Returns a plane with values in some of its cells.
 
-    For a batch it is put together from runs of neighbouring cells, if they are long: a copy for each run instead of a
+    For a large batch it is put together from runs of neighbouring cells, if they are long: a copy for each run instead of a
     scatter cell by cell, which takes twice as long for 538 cells in 81 runs (docs/performance.md).
 
     Args:
@@ -66,12 +66,15 @@ def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
     @filled.def_vmap
     def batched(size: int, in_batched: Any, plane: Array, values: Array) -> tuple[Array, bool]:
         both = [x if b else jnp.broadcast_to(x, (size, *x.shape)) for x, b in zip((plane, values), in_batched, strict=True)]
+        if size < LARGE_BATCH:
+            return jax.vmap(lambda plane, values: _scattered(plane, cells, values))(*both), True
         return _from_runs(*both, constant, first), True
 
     return filled(plane, values)
 
 
 LONG_RUN = 4  # cells of a run, on average: below, copies are not faster
+LARGE_BATCH = 16  # environments: below, starting so many copies takes longer than making them
 
 
 def _scattered(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
