@@ -133,6 +133,11 @@ CROSSED = Code(
 )
 NOT_FIXED = Code("SJ216", "Not known when compiled", "{what} must be known when the game is compiled", "use numbers and `size`s only")
 
+# What a condition around it can make right: said only where the conditions around could be read.
+GUARDABLE = frozenset(
+    {PROBABILITY_RANGE, TABLE_GAP, FIELD_RANGE, WORD_OUTSIDE, ZERO_DIVISOR, EMPTY_MIX, CAN_BE_NOBODY, WEIGHTS, CROSSED},
+)
+
 # ---- 3xx maps and shapes
 
 UNKNOWN_GLYPH = Code(

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from sjdsl.compiler import ast, ir
+from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label, nearest
 from sjdsl.compiler.source import Source, Span
 
@@ -17,14 +17,15 @@ class Poisoned(Exception):
 
 @dataclass
 class Problems:
-    """Collects diagnostics; each mistake once."""
+    """Collects diagnostics; each mistake once. `unsaid`: codes that are not recorded."""
 
     found: list[Diagnostic] = field(default_factory=list)
+    unsaid: frozenset[Code] = frozenset()
 
     def add(self, code: Code, span: Span, labels: tuple[Label, ...] = (), fix: Fix | None = None, **facts: object) -> None:
         """Records one diagnostic."""
         diagnostic = Diagnostic(code, span, facts, labels, fix)
-        if not any(d.code is code and d.span == span and d.message == diagnostic.message for d in self.found):
+        if code not in self.unsaid and not any(d.code is code and d.span == span and d.message == diagnostic.message for d in self.found):
             self.found.append(diagnostic)
 
     def fail(self, code: Code, span: Span, labels: tuple[Label, ...] = (), **facts: object) -> Poisoned:
@@ -107,6 +108,10 @@ class Scope:
 
         parts = tuple(part for condition in conditions for part in conjuncts(condition))
         return replace(self, facts=self.facts | {fact_text(p) for p in parts}, fact_nodes=self.fact_nodes + parts)
+
+    def unsure(self) -> "Scope":
+        """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""
+        return replace(self, problems=Problems(self.problems.found, errors.GUARDABLE))
 
     def near(self, name: str) -> str:
         """Returns the known name closest to `name`."""

@@ -203,7 +203,8 @@ def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: 
         kinds = [s.domain.kind.text] + ([] if s.domain.on is None else [s.domain.on.kind.text])
         if not all(k == "agent" or scope.static.kinds_of(k) for k in kinds):
             raise  # a misspelt kind would make every use of its variable one more mistake
-        inner = scope.bind((s.domain.bind or s.domain.kind).text, None)
+        around = scope if s.domain.where is None else scope.unsure()
+        inner = around.bind((s.domain.bind or s.domain.kind).text, None)
         if s.domain.on is not None:
             inner = inner.bind((s.domain.on.bind or s.domain.on.kind).text, None)
         inside(s.block, header, inner, use)
@@ -251,7 +252,7 @@ def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
             branches.append(ir.Branch(test=test, body=body, origin=current.span))
             outer = outer.knowing([ir.Not(value=test)])
         except Poisoned:
-            pass
+            outer = outer.unsure()
         header = f"{header} otherwise"
         if isinstance(current.otherwise, ast.When):
             current = current.otherwise

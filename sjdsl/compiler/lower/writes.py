@@ -94,54 +94,50 @@ def write(
     attribute = attribute_name(declared)
     levels = len(target.type.by)
     dtype = reads.storage(declared, w)
+    key = _word_of(keys, target, frame, w)
     if who is None or who.axis is not None:
         axis = () if who is None else (who.axis,)
         over = tuple(a for a in frame.axes if a not in axis)
         mask = None if frame.mask is None else reduce("any", frame.mask, over)
-        if any(a in value.axes for a in over):
-            value = _settled(value, frame, over)
+        key = None if key is None else _of_the_one(key, over)
         before = Value(w.current(attribute), dtype, axis, levels)  # type: ignore[arg-type]
-        w.assign(attribute, _entries(before, mask, keys, target, value, frame, w).text)
+        w.assign(attribute, _entries(before, mask, key, target, _of_the_one(value, over)).text)
         return
     index = who.index if isinstance(who, AgentVar) else who.site
     size = w.module.num_agents if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
-    _scatter(attribute, index, size, keys, target, value, levels, frame, w)
+    _scatter(attribute, index, size, key, value, levels, frame, w)
 
 
-def _settled(value: Value, frame: Frame, over: tuple[Axis, ...]) -> Value:
-    """All instances that reach one target have one value: the one of any instance that happens."""
-    masked = select(
-        frame.mask,
-        as_dtype(value, "i32") if value.dtype in ("u8", "bool") else value,
-        literal(0, "i32" if value.dtype != "f32" else "f32"),
-    )
-    gone = tuple(a for a in over if a in masked.axes)
-    where = [masked.axes.index(a) for a in gone]
-    text = f"jnp.max({masked.text}, axis={tuple(where)})"
-    kept = tuple(a for a in masked.axes if a not in gone)
-    return as_dtype(Value(text, masked.dtype, kept), value.dtype)
+def _word_of(keys: tuple[ir.Expr, ...], target: ir.FieldRead, frame: Frame, w: Writer) -> Value | None:
+    """Returns which entry of a row is written, a word of the row's own set; None for all of it."""
+    return to_words(lower(keys[0], frame.always(), w), keys[0].type.words, target.type.by[0]) if keys else None
 
 
-def _entries(
-    before: Value,
-    mask: Value | None,
-    keys: tuple[ir.Expr, ...],
-    target: ir.FieldRead,
-    value: Value,
-    frame: Frame,
-    w: Writer,
-) -> Value:
+def _of_the_one(value: Value, over: tuple[Axis, ...]) -> Value:
+    """Returns a value or key without the axes of the sentences inside the target's.
+
+    It differs along them only if one instance at most reaches each target (else the write is refused): they are lanes of shapes
+    with one lane.
+    """
+    gone = tuple(a for a in over if a in value.axes)
+    if not gone:
+        return value
+    assert all(a.size == 1 for a in gone), gone
+    kept = tuple(a for a in value.axes if a not in gone)
+    index = ", ".join("0" if a in gone else ":" for a in value.axes)
+    return replace(value, text=f"{wrapped(value)}[{index}]", axes=kept)
+
+
+def _entries(before: Value, mask: Value | None, key: Value | None, target: ir.FieldRead, value: Value) -> Value:
     """Returns the field with the value in its place: the whole, or one entry of a row."""
     if mask is not None and mask.text == "False":
         return before
-    if not keys:
+    if key is None:
         if mask is None:
             return _filled(before, value)
         if mask is not None and before.levels:
             mask = replace(mask, text=_with_levels(mask, before.axes, before.levels), axes=before.axes, levels=before.levels)
         return select(mask, value, before)
-    key = lower(keys[0], frame.always(), w)
-    key = to_words(key, keys[0].type.words, target.type.by[0])
     lead = ":, " * len(before.axes)
     if key.literal:
         old = replace(before, text=f"{before.text}[{lead}{key.text}]", levels=0)
@@ -184,30 +180,24 @@ def _scatter(
     attribute: str,
     index: Value,
     size: int,
-    keys: tuple[ir.Expr, ...],
-    target: ir.FieldRead,
+    key: Value | None,
     value: Value,
     levels: int,
     frame: Frame,
     w: Writer,
 ) -> None:
     """Writes at computed places; instances that do not happen write past the end."""
-    axes = union(index.axes, () if frame.mask is None else frame.mask.axes, value.axes)
+    axes = union(index.axes, *(x.axes for x in (frame.mask, key, value) if x is not None))
     at = select(frame.mask, index, literal(size, "i32"))
     shape = ", ".join(str(a.size) for a in axes)
     at_text = aligned(at, axes) if at.axes else at.text
     if axes and at.axes != axes:
         at_text = f"jnp.broadcast_to({at_text}, ({shape},))"
     column = ""
-    if keys:
-        key = to_words(lower(keys[0], frame.always(), w), keys[0].type.words, target.type.by[0])
-        if key.literal or not key.axes:
-            column = f", {key.text}"
-        else:
-            key_text = aligned(key, axes) if key.axes != axes else key.text
-            column = f", {key_text}"
+    if key is not None:
+        column = f", {aligned(key, axes)}"
     value_text = aligned(value, axes) if value.axes and value.axes != axes else value.text
-    if levels and not keys and value.axes and not value.levels:
+    if levels and key is None and value.axes and not value.levels:
         value_text = f"{wrapped(replace(value, text=value_text))}[{', '.join([':'] * len(axes) + ['None'] * levels)}]"
     w.assign(attribute, f'{w.current(attribute)}.at[{at_text}{column}].set({value_text}, mode="drop")')
 
