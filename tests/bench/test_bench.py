@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -86,13 +87,29 @@ def test_one_step_is_what_is_compiled(env: Environment) -> None:
     assert compile_step(env, "m").name == "m"
 
 
-def test_the_loop_counts_all_rewards_and_observations(env: Environment) -> None:
-    """Episodes begin anew in the loop: three cells can be eaten once each in an episode of three steps."""
+def test_the_loop_adds_all_rewards_and_the_last_observations() -> None:
+    """One environment counts its steps and shows the count: of four, with two agents, after n steps."""
 
-    def total(num_steps: int) -> float:
-        return float(make_loop(game_task(env), 4, num_steps)(jax.random.key(0)))
+    def step(count: jax.Array, actions: jax.Array, key: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        return count + 1, jnp.full(2, 0.5), jnp.full((2, 1, 3), count + 1, jnp.uint8)
 
-    assert 0 < total(3) < total(9) < total(18)
+    task = Task("count", 2, 5, lambda: jnp.int32(0), step)
+    for steps in (1, 9):
+        assert float(make_loop(task, 4, steps)(jax.random.key(0))) == 4 * 2 * (0.5 * steps + 3 * steps)
+
+
+def test_episodes_begin_anew_in_the_loop(env: Environment) -> None:
+    """Three cells can be eaten once each in an episode of three steps."""
+
+    def rewards(num_steps: int) -> float:
+        return float(make_loop(blind, 4, num_steps)(jax.random.key(0)))
+
+    def unseeing(state: Any, actions: jax.Array, key: jax.Array) -> Any:
+        state, reward, _ = game_task(env).step(state, actions, key)
+        return state, reward, jnp.zeros((), jnp.uint8)
+
+    blind = Task("blind", env.num_agents, env.num_actions, game_task(env).reset, unseeing)
+    assert 0 < rewards(3) < rewards(9) < rewards(18)
 
 
 def test_the_yardstick_plays() -> None:
