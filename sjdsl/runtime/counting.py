@@ -1,5 +1,8 @@
 """Counting members near each cell and of sets by bits, and who stands where."""
 
+from functools import partial
+
+import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
@@ -56,6 +59,7 @@ def _spread(byte: Array) -> Array:
     return byte
 
 
+@partial(jax.jit, static_argnums=1)  # one function of the program for each size, however many rules ask
 def occupied(site: Array, size: int) -> Array:
     """Returns which cells have an agent on them: `[size]` bool, from `[N]` cell numbers (`size` for elsewhere)."""
     return jnp.zeros(size, bool).at[site].set(True, mode="drop")

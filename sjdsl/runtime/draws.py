@@ -37,11 +37,15 @@ def words_at(key: Array, stream: int, numbers: Array) -> Array:
     Returns:
       uint32 of the shape of `numbers`.
     """
-    first, second = _threefry(key, jnp.uint32(stream), numbers >> jnp.uint32(1))
-    return jnp.where((numbers & jnp.uint32(1)) == 0, first, second)
+    return _numbered(key, jnp.uint32(stream), numbers)
 
 
 @jax.jit  # one function of the program for each shape, however many rules draw
+def _numbered(key: Array, stream: Array, numbers: Array) -> Array:
+    first, second = _threefry(key, stream, numbers >> jnp.uint32(1))
+    return jnp.where((numbers & jnp.uint32(1)) == 0, first, second)
+
+
 def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
     shape = (1,) * numbers.ndim
     k0, k1 = key[0].reshape(shape), key[1].reshape(shape)
@@ -50,13 +54,17 @@ def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
     x1 = numbers + keys[1]
     for turn in range(ROUNDS):
         group, rotation = turn // 4, _ROTATIONS[turn % 8]
-        x0 = x0 + x1
-        x1 = (x1 << jnp.uint32(rotation)) | (x1 >> jnp.uint32(32 - rotation))
-        x1 = x1 ^ x0
+        x0, x1 = _mixed(x0, x1, jnp.uint32(rotation))
         if turn % 4 == 3:
             x0 = x0 + keys[(group + 1) % 3]
             x1 = x1 + keys[(group + 2) % 3] + jnp.uint32(group + 1)
     return x0, x1
+
+
+@jax.jit  # as above
+def _mixed(x0: Array, x1: Array, rotation: Array) -> tuple[Array, Array]:
+    x0 = x0 + x1
+    return x0, x0 ^ (x1 << rotation | x1 >> (jnp.uint32(32) - rotation))
 
 
 def words(key: Array, stream: int, *shape: int) -> Array:

@@ -1,5 +1,6 @@
 """Members picked at random, agents sent to free cells, agents paired."""
 
+import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
@@ -28,6 +29,7 @@ def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
     return bits.nth_bit(members, below(word, number)), number > 0
 
 
+@jax.jit  # one function of the program for each shape, however many rules pick
 def choose(member: Array, words: Array, number: Array) -> Array:
     """Returns which members are picked when so many are, one after the other, none twice.
 
@@ -58,6 +60,7 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     return bits.unpack(packed & ~left, member.shape[-1])
 
 
+@jax.jit  # as above
 def place(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
     """Returns the places after sending agents, in id order, each to one of the cells that are still free, all equally likely.
 

@@ -192,7 +192,7 @@ LAX = SimpleNamespace(
     population_count=_wrapping(np.bitwise_count),
     bitcast_convert_type=lambda x, dtype: as_array(np.ascontiguousarray(np.asarray(x)[..., None]).view(dtype)),
 )
-JAX = SimpleNamespace(numpy=JNP, lax=LAX, jit=lambda f: f, vmap=_vmap, Array=Array, dtypes=SimpleNamespace(), random=SimpleNamespace())
+JAX = SimpleNamespace(numpy=JNP, lax=LAX, jit=lambda f, **_: f, vmap=_vmap, Array=Array, dtypes=SimpleNamespace(), random=SimpleNamespace())
 STANDING_IN = {"jax": JAX, "jax.numpy": JNP, "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass))}
 
 
