@@ -1,4 +1,4 @@
-"""Generated modules on disk, keyed by the rules' hash and the compiler's version; a damaged entry is made again."""
+"""What is kept on disk: generated modules, by the rules' hash and the compiler's version, and the programs JAX compiles."""
 
 import hashlib
 import os
@@ -21,8 +21,8 @@ def cache_folder() -> Path:
 def cached_text(key: str, make: Callable[[], str]) -> tuple[str, str]:
     """Returns the module's text and the name of the file it is kept in.
 
-    Two processes may write one entry at once: each writes a file of its own and renames it into place. A folder that cannot be
-    written to means no cache, not an error.
+    Two processes may write one entry at once: each writes a file of its own and renames it into place. A damaged entry is made
+    again. A folder that cannot be written to means no cache, not an error.
     """
     path = cache_folder() / f"{key}_{__version__}_{_compiler_digest()}.py"
     try:
@@ -40,6 +40,20 @@ def cached_text(key: str, make: Callable[[], str]) -> tuple[str, str]:
     except OSError:
         pass
     return text, str(path)
+
+
+def keep_programs() -> None:
+    """Has JAX keep in the cache folder what it compiles in this process, for the next; to be called before JAX is imported.
+
+    JAX's own variables go before: JAX_COMPILATION_CACHE_DIR names another folder, JAX_ENABLE_COMPILATION_CACHE=false keeps nothing. A
+    folder that cannot be made means no cache. What is damaged in it JAX compiles again.
+    """
+    folder = cache_folder() / "programs"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return
+    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
 
 
 def _compiler_digest() -> str:

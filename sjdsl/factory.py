@@ -7,6 +7,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal
 
+import jax
+
 from sjdsl.cache import cached_text
 from sjdsl.compiler import Build, build, compile_build, number_names
 from sjdsl.compiler.diagnostics import CompileError
@@ -85,5 +87,6 @@ def load_module(text: str, file: str, name: str) -> ModuleType:
     module = ModuleType(f"sjdsl.generated.{name}")
     module.__file__ = file
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    exec(compile(text, file, "exec"), module.__dict__)
+    with jax.ensure_compile_time_eval():  # its tables are constants, also when a game is made while another function is traced
+        exec(compile(text, file, "exec"), module.__dict__)
     return module

@@ -8,6 +8,7 @@ from typing import NoReturn
 
 import click
 
+from sjdsl.cache import keep_programs
 from sjdsl.cli.faults import report_fault
 
 COMMANDS = {
@@ -71,5 +72,6 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def main() -> NoReturn:
-    """Runs the command line of this process."""
+    """Runs the command line of this process; what JAX compiles in it is kept for the next."""
+    keep_programs()
     sys.exit(run())

@@ -52,12 +52,15 @@ def command(
     Beside each game runs the yardstick, a step of Commons Harvest written by hand. Machines drift; the ratio to the
     yardstick, taken round by round, does not.
     """
+    import jax
+
     from sjdsl.bench import Report, measure, measure_sweep
     from sjdsl.bench.loop import steps_for
     from sjdsl.bench.plots import draw_scaling
     from sjdsl.bench.tables import notes_of, tables_of
     from sjdsl.cli.bench_output import print_tables, require_marks, section_name, telling, write_json, write_page
 
+    jax.config.update("jax_enable_compilation_cache", False)  # seconds of compiling are measured, too
     seen = tuple(dict.fromkeys(word for words in observations for word in words)) or ("tokens",)
     numbers = envs or (SWEPT if sweep else RACED)
     if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):

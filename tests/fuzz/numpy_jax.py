@@ -161,6 +161,13 @@ def _pad(array: Any, value: Any, edges: list[tuple[int, int, int]]) -> Array:
     return as_array(np.pad(np.asarray(array), [(low, high) for low, high, _ in edges], constant_values=np.asarray(value)))
 
 
+def _reduce_window(array: Any, start: Any, add: Any, size: tuple[int], step: tuple[int], padding: list[tuple[int, int]]) -> Array:
+    assert add == "add"
+    assert size == step
+    padded = np.pad(np.asarray(array), padding, constant_values=start)
+    return as_array(padded.reshape(-1, *size).sum(axis=1, dtype=padded.dtype))
+
+
 def _dynamic_slice(array: Any, starts: tuple[Any, ...], sizes: tuple[int, ...]) -> Array:
     begin = [min(max(int(s), 0), n - size) for s, n, size in zip(starts, array.shape, sizes, strict=True)]
     return as_array(np.asarray(array)[tuple(slice(b, b + size) for b, size in zip(begin, sizes, strict=True))])
@@ -186,7 +193,9 @@ LAX = SimpleNamespace(
     while_loop=_while_loop,
     fori_loop=_fori_loop,
     pad=_pad,
+    add="add",
     dynamic_slice=_dynamic_slice,
+    reduce_window=_reduce_window,
     dynamic_index_in_dim=_dynamic_index_in_dim,
     optimization_barrier=lambda x: x,
     population_count=_wrapping(np.bitwise_count),

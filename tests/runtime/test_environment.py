@@ -11,6 +11,7 @@ import pytest
 
 import sjdsl
 from sjdsl import make
+from sjdsl.factory import load_module
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.tokens import to_channels
 
@@ -375,3 +376,10 @@ def test_a_small_map_for_fewer_agents() -> None:
 def test_no_module_has_the_name_of_something_public(name: str) -> None:
     """Importing it would put the module in the other's place."""
     assert importlib.util.find_spec(f"sjdsl.{name}") is None
+
+
+def test_a_game_made_while_another_function_is_traced() -> None:
+    """Its tables are constants, not part of the trace: the same game is made again outside."""
+    load_module.cache_clear()
+    inside = jax.jit(lambda key: make(YARD).reset(key)[0])(jax.random.key(3))
+    np.testing.assert_array_equal(inside, make(YARD).reset(jax.random.key(3))[0])
