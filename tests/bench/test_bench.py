@@ -91,6 +91,7 @@ def test_the_loop_adds_all_rewards_and_the_last_observations() -> None:
     """One environment counts its steps and shows the count: of four, with two agents, after n steps."""
 
     def step(count: jax.Array, actions: jax.Array, key: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        del actions, key
         return count + 1, jnp.full(2, 0.5), jnp.full((2, 1, 3), count + 1, jnp.uint8)
 
     task = Task("count", 2, 5, lambda: jnp.int32(0), step)

@@ -26,13 +26,15 @@ def test_jax_is_told_where(folder: Path) -> None:
     assert folder.is_dir()
 
 
-def test_another_folder_is_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("folder")
+def test_another_folder_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, "elsewhere")
     keep_programs()
     assert os.environ[VARIABLE] == "elsewhere"
 
 
-def test_no_folder_is_no_error(folder: Path, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("folder")
+def test_no_folder_is_no_error(tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("a file where the folder should be")
     keep_programs()
     assert VARIABLE not in os.environ

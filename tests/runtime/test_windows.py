@@ -91,7 +91,9 @@ def test_fill_alone_and_in_batches(length: int) -> None:
     np.testing.assert_array_equal(constant[1], np.where(np.isin(np.arange(40), cells), wanted[1], planes[0]))
     many = jax.vmap(lambda value: fill(jnp.asarray(planes[0]), cells, value))(jnp.tile(jnp.asarray(values), (10, 1)))
     np.testing.assert_array_equal(many, jnp.tile(constant, (10, 1)))
-    np.testing.assert_array_equal(jax.vmap(lambda plane: fill(plane, cells, jnp.asarray(values[0])))(jnp.tile(planes, (10, 1)))[-3:, cells], values[[0] * 3])
+    np.testing.assert_array_equal(
+        jax.vmap(lambda plane: fill(plane, cells, jnp.asarray(values[0])))(jnp.tile(planes, (10, 1)))[-3:, cells], values[[0] * 3]
+    )
     twice = jax.vmap(both)(jnp.asarray([planes, planes]), jnp.asarray([values, values]))
     np.testing.assert_array_equal(twice, [wanted, wanted])
 
