@@ -61,7 +61,7 @@ class Layout:
         return geometry.cells_of(self.map, self.pad, self.glyphs(kinds))
 
     def num_cells(self, kinds: tuple[str, ...]) -> int:
-        return sum(g in self.glyphs(kinds) for row in self.map for g in row)
+        return sum(row.count(glyph) for glyph in self.glyphs(kinds) for row in self.map)
 
     def cells_table(self, kinds: tuple[str, ...]) -> Table:
         return Table(self.cells(kinds), f"cells_of(MAP, PAD, {self.glyphs(kinds)!r})")

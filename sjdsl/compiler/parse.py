@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from lark import Lark, Token, Tree
@@ -27,6 +27,7 @@ VERSION = "1"
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
 
+@lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
 def parse(source: Source) -> ast.File:
     """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
     return build_ast(read_tree(source)[1], source.name)
