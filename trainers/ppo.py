@@ -35,7 +35,7 @@ class TrainState:
 class Batch:
     """Samples to learn from; M = T * B * N, or one minibatch of them."""
 
-    observation: Array  # [M, V, V, P] uint8
+    observation: Array  # [M, P, V, V] uint8
     action: Array  # [M] int32
     log_probability: Array  # [M] float32, when drawn
     value: Array  # [M] float32, when drawn

@@ -20,7 +20,7 @@ class Worlds:
     """The B environments between two rollouts."""
 
     state: Any  # [B, ...] the environments' states
-    observation: Array  # [B, N, V, V, P] uint8
+    observation: Array  # [B, N, P, V, V] uint8
     sums: EpisodeSums  # [B, ...] of the episodes under way
 
 
@@ -28,7 +28,7 @@ class Worlds:
 class Rollout:
     """What T steps leave behind to learn from."""
 
-    observation: Array  # [T, B, N, V, V, P] uint8, acted on
+    observation: Array  # [T, B, N, P, V, V] uint8, acted on
     action: Array  # [T, B, N] int32
     log_probability: Array  # [T, B, N] float32, of the action when it was drawn
     value: Array  # [T, B, N] float32, of the observation
@@ -57,7 +57,7 @@ def collect_rollout(
 
     Args:
       env: one environment; its `step` resets an ended episode by itself.
-      network: observations `[B, N, V, V, P]` to logits `[B, N, A]` and values `[B, N]`.
+      network: observations `[B, N, P, V, V]` to logits `[B, N, A]` and values `[B, N]`.
       worlds: where the last rollout left off.
       key: consumed.
       num_steps: T.

@@ -4,5 +4,18 @@ from sjdsl.bench.compilation import Compilation
 from sjdsl.bench.loop import Task, game_task, yardstick_task
 from sjdsl.bench.sweep import Sweep, measure_sweep
 from sjdsl.bench.timing import Report, Speed, measure
+from sjdsl.bench.training import Training, measure_training
 
-__all__ = ["Compilation", "Report", "Speed", "Sweep", "Task", "game_task", "measure", "measure_sweep", "yardstick_task"]
+__all__ = [
+    "Compilation",
+    "Report",
+    "Speed",
+    "Sweep",
+    "Task",
+    "Training",
+    "game_task",
+    "measure",
+    "measure_sweep",
+    "measure_training",
+    "yardstick_task",
+]

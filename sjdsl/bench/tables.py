@@ -1,11 +1,13 @@
 """Figures as tables of text: the same ones on a screen and on a page."""
 
+import statistics
 from collections.abc import Iterable
 from typing import NamedTuple
 
 from sjdsl.bench.compilation import Compilation
 from sjdsl.bench.sweep import Sweep
 from sjdsl.bench.timing import Report, Speed
+from sjdsl.bench.training import Training
 
 
 class Table(NamedTuple):
@@ -28,15 +30,21 @@ class Form(NamedTuple):
 FORM = ("game", "agents", "observation")
 
 
-def tables_of(found: Report | Sweep) -> tuple[Table, ...]:
+def tables_of(found: Report | Sweep | Training) -> tuple[Table, ...]:
     """Returns the tables of what was measured; comparisons only where there are two things to compare."""
     if isinstance(found, Sweep):
         return (sweep_table(found),)
+    if isinstance(found, Training):
+        return (training_table(found),)
     return tuple(table for table in (speed_table(found), cost_table(found), relation_table(found)) if table.rows)
 
 
-def notes_of(found: Report | Sweep) -> tuple[str, ...]:
+def notes_of(found: Report | Sweep | Training) -> tuple[str, ...]:
     """Returns what the tables do not say."""
+    if isinstance(found, Training):
+        return (
+            f"a float32 matrix product does {found.flops_per_s / 1e9:.0f} GFLOP/s here: the floor is an update's operations at that speed",
+        )
     if isinstance(found, Sweep) or found.device_peak_bytes is None:
         return ()
     return (f"the device held at most {found.device_peak_bytes / 1e9:.3g} GB while all this was measured",)
@@ -102,6 +110,25 @@ def sweep_table(sweep: Sweep) -> Table:
     title = f"{sweep.num_values} values of {sweep.param} of {sweep.name}, {sweep.num_envs:,} environments each"
     headings = ("how", "programs", "compile", "envs at once", "env-steps/s")
     return Table(title, headings, rows)
+
+
+def training_table(training: Training) -> Table:
+    """Returns the parts of an update in medians, and how near it is to the least its matrices take."""
+    rows = []
+    for split in training.splits:
+        parts = (split.environments, split.rollout, split.learning, split.update)
+        played, acted, learnt, whole = (statistics.median(seconds) for seconds in parts)
+        shares = (f"{part / whole:.0%}" for part in (played, acted - played, learnt))
+        labels = (split.name, str(split.num_agents), split.network)
+        rate = thousands(split.num_envs * split.num_steps / whole)
+        floor = split.flops / training.flops_per_s
+        rows.append(
+            (*labels, f"{split.compile_s:.1f} s", rate, f"{whole:.2f} s", *shares, f"{split.flops / 1e9:.0f}", f"{floor / whole:.0%}")
+        )
+    sizes = {(split.num_envs, split.num_steps) for split in training.splits}
+    each = "; ".join(f"{envs} environments, {steps} steps" for envs, steps in sorted(sizes))
+    headings = ("game", "agents", "network", "compile", "env-steps/s", "update", "environments", "acting", "learning", "GFLOP", "floor")
+    return Table(f"one update of IPPO: {each}", headings, tuple(rows), 3)
 
 
 def thousands(rate: float) -> str:

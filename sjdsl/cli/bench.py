@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.bench_games import choose_tasks
-from sjdsl.cli.bench_options import Agents, Counts, Observations, Quoting
+from sjdsl.cli.bench_options import NETWORKS, OBSERVATIONS, Agents, Counts, Quoting, Words
 from sjdsl.cli.game_file import variant_option
 from sjdsl.games_folder import bundled
 
@@ -16,17 +16,22 @@ if TYPE_CHECKING:
 
 RACED = (1, 128, 1024, 4096)  # environments
 SWEPT = (16,)  # of each value
+TRAINED = (16,)
+ROLLOUT = 128  # steps
 
 
 @click.command("bench", cls=Quoting)
 @click.argument("games", nargs=-1, metavar="[GAME...]")
 @click.option("--envs", type=Counts(), help="Numbers of environments at once: 1,128,1024,4096; in a sweep, of each value: 16.")
-@click.option("--observation", "observations", type=Observations(), multiple=True, help="tokens (the default), onehot or tokens,onehot.")
+@click.option(
+    "--observation", "observations", type=Words(OBSERVATIONS), multiple=True, help="tokens (the default), onehot or tokens,onehot."
+)
 @click.option("--agents", type=Agents(), default="own", show_default=True, help="Numbers of agents, such as own,20.")
 @click.option("--repeats", type=click.IntRange(min=1), default=5, show_default=True, help="Rounds of timings.")
 @click.option("--steps", type=click.IntRange(min=1), help="Steps of one timing; by default about 40,000 environment steps.")
 @click.option("--sweep", metavar="PARAM", help="Instead: many values of a parameter of one GAME, in one program and in one each.")
 @click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="How many of them.")
+@click.option("--training", "networks", type=Words(NETWORKS), metavar="NETWORKS", help="Instead: an update of IPPO: mlp, cnn or mlp,cnn.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well.")
 @click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or between the marks of one there is.")
 @click.option("--plots", metavar="FOLDER", help="Draw speed over numbers of environments, as PNGs.")
@@ -42,6 +47,7 @@ def command(
     steps: int | None,
     sweep: str | None,
     values: int,
+    networks: tuple[Any, ...],
     json_file: str | None,
     page: str | None,
     plots: str | None,
@@ -54,7 +60,7 @@ def command(
     """
     import jax
 
-    from sjdsl.bench import Report, measure, measure_sweep
+    from sjdsl.bench import Report, measure, measure_sweep, measure_training
     from sjdsl.bench.loop import steps_for
     from sjdsl.bench.plots import draw_scaling
     from sjdsl.bench.tables import notes_of, tables_of
@@ -62,17 +68,22 @@ def command(
 
     jax.config.update("jax_enable_compilation_cache", False)  # seconds of compiling are measured, too
     seen = tuple(dict.fromkeys(word for words in observations for word in words)) or ("tokens",)
-    numbers = envs or (SWEPT if sweep else RACED)
-    if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):
+    numbers = envs or (SWEPT if sweep else TRAINED if networks else RACED)
+    if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots or networks):
         raise click.UsageError("a sweep is of one game, one observation, one number of agents and of environments, without plots", context)
+    if networks and (seen != ("tokens",) or len(numbers) > 1 or plots):
+        raise click.UsageError("training is measured with tokens, at one number of environments, without plots", context)
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
     if not tasks:
         raise click.ClickException("; ".join(refused))
-    section = section_name(f"{tasks[0].name} {sweep}" if sweep else None)
+    section = section_name(f"sweep {tasks[0].name} {sweep}" if sweep else "training" if networks else "speed")
     if page:
         require_marks(Path(page), section)
     with telling() as tell:
-        if sweep:
+        if networks:
+            trained = [task.env for task in tasks if task.env is not None]
+            found = measure_training(trained, networks, numbers[0], steps or ROLLOUT, repeats, tell)
+        elif sweep:
             found = measure_sweep(tasks[0], sweep, _swept(tasks[0], sweep, values), numbers[0], repeats, steps, tell=tell)
         else:
             found = measure(tasks, numbers, repeats, lambda n: steps or steps_for(n), tell)

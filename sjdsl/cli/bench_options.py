@@ -3,6 +3,7 @@
 import click
 
 OBSERVATIONS = ("tokens", "onehot")
+NETWORKS = ("mlp", "cnn")
 
 
 class Counts(click.ParamType):
@@ -29,16 +30,20 @@ class Agents(click.ParamType):
         return tuple(dict.fromkeys(None if part == "own" else int(part) for part in parts))
 
 
-class Observations(click.ParamType):
-    """`tokens,onehot` as words."""
+class Words(click.ParamType):
+    """`tokens,onehot` as words, out of two."""
 
     name = "words"
 
+    def __init__(self, known: tuple[str, str]) -> None:
+        self.known = known
+
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
         parts = tuple(part.strip() for part in value.split(","))
-        if not set(parts) <= set(OBSERVATIONS):
-            self.fail(f"`{value}` is not `tokens`, `onehot` or `tokens,onehot`", param, ctx)
-        return parts
+        if not set(parts) <= set(self.known):
+            one, other = self.known
+            self.fail(f"`{value}` is not `{one}`, `{other}` or `{one},{other}`", param, ctx)
+        return tuple(dict.fromkeys(parts))
 
 
 class Quoting(click.Command):

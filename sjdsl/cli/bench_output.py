@@ -13,7 +13,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
-from sjdsl.bench import Report, Sweep
+from sjdsl.bench import Report, Sweep, Training
 from sjdsl.bench.machine import machine_line
 from sjdsl.bench.markdown import markdown_section, replace_section, write_section
 from sjdsl.bench.tables import Table
@@ -45,16 +45,15 @@ def print_tables(tables: Sequence[Table], machine: dict[str, Any], notes: Sequen
         console.print(line, highlight=False, markup=False)
 
 
-def write_json(path: Path, found: Report | Sweep) -> None:
+def write_json(path: Path, found: Report | Sweep | Training) -> None:
     """Writes all figures to a file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(found.to_json(), indent=2) + "\n", encoding="utf-8")
 
 
-def section_name(swept: str | None) -> str:
+def section_name(what: str) -> str:
     """Returns the marks between which figures of this sort of machine stand on a page: `speed cpu`, `sweep coins spawn cpu`."""
-    sort = jax.devices()[0].platform
-    return f"sweep {swept} {sort}" if swept else f"speed {sort}"
+    return f"{what} {jax.devices()[0].platform}"
 
 
 def require_marks(page: Path, section: str) -> None:
