@@ -1,4 +1,4 @@
-"""Policies: functions `(key, observation [N, V, V, P]) -> actions [N] int32` of one environment."""
+"""Policies: functions `(key, observation [N, P, V, V]) -> actions [N] int32` of one environment."""
 
 import json
 import warnings
