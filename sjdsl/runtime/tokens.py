@@ -36,5 +36,5 @@ def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype,
             case "number":
                 scaled = value.astype(dtype)
                 channels.append(scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled)
-    together = lax.optimization_barrier(jnp.concatenate(channels, axis=-1))
+    together = jnp.concatenate(channels, axis=-1)
     return together.reshape(*lead, len(channels), rows, cols)

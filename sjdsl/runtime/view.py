@@ -39,7 +39,7 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
     def cut(h: Array, r: Array, c: Array) -> Array:
         return lax.dynamic_slice(planes, (h, r - ahead, c - left), (1, *size))[0]
 
-    seen = lax.optimization_barrier(jax.vmap(cut)(heading, turned_row, turned_col))
+    seen = jax.vmap(cut)(heading, turned_row, turned_col)
     return seen.reshape(position.size, size[0] * size[1])
 
 
@@ -117,4 +117,4 @@ def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> A
     together = jnp.concatenate(planes, axis=1)
     if present is not None:
         together = jnp.where(present[:, None], together, jnp.uint8(0))
-    return lax.optimization_barrier(together).reshape(-1, len(planes), *view)
+    return together.reshape(-1, len(planes), *view)

@@ -32,6 +32,7 @@ FORESEEN = {
     "SJ203": "a `case` of a number with fewer values than its generator knows",
     "SJ204": "several guarded adds reach one field",
     "SJ205": "a word of a phase's use that the field does not have",
+    "SJ206": "a word of a phase's use compared with words it is none of",
     "SJ207": "a define used where its guard does not stand",
     "SJ212": "a variant breaks a requirement",
     "SJ303": "a variant's map has too few cells",

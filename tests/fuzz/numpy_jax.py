@@ -197,7 +197,6 @@ LAX = SimpleNamespace(
     dynamic_slice=_dynamic_slice,
     reduce_window=_reduce_window,
     dynamic_index_in_dim=_dynamic_index_in_dim,
-    optimization_barrier=lambda x: x,
     population_count=_wrapping(np.bitwise_count),
     bitcast_convert_type=lambda x, dtype: as_array(np.ascontiguousarray(np.asarray(x)[..., None]).view(dtype)),
 )
