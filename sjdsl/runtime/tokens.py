@@ -1,7 +1,7 @@
 """The one-hot form of token planes: the same information, a channel for each value."""
 
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane, channel_names
 

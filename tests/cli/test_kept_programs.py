@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import GAME
 
 from sjdsl.cache import keep_programs
 
@@ -42,11 +43,13 @@ def test_no_folder_is_no_error(tmp_path: Path) -> None:
 
 def test_a_damaged_program_is_compiled_again(folder: Path, tmp_path: Path) -> None:
     """Three starts of a command: what the first keeps, the second finds; what is damaged before the third is no error in it."""
+    game = tmp_path / "orchard.sj"
+    game.write_text(GAME)
     environment = {**os.environ, "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "JAX_PLATFORMS": "cpu"}
 
     def render(name: str) -> bytes:
         picture = tmp_path / name
-        command = [sys.executable, "-m", "sjdsl", "render", "coins", "--steps", "2", "-o", str(picture)]
+        command = [sys.executable, "-m", "sjdsl", "render", str(game), "--steps", "2", "-o", str(picture)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)
         assert done.returncode == 0, done.stderr
         return picture.read_bytes()

@@ -76,13 +76,13 @@ def test_every_game_keeps_its_promises(name, variants):
     for _ in range(25):
         play.step()
     window = game.window
-    shape = (window.ahead + 1 + window.behind, window.left + 1 + window.right, len(planes(game)))
+    shape = (len(planes(game)), window.ahead + 1 + window.behind, window.left + 1 + window.right)
     picture = observe(game, play.world)
     assert picture.shape == (game.agents.number, *shape)
-    assert (picture[:, window.ahead, window.left, 1] == 1).all()
+    assert (picture[:, 1, window.ahead, window.left] == 1).all()
     for index, plane in enumerate(planes(game)):
         if plane.encoding == "word":
-            assert picture[..., index].max() < len(plane.labels)
+            assert picture[:, index].max() < len(plane.labels)
     assert all(row[game.agents.actions.index("stay")] for row in action_mask(game, play.world))
 
 
