@@ -35,8 +35,9 @@ class ActorCritic(nn.Module):
         """Returns logits `[..., A]` and values `[...]` for observations `[..., P, V, V]` uint8."""
         features = to_channels(observation, self.planes, jnp.float32, scale_numbers=True)
         lead = observation.shape[:-3]
-        features = jnp.moveaxis(features.reshape(-1, *features.shape[-3:]), 1, -1)  # convolutions want channels last
+        features = features.reshape(-1, *features.shape[-3:])
         if self.kind == "cnn":
+            features = jnp.moveaxis(features, 1, -1)  # convolutions want channels last
             for index, side in enumerate((5, 3, 3)):
                 shape = (side, side, features.shape[-1], CONVOLUTION_CHANNELS)
                 kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)

@@ -22,13 +22,19 @@ ROLLOUT = 128  # steps
 
 @click.command("bench", cls=Quoting)
 @click.argument("games", nargs=-1, metavar="[GAME...]")
-@click.option("--envs", type=Counts(), help="Numbers of environments at once: 1,128,1024,4096; in a sweep, of each value: 16.")
+@click.option(
+    "--envs", type=Counts(), help="Numbers of environments at once: 1,128,1024,4096; in a sweep, of each value: 16; in training: 16."
+)
 @click.option(
     "--observation", "observations", type=Words(OBSERVATIONS), multiple=True, help="tokens (the default), onehot or tokens,onehot."
 )
 @click.option("--agents", type=Agents(), default="own", show_default=True, help="Numbers of agents, such as own,20.")
 @click.option("--repeats", type=click.IntRange(min=1), default=5, show_default=True, help="Rounds of timings.")
-@click.option("--steps", type=click.IntRange(min=1), help="Steps of one timing; by default about 40,000 environment steps.")
+@click.option(
+    "--steps",
+    type=click.IntRange(min=1),
+    help="Steps of one timing; by default about 40,000 environment steps; of a rollout in training: 128.",
+)
 @click.option("--sweep", metavar="PARAM", help="Instead: many values of a parameter of one GAME, in one program and in one each.")
 @click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="How many of them.")
 @click.option("--training", "networks", type=Words(NETWORKS), metavar="NETWORKS", help="Instead: an update of IPPO: mlp, cnn or mlp,cnn.")
@@ -69,8 +75,10 @@ def command(
     jax.config.update("jax_enable_compilation_cache", False)  # seconds of compiling are measured, too
     seen = tuple(dict.fromkeys(word for words in observations for word in words)) or ("tokens",)
     numbers = envs or (SWEPT if sweep else TRAINED if networks else RACED)
-    if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots or networks):
+    if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):
         raise click.UsageError("a sweep is of one game, one observation, one number of agents and of environments, without plots", context)
+    if networks and sweep:
+        raise click.UsageError("--sweep and --training are measured one at a time", context)
     if networks and (seen != ("tokens",) or len(numbers) > 1 or plots):
         raise click.UsageError("training is measured with tokens, at one number of environments, without plots", context)
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)

@@ -1,6 +1,7 @@
 """Benchmarks: what is measured and reported; how fast it is, is not tested."""
 
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,33 +11,11 @@ import jax.numpy as jnp
 import pytest
 from jax import Array
 
-import sjdsl
 from sjdsl.bench import Report, Task, game_task, measure, yardstick_task
 from sjdsl.bench.compilation import compile_step
 from sjdsl.bench.loop import make_loop
 from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
-
-GAME = """sj 1
-game meadow "Meadow" {
-  episode 3
-  kind soil "A" { field fruit : { none, ripe } = ripe }
-  map { "AAA" }
-  agents 2 { acts forward, stay  moves relative }
-  phase start { each agent { send agent to soil } }
-  schedule walk -> eat
-  phase walk { move each agent }
-  phase eat { each agent on soil where soil.fruit is ripe { set soil.fruit = none  give 1 to agent } }
-  observe { window ahead 1, behind 0, left 1, right 1 }
-}
-"""
-
-
-@pytest.fixture(scope="module")
-def env(tmp_path_factory: pytest.TempPathFactory) -> Environment:
-    file = tmp_path_factory.mktemp("games") / "meadow.sj"
-    file.write_text(GAME)
-    return sjdsl.make(file)
 
 
 def _count(state: Array, actions: Array, key: Array) -> tuple[Array, Array, Array]:
@@ -53,9 +32,16 @@ def _small_yardstick() -> Iterator[None]:
         yield
 
 
+@pytest.fixture
+def folder(meadow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An own folder to be in, with the game."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(meadow, "meadow.sj")
+
+
 @pytest.fixture(scope="module")
-def report(env: Environment) -> Report:
-    return measure([game_task(env)], (1, 3), repeats=3, steps=lambda _: 2)
+def report(meadow_env: Environment) -> Report:
+    return measure([game_task(meadow_env)], (1, 3), repeats=3, steps=lambda _: 2)
 
 
 def test_each_task_is_measured_at_each_number_of_environments(report: Report) -> None:
@@ -83,8 +69,8 @@ def test_the_report_can_be_stored(report: Report) -> None:
     assert {speed["observation"] for speed in stored["speeds"]} == {"tokens"}
 
 
-def test_one_step_is_what_is_compiled(env: Environment) -> None:
-    assert compile_step(env, "m").name == "m"
+def test_one_step_is_what_is_compiled(meadow_env: Environment) -> None:
+    assert compile_step(meadow_env, "m").name == "m"
 
 
 def test_the_loop_adds_all_rewards_and_the_last_observations() -> None:
@@ -99,17 +85,17 @@ def test_the_loop_adds_all_rewards_and_the_last_observations() -> None:
         assert float(make_loop(task, 4, steps)(jax.random.key(0))) == 4 * 2 * (0.5 * steps + 3 * steps)
 
 
-def test_episodes_begin_anew_in_the_loop(env: Environment) -> None:
+def test_episodes_begin_anew_in_the_loop(meadow_env: Environment) -> None:
     """Three cells can be eaten once each in an episode of three steps."""
 
     def rewards(num_steps: int) -> float:
         return float(make_loop(blind, 4, num_steps)(jax.random.key(0)))
 
     def unseeing(state: Any, actions: jax.Array, key: jax.Array) -> Any:
-        state, reward, _ = game_task(env).step(state, actions, key)
+        state, reward, _ = game_task(meadow_env).step(state, actions, key)
         return state, reward, jnp.zeros((), jnp.uint8)
 
-    blind = Task("blind", env.num_agents, env.num_actions, game_task(env).reset, unseeing)
+    blind = Task("blind", meadow_env.num_agents, meadow_env.num_actions, game_task(meadow_env).reset, unseeing)
     assert 0 < rewards(3) < rewards(9) < rewards(18)
 
 
@@ -123,9 +109,8 @@ def test_the_yardstick_plays() -> None:
     assert (tokens.shape, tokens.dtype) == ((7, 11, 11), "uint8")
 
 
-def test_the_command_prints_and_stores_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("meadow.sj").write_text(GAME)
+@pytest.mark.usefixtures("folder")
+def test_the_command_prints_and_stores_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["bench", "meadow.sj", "--envs", "2", "--steps", "2", "--repeats", "1", "--json", "out.json"]) == 0
     shown = capsys.readouterr().out
     for part in ("yardstick", "meadow", "2 envs", "x1.00"):
@@ -133,9 +118,8 @@ def test_the_command_prints_and_stores_a_table(tmp_path: Path, monkeypatch: pyte
     assert json.loads(Path("out.json").read_text())["repeats"] == 1
 
 
-def test_the_command_measures_several_forms_and_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("meadow.sj").write_text(GAME)
+@pytest.mark.usefixtures("folder")
+def test_the_command_measures_several_forms_and_writes_a_page() -> None:
     Path("docs").mkdir()
     Path("docs/page.md").write_text("Speed.\n<!-- speed cpu -->\n<!-- end speed cpu -->\nThat was it.\n")
     asked = "bench meadow.sj --observation tokens,onehot --agents own,9 --envs 2 --steps 2 --repeats 1"
@@ -148,11 +132,8 @@ def test_the_command_measures_several_forms_and_writes_a_page(tmp_path: Path, mo
     assert page.startswith("Speed.") and page.endswith("That was it.\n")
 
 
-def test_a_page_without_marks_is_refused_before_anything_is_measured(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("meadow.sj").write_text(GAME)
+@pytest.mark.usefixtures("folder")
+def test_a_page_without_marks_is_refused_before_anything_is_measured(capsys: pytest.CaptureFixture[str]) -> None:
     Path("page.md").write_text("Nothing here.\n")
     assert run(["bench", "meadow.sj", "--markdown", "page.md"]) == 1
     assert "<!-- speed cpu -->" in capsys.readouterr().err

@@ -1,10 +1,11 @@
 """Counting by bits, who stands where, rows and lanes, against loops."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.counting import count_near, occupied
+from sjdsl.runtime.counting import count_near, occupied, size_of_set, times_in
 from sjdsl.runtime.geometry import near_masks
 from sjdsl.runtime.rows import as_bits, entry, highest, lowest, mix, ramp, reached
 
@@ -28,6 +29,20 @@ def test_count_near_of_all_and_none() -> None:
     masks = jnp.asarray(near_masks(around, 96))
     assert count_near(jnp.ones(96, bool), masks).tolist() == [32, 32, 32]
     assert count_near(jnp.zeros(96, bool), masks).tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize("agents", [1, 6, 8, 9, 20, 32])
+@pytest.mark.parametrize("sets", [1, 14, 15, 16, 538])
+def test_times_in_sets(agents: int, sets: int) -> None:
+    """Sparse sets, full ones (as many in a word as its fields can count), and batches."""
+    member = np.random.default_rng(agents * sets).random((3, sets, agents)) < np.array([0.1, 0.6, 1.0])[:, None, None]
+    kept = (member.astype(np.uint64) << np.arange(agents, dtype=np.uint64)).sum(axis=-1).astype(np.uint8 if agents <= 8 else np.uint32)
+    wanted = np.array([[sum(bool(row[agent]) for row in rows) for agent in range(agents)] for rows in member])
+    found = jax.jit(jax.vmap(lambda one: times_in(one, agents)))(kept)
+    assert found.dtype == jnp.int32
+    np.testing.assert_array_equal(found, wanted)
+    np.testing.assert_array_equal(times_in(jnp.asarray(kept[1]), agents), wanted[1])
+    np.testing.assert_array_equal(size_of_set(jnp.asarray(kept)), member.sum(axis=-1))
 
 
 def test_occupied() -> None:
