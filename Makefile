@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-all check bench damage fuzz golden docs wheel-test clean
+.PHONY: run test test-all test-interop check bench damage fuzz golden docs wheel-test clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -29,6 +29,11 @@ test: .venv/ready
 # Also every variant and crowd, with XLA's optimisations: takes much longer.
 test-all: .venv/ready
 	$(PYTEST) --all
+
+# The adapters for other libraries, which are installed for it.
+test-interop: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-interop.txt
+	$(BIN)/python -m pytest -o addopts=-q tests/interop
 
 check: .venv/ready
 	$(BIN)/ruff format --check .

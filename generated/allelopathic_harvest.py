@@ -290,9 +290,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     active = (present & (bush_under < 348)) & (state.bush_fruit[bush_under] == 1)  # allelopathic_harvest.sj:60
     bush_fruit = state.bush_fruit.at[jnp.where(active, bush_under, 348)].set(0, mode="drop")  # allelopathic_harvest.sj:61
     bush_young = state.bush_young.at[jnp.where(active, bush_under, 348)].set(params.patience, mode="drop")  # allelopathic_harvest.sj:61
-    event_eaten = out.event_eaten.at[:, 0].add(jnp.where(active & (state.bush_colour[bush_under] == 0), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:61
-    event_eaten = event_eaten.at[:, 1].add(jnp.where(active & (state.bush_colour[bush_under] == 1), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:61
-    event_eaten = event_eaten.at[:, 2].add(jnp.where(active & (state.bush_colour[bush_under] == 2), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:61
+    event_eaten = out.event_eaten + (jnp.where(active[:, None] & (state.bush_colour[bush_under][:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:61
     subject = state.bush_colour[bush_under] == state.agent_taste  # allelopathic_harvest.sj:62
     reward = out.reward + (jnp.where(active, jnp.where(subject, params.liked, params.disliked), 0.0))  # allelopathic_harvest.sj:62
     return state.replace(bush_fruit=bush_fruit, bush_young=bush_young), out.replace(event_eaten=event_eaten, reward=reward)
@@ -352,9 +350,7 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
     bush_colour = state.bush_colour.at[jnp.where(matched, bush_2, 348)].set(state.agent_bag, mode="drop")  # allelopathic_harvest.sj:68
     bush_young = state.bush_young.at[jnp.where(matched, bush_2, 348)].set(params.patience, mode="drop")  # allelopathic_harvest.sj:68
     agent_coat = jnp.where(matched, state.agent_bag + 1, state.agent_coat)  # allelopathic_harvest.sj:68
-    event_planted = out.event_planted.at[:, 0].add(jnp.where(matched & (state.agent_bag == 0), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:68
-    event_planted = event_planted.at[:, 1].add(jnp.where(matched & (state.agent_bag == 1), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:68
-    event_planted = event_planted.at[:, 2].add(jnp.where(matched & (state.agent_bag == 2), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:68
+    event_planted = out.event_planted + (jnp.where(matched[:, None] & (state.agent_bag[:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:68
     return state.replace(bush_colour=bush_colour, bush_young=bush_young, agent_coat=agent_coat), out.replace(event_planted=event_planted)
 
 

@@ -204,8 +204,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     active = (patch_under < 12) & (state.patch_stock[patch_under] == 1)  # pd_arena.sj:48
     patch_stock = state.patch_stock.at[jnp.where(active, patch_under, 12)].set(0, mode="drop")  # pd_arena.sj:49
     agent_bag_added = jnp.where(state.patch_class[patch_under][..., None] == jnp.arange(2, dtype=jnp.uint8)[None, :], (jnp.where(active, jnp.int32(1), jnp.int32(0)))[..., None], jnp.int32(0))  # pd_arena.sj:50
-    event_collected = out.event_collected.at[:, 0].add(jnp.where(active & (state.patch_class[patch_under] == 0), jnp.int32(1), jnp.int32(0)))  # pd_arena.sj:50
-    event_collected = event_collected.at[:, 1].add(jnp.where(active & (state.patch_class[patch_under] == 1), jnp.int32(1), jnp.int32(0)))  # pd_arena.sj:50
+    event_collected = out.event_collected + (jnp.where(active[:, None] & (state.patch_class[patch_under][:, None] == jnp.arange(2, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # pd_arena.sj:50
     agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 100)).astype(jnp.uint8)
     return state.replace(patch_stock=patch_stock, agent_bag=agent_bag), out.replace(event_collected=event_collected)
 

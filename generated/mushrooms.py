@@ -187,10 +187,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     meal = state.ground_grows[ground_under] - 1  # mushrooms.sj:55
     ground_grows = state.ground_grows.at[jnp.where(active, ground_under, 276)].set(0, mode="drop")  # mushrooms.sj:56
     agent_digesting = jnp.where(active, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)  # mushrooms.sj:57
-    event_eaten = out.event_eaten.at[:, 0].add(jnp.where(active & (meal == 0), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:58
-    event_eaten = event_eaten.at[:, 1].add(jnp.where(active & (meal == 1), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:58
-    event_eaten = event_eaten.at[:, 2].add(jnp.where(active & (meal == 2), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:58
-    event_eaten = event_eaten.at[:, 3].add(jnp.where(active & (meal == 3), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:58
+    event_eaten = out.event_eaten + (jnp.where(active[:, None] & (meal[:, None] == jnp.arange(4, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:58
     world_trials_added = jnp.sum(jnp.where(active[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32)  # mushrooms.sj:59
     reward = out.reward + jnp.where(active, params.eater[meal], 0.0)  # mushrooms.sj:60
     reward = reward + (jnp.sum(jnp.where(active, params.everyone[meal], 0.0), dtype=jnp.float32))  # mushrooms.sj:60

@@ -4,15 +4,16 @@ import re
 from pathlib import Path
 
 import jax
+import pytest
 
 import sjdsl
 
-README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parent.parent
 
 
-def block(language: str) -> str:
+def block(language: str, page: str = "README.md") -> str:
     """Returns the first fenced block of a language."""
-    found = re.search(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    found = re.search(rf"```{language}\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
     assert found is not None, language
     return found.group(1)
 
@@ -36,3 +37,10 @@ def test_the_python_lines() -> None:
     names: dict = {}
     exec(block("python"), names)
     assert names["observation"].shape == names["env"].observation_shape
+
+
+@pytest.mark.slow
+def test_the_python_lines_of_training(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    exec(block("python", "docs/training.md"), {})
+    assert "Estimate(mean=" in capsys.readouterr().out

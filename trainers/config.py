@@ -1,6 +1,5 @@
 """The configuration of a training run: checked once, then never changed."""
 
-import difflib
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -18,9 +17,12 @@ from pydantic import (
     model_validator,
 )
 
+from .config_errors import ConfigError, sentence_of
 
-class ConfigError(Exception):
-    """A wrong key or value; the message has one line a fault."""
+__all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
+
+Algorithm = Literal["ippo", "mappo", "vdn"]
+RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 
 
 def _whole_number(value: Any) -> Any:
@@ -32,38 +34,55 @@ def _whole_number(value: Any) -> Any:
     return int(number) if not isinstance(value, bool | int) and number.is_integer() else value
 
 
+def _listed(value: Any) -> Any:
+    """Returns `"45, 90"` and `45` as lists; anything else as it came."""
+    if isinstance(value, str):
+        return [part.strip() for part in value.split(",") if part.strip()]
+    return [value] if isinstance(value, int | float) else value
+
+
 Count = Annotated[PositiveInt, BeforeValidator(_whole_number)]
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
+Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
+Groups = Annotated[tuple[NonNegativeInt, ...], BeforeValidator(_listed)]
 
 
 class Config(BaseModel):
-    """Everything a run depends on besides the game. Steps are environment steps: one step moves all agents."""
+    """What every algorithm's run depends on besides the game. Steps are environment steps: one step moves all agents."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
+    algorithm: Algorithm
     seed: CountOrZero = 0
-    total_timesteps: Count = 10_000_000  # environment steps, rounded up to whole updates
+    seeds: Count = 1  # runs side by side, with `seed`, `seed` + 1 and so on
+    total_timesteps: Count = 10_000_000  # environment steps of each seed, rounded up to whole updates
     num_envs: Count = 64
     num_steps: Count = 128  # steps of one rollout
-    num_epochs: Count = 2
-    num_minibatches: Count = 8
-
-    learning_rate: PositiveFloat = 5e-4
-    anneal_learning_rate: bool = True  # linearly to zero over the run
     gamma: Fraction = 0.99
-    gae_lambda: Fraction = 0.95
-    clip_epsilon: PositiveFloat = 0.2
-    clip_value_loss: bool = True
-    entropy_coefficient: NonNegativeFloat = 0.01
-    value_coefficient: NonNegativeFloat = 0.5
+    learning_rate: PositiveFloat
+    anneal_learning_rate: bool = True  # linearly to zero over the run
     max_gradient_norm: PositiveFloat = 0.5
 
-    reward: Literal["individual", "common"] = "common"
+    reward: RewardMode = "common"
+    common_reward: Literal["sum", "mean"] = "sum"
+    reward_smoothing: Fraction = 0.0  # decay a step of the reward traces that svo and inequity compare; 0: this step's rewards
+    svo_angle: Angles = (90.0,)  # degrees, the angle sought; one for all agents or one each
+    svo_weight: NonNegativeFloat = 0.5
+    svo_at_rest: Literal["content", "selfish"] = "content"  # the angle where nobody is rewarded: the one sought, or 0
+    svo_quadrant: bool = True  # angles are cut to 0 .. 90 degrees, where the theory defines them
+    exchange_ratio: Fraction = 0.5  # weight of each other agent's reward to one's own: 0 individual, 1 the mean
+    inequity_envy: NonNegativeFloat = 5.0  # weight of others having more
+    inequity_guilt: NonNegativeFloat = 0.05  # weight of others having less
+    match_socialjax: bool = False  # rewards scaled by the number of agents, as the released code has them
+
     network: Literal["mlp", "cnn"] = "cnn"
     network_width: Count = 64  # units of each hidden dense layer
+    precision: Literal["float32", "bfloat16"] = "float32"  # of the network's layers; parameters stay float32
 
-    checkpoint_every: CountOrZero = 50  # updates; 0 keeps only the last parameters
+    checkpoint_every: CountOrZero = 50  # updates; 0 keeps only the last
+    evaluate_every: CountOrZero = 0  # updates; 0 only what the caller does at the end
+    evaluation_episodes: Count = 30
 
     @model_validator(mode="wrap")
     @classmethod
@@ -71,7 +90,7 @@ class Config(BaseModel):
         try:
             return validate(values)
         except ValidationError as error:
-            raise ConfigError("\n".join(_sentence(fault) for fault in error.errors())) from None
+            raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in error.errors())) from None
 
     @property
     def steps_per_update(self) -> int:
@@ -83,33 +102,65 @@ class Config(BaseModel):
         """Updates of the whole run."""
         return math.ceil(self.total_timesteps / self.steps_per_update)
 
-
-def _sentence(fault: Mapping[str, Any]) -> str:
-    """Returns one of pydantic's faults in the user's words."""
-    key = str(fault["loc"][0]) if fault["loc"] else "config"
-    match fault["type"]:
-        case "extra_forbidden":
-            return f"unknown key `{key}`{nearest_key(key, Config.model_fields)}"
-        case "greater_than":
-            need = f"more than {fault['ctx']['gt']}"
-        case "greater_than_equal":
-            need = f"at least {fault['ctx']['ge']}"
-        case "less_than_equal":
-            need = f"at most {fault['ctx']['le']}"
-        case "literal_error":
-            need = fault["ctx"]["expected"]
-        case "int_parsing" | "int_type" | "int_from_float":
-            need = "a whole number"
-        case "float_parsing" | "float_type" | "finite_number":
-            need = "a finite number"
-        case "bool_parsing" | "bool_type":
-            need = "true or false"
-        case _:
-            need = fault["msg"]
-    return f"`{key}` must be {need}, not {fault['input']!r}"
+    @property
+    def seed_numbers(self) -> tuple[int, ...]:
+        """The seeds of the runs side by side."""
+        return tuple(range(self.seed, self.seed + self.seeds))
 
 
-def nearest_key(key: str, known: Mapping[str, Any]) -> str:
-    """Returns `; did you mean …?`, or the list of known keys when none is near."""
-    near = difflib.get_close_matches(key, known, n=1)
-    return f"; did you mean `{near[0]}`?" if near else f"; known: {', '.join(known)}"
+class PPOConfig(Config):
+    """Proximal policy optimisation: with a critic of what an agent sees (ippo), or of what all see (mappo)."""
+
+    algorithm: Literal["ippo", "mappo"] = "ippo"
+    learning_rate: PositiveFloat = 5e-4
+    num_epochs: Count = 2
+    num_minibatches: Count = 8
+    gae_lambda: Fraction = 0.95
+    clip_epsilon: PositiveFloat = 0.2
+    scale_clip_epsilon: bool = False  # divide it by the number of agents
+    clip_value_loss: bool = True
+    entropy_coefficient: NonNegativeFloat = 0.01
+    value_coefficient: NonNegativeFloat = 0.5
+
+    critic: Literal["observations", "state"] = "observations"  # what mappo's critic sees: all agents' windows, or the world's state
+    sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents have one network
+    roles: Groups = ()  # by_role: the role of each agent, as numbers from 0; empty: as the game has it
+    memory: Literal["none", "gru"] = "none"
+
+
+class VDNConfig(Config):
+    """Value decomposition networks: Q-learning of the sum of the agents' values, from replayed steps."""
+
+    algorithm: Literal["vdn"] = "vdn"
+    learning_rate: PositiveFloat = 7e-5
+    max_gradient_norm: PositiveFloat = 1.0
+    num_envs: Count = 32
+    num_steps: Count = 1
+    reward: Literal["common"] = "common"
+    buffer_size: Count = 102_400  # environment steps replayed from; a multiple of num_envs x num_steps
+    batch_size: Count = 128
+    gradient_steps: Count = 4  # of one update
+    learning_starts: CountOrZero = 1000  # environment steps before the first gradient step
+    double_q: bool = False
+    target_update_every: Count = 10  # updates
+    target_rate: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0  # how much of the network its target takes over
+    epsilon_start: Fraction = 1.0
+    epsilon_end: Fraction = 0.05
+    epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1  # of the run, until epsilon_end is reached
+
+
+CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
+KEYS_OF: Mapping[str, Mapping[str, Any]] = {algorithm: kind.model_fields for algorithm, kind in CLASSES.items()}
+
+
+def make_config(values: Mapping[str, Any] | None = None, **more: Any) -> Config:
+    """Returns the configuration of the algorithm that `values` name; ippo unless they do.
+
+    Raises:
+      ConfigError: an unknown algorithm or key, or a wrong value; one line a fault.
+    """
+    given = {**(values or {}), **more}
+    algorithm = given.setdefault("algorithm", "ippo")
+    if algorithm not in CLASSES:
+        raise ConfigError(f"unknown algorithm {algorithm!r}; known: {', '.join(CLASSES)}")
+    return CLASSES[algorithm](**given)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,8 @@ from sjdsl.runtime.returns import collective_return, equality
 
 from .environment import Environment
 from .episodes import EpisodeSums, add_step, zero_sums
-from .policies import Policy
-from .run_folder import write_json
+from .policies import Policy, with_memory
+from .run_files import write_json
 
 
 @dataclass(frozen=True)
@@ -57,13 +57,23 @@ def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 3
 
     Args:
       env: one environment.
-      policy: `(key, observation [N, V, V, P]) -> actions [N]`; `random_policy(env)`, `load_policy(run_dir, env)`, or
-        any function that can be jitted.
+      policy: `(key, observation [N, P, V, V]) -> actions [N]`; `random_policy(env)`, `load_policy(run_dir, env)`, or
+        any function that can be jitted; or a `MemoryPolicy`.
       key: typed key, consumed; the same key gives the same episodes.
       num_episodes: E.
     """
-    sums = jax.device_get(jax.jit(lambda key: _play(env, policy, key, num_episodes).sums)(key))
-    return Evaluation(sums.returns, sums.length, sums.events, sums.metric_means, sums.metric_finals)
+    return make_evaluator(env, lambda _: policy, num_episodes)(key, ())
+
+
+def make_evaluator(env: Environment, policy_of: Callable[[Any], Policy], num_episodes: int) -> Callable[[Array, Any], Evaluation]:
+    """Returns `evaluate` as a function of key and parameters, which compiles once; `policy_of` makes the policy of parameters."""
+    play = jax.jit(lambda key, parameters: _play(env, policy_of(parameters), key, num_episodes).sums)
+
+    def played(key: Array, parameters: Any) -> Evaluation:
+        sums = jax.device_get(play(key, parameters))
+        return Evaluation(sums.returns, sums.length, sums.events, sums.metric_means, sums.metric_finals)
+
+    return played
 
 
 @flax.struct.dataclass
@@ -71,7 +81,8 @@ class _Play:
     """E episodes under way."""
 
     state: Any  # [E, ...]
-    observation: Array  # [E, N, V, V, P] uint8
+    observation: Array  # [E, N, P, V, V] uint8
+    memory: Any  # [E, ...] the policy's
     sums: EpisodeSums  # [E, ...]
     over: Array  # [E] bool
 
@@ -80,20 +91,25 @@ def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _P
     """Steps all episodes until the last one is over; what comes after an episode's end is not counted."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
-    start = _Play(state, observation, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool))
+    remembering = with_memory(policy)
+    memory = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *leaf.shape)), remembering.start)
+    start = _Play(state, observation, memory, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool))
 
-    def play_step(key: Array, state: Any, observation: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
+    def play_step(key: Array, state: Any, memory: Any, observation: Array) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
         action_key, env_key = jax.random.split(key)
-        return env.step_env(env_key, state, policy(action_key, observation))
+        memory, actions = remembering.act(memory, action_key, observation)
+        return memory, env.step_env(env_key, state, actions)
 
     def advance(carry: tuple[Array, _Play]) -> tuple[Array, _Play]:
         key, step_key = jax.random.split(carry[0])
         before = carry[1]
         keys = jax.random.split(step_key, num_episodes)
-        observation, state, reward, done, info = jax.vmap(play_step)(keys, before.state, before.observation)
+        memory, stepped = jax.vmap(play_step)(keys, before.state, before.memory, before.observation)
+        observation, state, reward, done, info = stepped
         after = _Play(
             state=state,
             observation=observation,
+            memory=memory,
             sums=add_step(before.sums, reward, reward, info),
             over=done,
         )

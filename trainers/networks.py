@@ -1,40 +1,45 @@
-"""The actor-critic network: token observations in, action logits and a value out."""
+"""The networks: token observations in; action logits, state values or action values out."""
 
-from typing import Literal
+from functools import partial
+from typing import Any, Literal
 
 import flax.linen as nn
 import jax.numpy as jnp
-from flax.linen.initializers import orthogonal
 from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
 
 from .convolution import convolve
+from .initialisation import orthogonal
 
 HIDDEN_GAIN = 2.0**0.5
 ACTOR_GAIN = 0.01
 CRITIC_GAIN = 1.0
 CONVOLUTION_CHANNELS = 32
 
+Memory = Any  # what a network with memory hands from step to step: arrays `[M, ...]`; `()` without
 
-class ActorCritic(nn.Module):
-    """A torso on one-hot channels with a policy head and a value head.
 
-    Tokens become channels inside the network, so that a rollout stores bytes. `mlp` reads the window flat; `cnn` passes
-    it through three convolutions first. Source of the convolutions and of the heads: SocialJax, IPPO network.
+class Torso(nn.Module):
+    """Features of windows of tokens, or of vectors.
+
+    Tokens become channels inside the network, so that a rollout stores bytes. `mlp` reads a window flat; `cnn` passes it through
+    three convolutions first. Vectors, which have no planes, go to the dense layer at once. Source of the convolutions: SocialJax.
     """
 
-    num_actions: int
     planes: tuple[TokenPlane, ...]
     kind: Literal["mlp", "cnn"]
     width: int
+    dtype: Any
 
     @nn.compact
-    def __call__(self, observation: Array) -> tuple[Array, Array]:
-        """Returns logits `[..., A]` and values `[...]` for observations `[..., P, V, V]` uint8."""
-        features = to_channels(observation, self.planes, jnp.float32, scale_numbers=True)
+    def __call__(self, observation: Array) -> Array:
+        """Returns features `[..., width]` of observations `[..., P, V, V]` uint8, or of `[..., K]` float32 if there are no planes."""
+        if not self.planes:
+            return self._dense(observation.astype(self.dtype))
         lead = observation.shape[:-3]
+        features = to_channels(observation, self.planes, self.dtype, scale_numbers=True)
         features = features.reshape(-1, *features.shape[-3:])
         if self.kind == "cnn":
             features = jnp.moveaxis(features, 1, -1)  # convolutions want channels last
@@ -42,11 +47,108 @@ class ActorCritic(nn.Module):
                 shape = (side, side, features.shape[-1], CONVOLUTION_CHANNELS)
                 kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
                 bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:])
-                features = nn.relu(convolve(features, kernel) + bias)
-        features = self._dense(features.reshape(features.shape[0], -1))
-        logits = nn.Dense(self.num_actions, kernel_init=orthogonal(ACTOR_GAIN), name="actor")(self._dense(features))
-        value = nn.Dense(1, kernel_init=orthogonal(CRITIC_GAIN), name="critic")(self._dense(features))
-        return logits.reshape(*lead, self.num_actions), value.reshape(lead)
+                features = nn.relu(convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype))
+        return self._dense(features.reshape(*lead, -1))
 
     def _dense(self, features: Array) -> Array:
-        return nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN))(features))
+        return nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
+
+
+class Recurrence(nn.Module):
+    """A gated recurrent unit along the first axis; its memory is emptied where an episode begins."""
+
+    width: int
+    dtype: Any
+
+    @partial(nn.scan, variable_broadcast="params", split_rngs={"params": False}, in_axes=0, out_axes=0)
+    @nn.compact
+    def __call__(self, memory: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Takes memory `[..., width]`, features `[L, ..., K]` and `[L, ...]` bool, fresh; returns memory and `[L, ..., width]`."""
+        features, fresh = step
+        memory = jnp.where(fresh[..., None], jnp.zeros_like(memory), memory)
+        return nn.GRUCell(self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal())(memory, features)
+
+
+class Head(nn.Module):
+    """A hidden layer and a linear one; float32 comes out."""
+
+    outputs: int
+    width: int
+    gain: float
+    dtype: Any
+
+    @nn.compact
+    def __call__(self, features: Array) -> Array:
+        hidden = nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
+        return nn.Dense(self.outputs, kernel_init=orthogonal(self.gain), dtype=self.dtype, name="out")(hidden).astype(jnp.float32)
+
+
+class ActorCritic(nn.Module):
+    """The network of S agents that share it: a policy of what an agent sees, and a value.
+
+    With a local critic, policy and value have one torso and a value is one of the agent's own window. With a central one,
+    the critic is a network of its own that sees `joint`, the same for all agents, and says all S values at once.
+    """
+
+    num_actions: int
+    num_agents: int  # S
+    planes: tuple[TokenPlane, ...]
+    joint_planes: tuple[TokenPlane, ...] | None  # None: a local critic; (): joint is a vector
+    kind: Literal["mlp", "cnn"]
+    width: int
+    recurrent: bool = False
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, memory: Memory, observation: Array, joint: Array | None, fresh: Array) -> tuple[Memory, Array, Array]:
+        """Reads L steps of M environments.
+
+        Args:
+          memory: from the step before; of `start_memory` at first.
+          observation: `[L, M, S, P, V, V]` uint8.
+          joint: `[L, M, ...]` what a central critic sees; None for a local one.
+          fresh: `[L, M]` bool, the episode begins with this step.
+        Returns:
+          the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
+        """
+        torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype)
+        head = partial(Head, width=self.width, dtype=self.dtype)
+        seen = torso(self.planes, name="torso")(observation)
+        memory, seen = self._remember("memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1]))
+        logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(seen)
+        if self.joint_planes is None:
+            return memory, logits, head(1, gain=CRITIC_GAIN, name="critic")(seen)[..., 0]
+        known = torso(self.joint_planes, name="critic_torso")(joint)
+        memory, known = self._remember("critic_memory", memory, known, fresh)
+        return memory, logits, head(self.num_agents, gain=CRITIC_GAIN, name="critic")(known)
+
+    def _remember(self, name: str, memory: Memory, features: Array, fresh: Array) -> tuple[Memory, Array]:
+        if not self.recurrent:
+            return memory, features
+        after, features = Recurrence(self.width, self.dtype, name=name)(memory[name], (features, fresh))
+        return {**memory, name: after}, features
+
+    def start_memory(self, num_envs: int) -> Memory:
+        """Returns the memory before the first step of M environments."""
+        if not self.recurrent:
+            return ()
+        memory = {"memory": jnp.zeros((num_envs, self.num_agents, self.width), self.dtype)}
+        if self.joint_planes is not None:
+            memory["critic_memory"] = jnp.zeros((num_envs, self.width), self.dtype)
+        return memory
+
+
+class ActionValues(nn.Module):
+    """The value of each action to an agent that sees a window."""
+
+    num_actions: int
+    planes: tuple[TokenPlane, ...]
+    kind: Literal["mlp", "cnn"]
+    width: int
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, observation: Array) -> Array:
+        """Returns `[..., A]` float32 for observations `[..., P, V, V]` uint8."""
+        seen = Torso(self.planes, self.kind, self.width, self.dtype, name="torso")(observation)
+        return Head(self.num_actions, self.width, CRITIC_GAIN, self.dtype, name="values")(seen)

@@ -1,6 +1,5 @@
-"""Policies: functions `(key, observation [N, P, V, V]) -> actions [N] int32` of one environment."""
+"""Policies to play with: random ones, trained ones, stored ones."""
 
-import json
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -10,19 +9,18 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from .config import Config
+from sjdsl.runtime.policy import MemoryPolicy, Policy, with_memory
+
+from .actor_critics import make_actor_critics
+from .config import Config, PPOConfig, VDNConfig
 from .environment import Environment, abstract_key, reset_shapes
-from .ppo import make_network
-from .run_folder import CHECKPOINTS, MANIFEST, read_parameters
+from .policy_file import PolicyError, policy_path, read_policy
+from .vdn import make_action_values
 
-Policy = Callable[[Array, Array], Array]
-
-
-class PolicyError(Exception):
-    """A stored policy cannot be read, or does not fit the environment."""
+__all__ = ["MemoryPolicy", "Policy", "PolicyError", "load_policy", "random_policy", "trained_policy", "with_memory"]
 
 
-def random_policy(env: Environment) -> Policy:
+def random_policy(env: Environment) -> Callable[[Array, Array], Array]:
     """Returns the policy that draws every action with equal probability."""
 
     def act(key: Array, observation: Array) -> Array:
@@ -33,62 +31,84 @@ def random_policy(env: Environment) -> Policy:
 
 
 def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool = False) -> Policy:
-    """Returns the policy of `parameters`: it samples each agent's action, or takes the likeliest one if `greedy`."""
-    network = make_network(env, config)
+    """Returns the policy of `parameters`.
+
+    An actor samples each agent's action, or takes the likeliest if `greedy`. Action values have no probabilities: the best is
+    taken, except, unless `greedy`, with the probability of exploring that the run ended with.
+    """
+    match config:
+        case PPOConfig():
+            return _actor_policy(env, config, parameters, greedy)
+        case VDNConfig():
+            return _value_policy(env, config, parameters, greedy)
+    raise TypeError(f"no algorithm takes a {type(config).__name__}")
+
+
+def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
+    networks = make_actor_critics(env, config)
+    # a critic is not asked; one that sees the state gets zeros
+    state = jnp.zeros((1, 1, *networks.joint_shape)) if networks.joint_shape and networks.from_state else None
+
+    def act(memory: Any, key: Array, observation: Array) -> tuple[Any, Array]:
+        never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with `start`
+        memory, logits, _ = networks.apply(parameters, memory, observation[None, None], state, never_fresh)
+        action = jnp.argmax(logits[0, 0], axis=-1) if greedy else jax.random.categorical(key, logits[0, 0])
+        return memory, action.astype(jnp.int32)
+
+    if config.memory == "none":
+        return lambda key, observation: act(networks.start_memory(1), key, observation)[1]
+    return MemoryPolicy(networks.start_memory(1), act)
+
+
+def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: bool) -> Policy:
+    network = make_action_values(env, config)
 
     def act(key: Array, observation: Array) -> Array:
-        logits, _ = network.apply(parameters, observation)
-        action = jnp.argmax(logits, axis=-1) if greedy else jax.random.categorical(key, logits)
-        return action.astype(jnp.int32)
+        best = jnp.argmax(network.apply(parameters, observation), axis=-1).astype(jnp.int32)
+        if greedy:
+            return best
+        explore_key, action_key = jax.random.split(key)
+        explores = jax.random.bernoulli(explore_key, config.epsilon_end, best.shape)
+        return jnp.where(explores, jax.random.randint(action_key, best.shape, 0, env.num_actions, jnp.int32), best)
 
     return act
 
 
-def load_policy(run_dir: Path | str, env: Environment, update: int | None = None, greedy: bool = False) -> Policy:
-    """Returns the policy that a run stored.
+def parameter_shapes(env: Environment, config: Config) -> Any:
+    """Returns the shapes and dtypes of the parameters that a configuration's policy has."""
+    match config:
+        case PPOConfig():
+            networks = make_actor_critics(env, config)
+            return jax.eval_shape(lambda key: networks.init(key, env), abstract_key())
+        case VDNConfig():
+            return jax.eval_shape(make_action_values(env, config).init, abstract_key(), reset_shapes(env)[0])
+    raise TypeError(f"no algorithm takes a {type(config).__name__}")
+
+
+def load_policy(source: Path | str, env: Environment, update: int | None = None, greedy: bool = False, which: str = "last") -> Policy:
+    """Returns a stored policy.
 
     Args:
-      run_dir: folder that `train` wrote.
+      source: the folder of a run, or one of the `.safetensors` files in its `policies`, with the `.json` file beside it.
       env: environment to act in; it must have the actions and observation planes of the one trained on. Another
         variant or other parameters are allowed, with a warning.
-      update: which checkpoint; the last one if None.
+      update: of a folder, the policy of one of its checkpoints.
       greedy: take the likeliest action instead of drawing one.
+      which: of a folder, `last` or `best`, by its evaluations.
     Raises:
-      PolicyError: no such run or checkpoint, or it does not fit `env`.
+      PolicyError: no such policy, or it cannot be read, or it does not fit `env`.
     """
-    run_dir = Path(run_dir)
-    if not (run_dir / MANIFEST).is_file():
-        raise PolicyError(f"{run_dir} is no run folder: it has no {MANIFEST}")
-    manifest = json.loads((run_dir / MANIFEST).read_text(encoding="utf-8"))
-    config = Config(**manifest["config"])
-    if manifest["game"]["hash"] != env.hash:
+    path = policy_path(Path(source), which if update is None else update)
+    parameters, described = read_policy(path, lambda config: parameter_shapes(env, config))
+    game = described.game
+    if game["hash"] != env.hash:
         warnings.warn(
-            f"{run_dir} was trained on another form of the game: {manifest['game']['name']} {manifest['game']['hash']},"
-            f" not {env.name} {env.hash}",
-            stacklevel=2,
+            f"{path} was trained on another form of the game: {game['name']} {game['hash']}, not {env.name} {env.hash}", stacklevel=2
         )
-    checkpoint = _checkpoint_path(run_dir, update)
-    observation, _ = reset_shapes(env)
-    expected = jax.eval_shape(make_network(env, config).init, abstract_key(), observation)
-    parameters = read_parameters(checkpoint)
-    if _shapes(parameters) != _shapes(expected):
+    if parameters is None:
         raise PolicyError(
-            f"{checkpoint} does not fit {env.name}: it was trained on {manifest['game']['name']} with "
-            f"{len(manifest['game']['action_names'])} actions and observations {manifest['game']['observation_shape']}; "
-            f"here are {env.num_actions} actions and observations {list(observation.shape)}"
+            f"{path} does not fit {env.name}: it was trained on {game['name']} with "
+            f"{len(game['action_names'])} actions and observations {game['observation_shape']}; "
+            f"here are {env.num_actions} actions and observations {list(reset_shapes(env)[0].shape)}"
         )
-    return trained_policy(env, config, parameters, greedy)
-
-
-def _shapes(parameters: Any) -> dict[str, tuple[int, ...]]:
-    leaves = jax.tree_util.tree_leaves_with_path(parameters)
-    return {jax.tree_util.keystr(path): tuple(leaf.shape) for path, leaf in leaves}
-
-
-def _checkpoint_path(run_dir: Path, update: int | None) -> Path:
-    stored = {int(path.stem): path for path in (run_dir / CHECKPOINTS).glob("*.msgpack")}
-    if not stored:
-        raise PolicyError(f"{run_dir} holds no checkpoint")
-    if update is not None and update not in stored:
-        raise PolicyError(f"{run_dir} has no checkpoint of update {update}, but of {', '.join(map(str, sorted(stored)))}")
-    return stored[max(stored) if update is None else update]
+    return trained_policy(env, described.config, parameters, greedy)

@@ -1,7 +1,6 @@
-"""Proximal policy optimisation for N agents that share one network (IPPO)."""
+"""Proximal policy optimisation of N agents: one core for independent and central critics, shared and separate networks."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import flax
@@ -11,110 +10,158 @@ import optax
 from flax.training.train_state import TrainState as Learner
 from jax import Array
 
+from .actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from .advantage import generalised_advantages, successor_values
-from .config import Config, ConfigError
-from .environment import Environment, reset_shapes
+from .config import ConfigError, PPOConfig
+from .environment import Environment
 from .episodes import mean_episode
-from .networks import ActorCritic
-from .rollout import Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
-
-Metrics = dict[str, Any]
+from .networks import Memory
+from .program import Metrics, Train, TrainState, keep_if_finite
+from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
+from .shaping import make_shaping
+from .teams import Bundle
 
 
 @flax.struct.dataclass
-class TrainState:
-    """All that one update hands to the next."""
+class Acting:
+    """What is kept of acting."""
 
-    key: Array  # [] typed key, consumed by the next update
-    learner: Learner  # parameters, optimiser state and `step`, the gradient steps taken
-    worlds: Worlds  # the B environments
-    updates: Array  # [] int32, updates done
+    log_probability: Array  # [..., B, N] float32, of the action when it was drawn
+    value: Array  # [..., B, N] float32, of the observation
 
 
 @flax.struct.dataclass
 class Batch:
-    """Samples to learn from; M = T * B * N, or one minibatch of them."""
+    """What one rollout has to teach, as M sequences of L steps: L is 1 for networks without memory, T with it.
 
-    observation: Array  # [M, P, V, V] uint8
-    action: Array  # [M] int32
-    log_probability: Array  # [M] float32, when drawn
-    value: Array  # [M] float32, when drawn
-    advantage: Array  # [M] float32
-    target: Array  # [M] float32, of the value
+    A minibatch has some of the sequences, with all agents.
+    """
 
-
-@dataclass(frozen=True)
-class Train:
-    """A training run as two pure functions: both can be jitted, and vmapped over seeds."""
-
-    init: Callable[[Array], TrainState]  # key -> state before the first update
-    update: Callable[[TrainState], tuple[TrainState, Metrics]]  # one rollout and its gradient steps
+    observation: Array  # [L, M, N, bytes, V * V] uint8, packed; in a minibatch [L, m, S, P, V, V]
+    joint: Any  # [L, M, K] what critics of the state see, or None; in a minibatch all that a central critic sees
+    fresh: Array  # [L, M] bool
+    memory: Memory  # [M, G, ...] before the first of the L steps
+    action: Array  # [L, M, N] int32
+    log_probability: Array  # [L, M, N] float32, when drawn
+    value: Array  # [L, M, N] float32, when drawn
+    advantage: Array  # [L, M, N] float32
+    target: Array  # [L, M, N] float32, of the value
 
 
-def make_network(env: Environment, config: Config) -> ActorCritic:
-    """Returns the network for the environment's observations and actions.
+Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
+
+
+def make_ppo(env: Environment, config: PPOConfig) -> Train:
+    """Returns the pure functions of a run.
 
     Raises:
-      ConfigError: the environment gives no token observations.
+      ConfigError: the rollout does not divide into minibatches, or the configuration does not fit the environment.
     """
-    observation, _ = reset_shapes(env)
-    if observation.dtype != jnp.uint8 or observation.shape[1] != len(env.token_planes):
-        raise ConfigError(
-            f"trainers read token observations, uint8 with {len(env.token_planes)} planes, but `{env.name}` gives "
-            f'{observation.dtype} {observation.shape}; make it with observation="tokens"'
-        )
-    return ActorCritic(env.num_actions, tuple(env.token_planes), config.network, config.network_width)
-
-
-def make_train(env: Environment, config: Config) -> Train:
-    """Returns the pure functions of a run; nothing is computed yet.
-
-    Args:
-      env: one environment.
-      config: `seed` is not read here: `init` takes the key.
-    Raises:
-      ConfigError: the rollout does not divide into minibatches, or the observations are no tokens.
-    """
-    samples = config.steps_per_update * env.num_agents
-    if samples % config.num_minibatches:
-        raise ConfigError(
-            f"num_envs x num_steps x agents = {config.num_envs} x {config.num_steps} x {env.num_agents} = {samples} "
-            f"samples cannot be split into num_minibatches = {config.num_minibatches} equal parts"
-        )
-    network = make_network(env, config)
+    check_minibatches(config)
+    if config.scale_clip_epsilon:
+        config = config.model_copy(update={"clip_epsilon": config.clip_epsilon / env.num_agents})
+    networks = make_actor_critics(env, config)
+    shaping = make_shaping(config, env.num_agents)
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
-        worlds = start_worlds(env, config.num_envs, worlds_key)
-        parameters = network.init(network_key, worlds.observation)
-        learner = Learner.create(apply_fn=network.apply, params=parameters, tx=make_optimiser(config))
-        return TrainState(key, learner, worlds, jnp.int32(0))
+        worlds = start_worlds(env, config.num_envs, networks.start_memory(config.num_envs), worlds_key)
+        learners = tuple(start_learner(parameters, config) for parameters in networks.init(network_key, env))
+        return TrainState(key, learners, worlds, jnp.int32(0))
 
-    def update(state: TrainState) -> tuple[TrainState, Metrics]:
-        key, rollout_key, shuffle_key = jax.random.split(state.key, 3)
+    def collect(state: TrainState) -> tuple[TrainState, Any]:
+        key, rollout_key = jax.random.split(state.key)
+        actor = make_actor(env, networks, parameters(state))
+        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping)
+        after = state.replace(key=key, worlds=worlds)
+        return after, (rollout, state.worlds.memory, finished, measured)
 
-        def act_and_value(observation: Array) -> tuple[Array, Array]:
-            return network.apply(state.learner.params, observation)
-
-        worlds, rollout, finished, game_metrics = collect_rollout(
-            env, act_and_value, state.worlds, rollout_key, config.num_steps, config.reward
+    def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
+        rollout, memory, finished, measured = played
+        key, shuffle_key = jax.random.split(state.key)
+        worlds = state.worlds
+        last_value = _value(
+            networks, parameters(state), worlds.memory, worlds.observation, _joint(env, networks, worlds.state), worlds.fresh
         )
-        batch = flatten_rollout(rollout, act_and_value(worlds.observation)[1], config)
-        learner, losses = take_epochs(state.learner, batch, shuffle_key, config)
+        batch = make_batch(rollout, memory, last_value, config)
+        learners, losses = learn_teams(state.learner, batch, shuffle_key, networks, config)
+        learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner)
         metrics = {
             **mean_episode(finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
-            "metric": game_metrics,
+            "metric": measured,
             **losses,
             "explained_variance": explained_variance(batch.value, batch.target),
-            "learning_rate": learning_rate_schedule(config)(state.learner.step),
+            "learning_rate": learning_rate_schedule(config)(state.learner[0].step.ravel()[0]),
         }
-        return TrainState(key, learner, worlds, state.updates + 1), metrics
+        return TrainState(key, learners, worlds, state.updates + 1), metrics
 
-    return Train(init, update)
+    def parameters(state: TrainState) -> tuple[Any, ...]:
+        return tuple(learner.params for learner in state.learner)
+
+    return Train(init, collect, learn, parameters)
 
 
-def learning_rate_schedule(config: Config) -> optax.Schedule:
+def check_minibatches(config: PPOConfig) -> None:
+    """Raises ConfigError where a rollout does not divide into minibatches."""
+    if config.memory == "none":
+        if config.steps_per_update % config.num_minibatches:
+            raise ConfigError(
+                f"num_envs x num_steps = {config.num_envs} x {config.num_steps} = {config.steps_per_update} steps cannot be split "
+                f"into num_minibatches = {config.num_minibatches} equal parts"
+            )
+    elif config.num_envs % config.num_minibatches:
+        raise ConfigError(
+            f"networks with memory learn from whole rollouts: num_envs = {config.num_envs} cannot be split into "
+            f"num_minibatches = {config.num_minibatches} equal parts"
+        )
+
+
+def start_learner(parameters: Any, config: PPOConfig) -> Learner:
+    """Returns G learners in one: parameters `[G, ...]`, and an optimiser each."""
+    optimiser = make_optimiser(config)
+    return jax.vmap(lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser))(parameters)
+
+
+def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
+    """Returns how agents with these parameters act: every agent draws its action on its own."""
+
+    def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Memory, Array, Acting]:
+        seen = jax.tree.map(lambda leaf: leaf[None], (worlds.observation, joint, worlds.fresh))
+        memory, logits, value = networks.apply(parameters, worlds.memory, *seen)
+        action = jax.random.categorical(key, logits[0]).astype(jnp.int32)  # independent over [B, N]
+        return memory, action, Acting(chosen_log_probability(logits[0], action), value[0])
+
+    def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
+        del observation
+        truncated = info["truncated"]
+        joint = _joint(env, networks, info.get("terminal_state"))
+
+        # most steps end no episode: then the second forward pass is skipped
+        return jax.lax.cond(
+            truncated.any(),
+            lambda *seen: _value(networks, parameters, *seen, jnp.zeros_like(truncated)),
+            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents)),
+            memory,
+            info["terminal_observation"],
+            joint,
+        )
+
+    return Actor(act, networks.packing.pack, follow, lambda state: _joint(env, networks, state))
+
+
+def _joint(env: Environment, networks: ActorCritics, state: Any) -> Any:
+    """Returns what critics of the state see of states `[B, ...]`; None if they see windows."""
+    return jax.vmap(env.state_vector)(state) if networks.from_state else None
+
+
+def _value(networks: ActorCritics, parameters: Any, memory: Memory, observation: Array, joint: Any, fresh: Array) -> Array:
+    """Returns the values `[B, N]` of one observation in each environment."""
+    seen = jax.tree.map(lambda leaf: leaf[None], (observation, joint, fresh))
+    return networks.apply(parameters, memory, *seen)[2][0]
+
+
+def learning_rate_schedule(config: PPOConfig) -> optax.Schedule:
     """Returns the learning rate as a function of the gradient steps taken."""
     if not config.anneal_learning_rate:
         return optax.constant_schedule(config.learning_rate)
@@ -122,7 +169,7 @@ def learning_rate_schedule(config: Config) -> optax.Schedule:
     return optax.linear_schedule(config.learning_rate, 0.0, steps)
 
 
-def make_optimiser(config: Config) -> optax.GradientTransformation:
+def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
     """Returns Adam on gradients whose global norm is clipped."""
     return optax.chain(
         optax.clip_by_global_norm(config.max_gradient_norm),
@@ -130,46 +177,134 @@ def make_optimiser(config: Config) -> optax.GradientTransformation:
     )
 
 
-def flatten_rollout(rollout: Rollout, last_value: Array, config: Config) -> Batch:
-    """Returns the rollout's T * B * N samples with their advantages; `last_value` is `[B, N]`."""
-    successors = successor_values(rollout.value, last_value, rollout.terminal_value, rollout.done, rollout.truncated)
-    advantage = generalised_advantages(rollout.shaped_reward, rollout.value, successors, rollout.done, config.gamma, config.gae_lambda)
-    batch = Batch(
-        observation=rollout.observation,
-        action=rollout.action,
-        log_probability=rollout.log_probability,
-        value=rollout.value,
-        advantage=advantage,
-        target=rollout.value + advantage,
-    )
-    return jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[3:]), batch)
+def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOConfig) -> Batch:
+    """Returns the rollout as sequences with their advantages.
+
+    Args:
+      rollout: T steps of B environments.
+      memory: the agents' before its first step.
+      last_value: `[B, N]` of the observations after its last.
+    """
+    acting: Acting = rollout.acting
+    successors = successor_values(acting.value, last_value, rollout.ending, rollout.done, rollout.truncated)
+    advantage = generalised_advantages(rollout.shaped_reward, acting.value, successors, rollout.done, config.gamma, config.gae_lambda)
+    steps = {
+        "observation": rollout.observation,
+        "joint": rollout.joint,
+        "fresh": rollout.fresh,
+        "action": rollout.action,
+        "log_probability": acting.log_probability,
+        "value": acting.value,
+        "advantage": advantage,
+        "target": acting.value + advantage,
+    }
+    if config.memory == "none":
+        steps = jax.tree.map(lambda leaf: leaf.reshape(1, -1, *leaf.shape[2:]), steps)
+    return Batch(memory=memory, **steps)
 
 
-def take_epochs(learner: Learner, batch: Batch, key: Array, config: Config) -> tuple[Learner, Metrics]:
-    """Takes `num_epochs * num_minibatches` gradient steps; every epoch sees each sample once, in a new order."""
+def learn_teams(
+    learners: tuple[Learner, ...], batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
+) -> tuple[tuple[Learner, ...], Metrics]:
+    """Returns the learners after their epochs; teams learn apart, and losses are means over teams, weighted by their agents."""
+    after, losses, weights = [], [], []
+    keys = jax.random.split(key, len(networks.bundles))
+    for bundle, network, learner, bundle_key, memory in zip(networks.bundles, networks.networks, learners, keys, batch.memory, strict=True):
+        own = batch.replace(memory=jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), memory))
+        learner, loss = _learn_bundle(learner, own, bundle_key, bundle, network.apply, networks, config)
+        after.append(learner)
+        losses.append(loss)
+        weights.append(bundle.indices.size / sum(other.indices.size for other in networks.bundles))
+    together = jax.tree.map(lambda *parts: sum(weight * part for weight, part in zip(weights, parts, strict=True)), *losses)
+    return tuple(after), together
+
+
+def _learn_bundle(
+    learner: Learner, batch: Batch, key: Array, bundle: Bundle, apply: Apply, networks: ActorCritics, config: PPOConfig
+) -> tuple[Learner, Metrics]:
+    """Takes the epochs of all teams of a bundle side by side; `batch.memory` is `[G, M, ...]`."""
+    number = len(bundle.agents)
+
+    orders = draw_orders(key, number, batch.action.shape[1], config)
+
+    def learn_team(learner: Learner, orders: Array, agents: Array, memory: Memory) -> tuple[Learner, Metrics]:
+        return take_epochs(learner, batch.replace(memory=memory), orders, agents, apply, networks, config)
+
+    if number == 1:  # as in acting, a batch of one would cost a loop
+        first = jax.tree.map(lambda leaf: leaf[0], (learner, batch.memory))
+        after, losses = learn_team(first[0], orders[0], bundle.indices[0], first[1])
+        return jax.tree.map(lambda leaf: leaf[None], after), losses
+    after, losses = jax.vmap(learn_team)(learner, orders, jnp.asarray(bundle.indices), batch.memory)
+    return after, jax.tree.map(jnp.mean, losses)
+
+
+def draw_orders(key: Array, number: int, sequences: int, config: PPOConfig) -> Array:
+    """Returns which sequences are in which minibatch, `[G, epochs, minibatches, m]` int32: all once an epoch, in a new order."""
+    keys = jax.random.split(key, (number, config.num_epochs))
+    orders = jax.vmap(jax.vmap(lambda own: jax.random.permutation(own, sequences)))(keys)
+    return orders.reshape(number, config.num_epochs, config.num_minibatches, -1)
+
+
+def take_epochs(
+    learner: Learner, batch: Batch, orders: Array, agents: Any, apply: Apply, networks: ActorCritics, config: PPOConfig
+) -> tuple[Learner, Metrics]:
+    """Takes `num_epochs * num_minibatches` gradient steps of one team.
+
+    Args:
+      learner: the team's.
+      batch: the rollout of all agents, with the team's memory `[M, ...]`.
+      orders: `[epochs, minibatches, m]` of `draw_orders`.
+      agents: `[S]` numbers of the team's agents.
+      apply: its network.
+    """
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
-        minibatch = jax.tree.map(lambda leaf: leaf[indices], batch)
+        minibatch = sample(batch, indices, agents, networks)
         loss = jax.value_and_grad(ppo_loss, has_aux=True)
-        (_, losses), gradients = loss(learner.params, learner.apply_fn, minibatch, config)
-        losses["gradient_norm"] = jnp.sqrt(sum(jnp.square(leaf).sum() for leaf in jax.tree.leaves(gradients)))
+        (_, losses), gradients = loss(learner.params, apply, minibatch, config)
+        losses["gradient_norm"] = optax.tree.norm(gradients)
         return learner.apply_gradients(grads=gradients), losses
 
-    def take_epoch(learner: Learner, key: Array) -> tuple[Learner, Metrics]:
-        order = jax.random.permutation(key, batch.action.shape[0])
-        return jax.lax.scan(take_step, learner, order.reshape(config.num_minibatches, -1))
-
-    learner, losses = jax.lax.scan(take_epoch, learner, jax.random.split(key, config.num_epochs))
+    learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
     return learner, jax.tree.map(jnp.mean, losses)
 
 
-def ppo_loss(parameters: Any, apply: Callable[..., Any], batch: Batch, config: Config) -> tuple[Array, Metrics]:
+def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) -> Batch:
+    """Returns the sequences `[m]` of a team's agents `[S]`, and beside them what its critic sees of everybody.
+
+    Only indices are shuffled: what is not in the minibatch is not copied.
+    """
+    everybody = agents.shape[0] == batch.action.shape[AGENTS_AXIS]
+
+    def of_sequences(leaf: Array) -> Array:
+        return leaf[:, indices]
+
+    def of_team(leaf: Array) -> Array:
+        return leaf[:, indices] if everybody else leaf[:, indices[:, None], agents]
+
+    seen = None
+    if networks.joint_shape is not None:
+        seen = networks.joint(networks.packing.unpack(of_sequences(batch.observation)), jax.tree.map(of_sequences, batch.joint))
+    return Batch(
+        observation=networks.packing.unpack(of_team(batch.observation)),
+        joint=seen,
+        fresh=of_sequences(batch.fresh),
+        memory=jax.tree.map(lambda leaf: leaf[indices], batch.memory),
+        action=of_team(batch.action),
+        log_probability=of_team(batch.log_probability),
+        value=of_team(batch.value),
+        advantage=of_team(batch.advantage),
+        target=of_team(batch.target),
+    )
+
+
+def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> tuple[Array, Metrics]:
     """Returns the loss of one minibatch, and its parts.
 
     Source: Schulman et al. 2017, equations 7 and 9; value clipping and the KL estimate as in Huang et al. 2022.
     """
     epsilon = config.clip_epsilon
-    logits, value = apply(parameters, batch.observation)
+    _, logits, value = apply(parameters, batch.memory, batch.observation, batch.joint, batch.fresh)
 
     log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
     ratio = jnp.exp(log_ratio)

@@ -1,12 +1,19 @@
 """Presets: what to train and how, in one TOML file; some come with this package.
 
-game = "coins"
+game = "coins"          # optional: what is trained if no game is named
+only_listed = true      # optional: games without a table are refused
 
-[environment]       # further arguments of sjdsl.make
+[environment]           # further arguments of sjdsl.make
 num_agents = 2
 
-[config]            # keys of Config
+[config]                # keys of the configuration
 learning_rate = 1e-3
+
+[algorithm.mappo]       # the same, for one algorithm
+[reward.svo]            # for one reward
+[games.coins.config]    # for one game, by the name in its file; and so .environment, .algorithm.NAME, .reward.NAME
+
+Later tables win over earlier ones, what is asked for on the command line over all.
 """
 
 import tomllib
@@ -14,45 +21,81 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-from .config import Config, ConfigError, nearest_key
+from .config import Algorithm, Config, ConfigError, RewardMode, make_config
+from .config_errors import nearest_key
 
-SECTIONS = {"game": str, "environment": dict, "config": dict}
+FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
+SECTIONS = {"game": str, "only_listed": bool, "games": dict, **FOR_ANY}
+NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
+MEANS = {str: "text", bool: "true or false", dict: "a table"}
 
 
 @dataclass(frozen=True)
 class Preset:
     """What to train, and how."""
 
-    game: str  # first argument of `sjdsl.make`
+    game: str | None  # first argument of `sjdsl.make`; None: any
     environment: Mapping[str, Any]  # its other arguments
     config: Config
 
 
-def load_preset(name: str | Path, changes: Mapping[str, Any] | None = None) -> Preset:
+def load_preset(name: str | Path, changes: Mapping[str, Any] | None = None, game: str | None = None) -> Preset:
     """Returns a preset, with `changes` in place of values of its configuration.
 
     Args:
-      name: of a preset in this package, such as `quick`, or the path of a `.toml` file.
+      name: of a preset in this package, such as `two_cores`, or the path of a `.toml` file.
       changes: configuration keys and their new values; text such as `"3e-4"` is read as a number.
+      game: name of a game, or the path of its file, instead of the preset's own.
     Raises:
-      ConfigError: no such preset, or a wrong key or value.
+      ConfigError: no such preset, a wrong key or value, or a game that the preset has nothing for.
     """
-    text = _read(name)
     try:
-        content = tomllib.loads(text)
+        content = tomllib.loads(_read(name))
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{name}: {error}") from None
-    for key, value in content.items():
-        if key not in SECTIONS:
-            raise ConfigError(f"{name}: unknown key `{key}`{nearest_key(key, SECTIONS)}")
-        if not isinstance(value, SECTIONS[key]):
-            raise ConfigError(f"{name}: `{key}` must be {'a table' if SECTIONS[key] is dict else 'text'}, not {value!r}")
-    if "game" not in content:
-        raise ConfigError(f'{name}: no game is named; write `game = "coins"` above the tables')
-    config = Config(**{**content.get("config", {}), **(changes or {})})
-    return Preset(content["game"], content.get("environment", {}), config)
+    _check(content, SECTIONS, str(name))
+    _check_named(content, str(name))
+    _check(content.get("games", {}), dict.fromkeys(content.get("games", {}), dict), f"{name}: games")
+    for listed, tables in content.get("games", {}).items():
+        _check(tables, FOR_ANY, f"{name}: games.{listed}")
+        _check_named(tables, f"{name}: games.{listed}")
+    chosen = game or content.get("game")
+    stem = Path(chosen).stem if chosen else None
+    own = content.get("games", {}).get(stem, {})
+    if content.get("only_listed") and stem is not None and not own:
+        raise ConfigError(f"the preset `{name}` has nothing for `{stem}`; it has {', '.join(content.get('games', {}))}")
+    kept = content.get("environment", {}) if game is None or stem == Path(content.get("game", "")).stem else {}
+    values = _layered(content, own, changes or {})
+    return Preset(chosen, {**kept, **own.get("environment", {})}, make_config(values))
+
+
+def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the values of the configuration: for all, for the algorithm, for the reward; the same for the game; changes."""
+    first = {**content.get("config", {}), **own.get("config", {}), **changes}
+    algorithm, reward = first.get("algorithm", "ippo"), first.get("reward", "common")
+    values: dict[str, Any] = {}
+    for tables in (content, own):
+        values |= tables.get("config", {})
+        values |= tables.get("algorithm", {}).get(algorithm, {})
+        values |= tables.get("reward", {}).get(reward, {})
+    return values | dict(changes)
+
+
+def _check_named(tables: Mapping[str, Any], where: str) -> None:
+    """Raises ConfigError for a table of an algorithm or a reward that there is not."""
+    for section, names in NAMES.items():
+        _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
+
+
+def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> None:
+    """Raises ConfigError for a key that is not known, or a value of another type."""
+    for key, value in tables.items():
+        if key not in known:
+            raise ConfigError(f"{where}: unknown key `{key}`{nearest_key(key, known)}")
+        if not isinstance(value, known[key]):
+            raise ConfigError(f"{where}: `{key}` must be {MEANS[known[key]]}, not {value!r}")
 
 
 def _read(name: str | Path) -> str:

@@ -51,7 +51,7 @@ def _bar(num_updates: int, title: str) -> Iterator[Callable[[Row], None]]:
         def show(row: Row) -> None:
             nonlocal outcome
             outcome = _outcome(row) or outcome
-            speed = f"{row['steps_per_second']:,.0f} steps/s"
+            speed = f"{row['steps_per_second']:,.0f} steps/s, {_share(row)}"
             display.update(task, completed=row["update"], speed=speed, outcome=outcome)
 
         yield show
@@ -71,11 +71,16 @@ def _lines(num_updates: int) -> Callable[[Row], None]:
         left = row["seconds"] / row["update"] * (num_updates - row["update"])
         print(
             f"update {row['update']:>{len(str(num_updates))}}/{num_updates}  {row['env_steps']:>11,} steps  "
-            f"{row['steps_per_second']:>9,.0f} steps/s  {left:>4.0f} s left  {outcome}",
+            f"{row['steps_per_second']:>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}",
             flush=True,
         )
 
     return show
+
+
+def _share(row: Row) -> str:
+    """Returns how an update's time was spent: acting and environments, and the rest learning."""
+    return f"{100 * row['rollout_share']:.0f}% playing"
 
 
 def _outcome(row: Row) -> str:

@@ -1,6 +1,7 @@
-"""Rollouts: B environments played for T steps by the policy as it stands."""
+"""Rollouts: B environments played for T steps by agents as they stand, whatever algorithm they learn by."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import flax
@@ -10,9 +11,7 @@ from jax import Array
 
 from .environment import Environment
 from .episodes import EpisodeSums, FinishedEpisodes, add_step, hand_over, zero_sums
-from .shaping import RewardMode, shape_reward
-
-ActAndValue = Callable[[Array], tuple[Array, Array]]
+from .shaping import Shaping
 
 
 @flax.struct.dataclass
@@ -21,6 +20,9 @@ class Worlds:
 
     state: Any  # [B, ...] the environments' states
     observation: Array  # [B, N, P, V, V] uint8
+    fresh: Array  # [B] bool, an episode begins with the next step
+    trace: Array  # [B, N] float32, smoothed raw rewards of the episode under way
+    memory: Any  # of the agents, as the algorithm has it
     sums: EpisodeSums  # [B, ...] of the episodes under way
 
 
@@ -28,21 +30,45 @@ class Worlds:
 class Rollout:
     """What T steps leave behind to learn from."""
 
-    observation: Array  # [T, B, N, P, V, V] uint8, acted on
+    observation: Array  # [T, B, N, bytes, V * V] uint8, acted on, packed
+    joint: Any  # [T, B, ...] what a central critic sees besides; None if nothing
+    fresh: Array  # [T, B] bool, the episode began with this step
     action: Array  # [T, B, N] int32
-    log_probability: Array  # [T, B, N] float32, of the action when it was drawn
-    value: Array  # [T, B, N] float32, of the observation
     reward: Array  # [T, B, N] float32, raw
     shaped_reward: Array  # [T, B, N] float32, learnt from
     done: Array  # [T, B] bool, the episode ended with this step
     truncated: Array  # [T, B] bool, by the time limit
-    terminal_value: Array  # [T, B, N] float32, of the terminal observation; read only where truncated
+    acting: Any  # [T, B, ...] what the actor kept of acting
+    ending: Any  # [T, B, ...] what the actor kept of where the step led
 
 
-def start_worlds(env: Environment, num_envs: int, key: Array) -> Worlds:
-    """Returns `num_envs` fresh environments."""
+@dataclass(frozen=True)
+class Actor:
+    """How agents act in B environments, and what they keep of it for learning.
+
+    act: `(worlds, joint, key) -> memory, action [B, N], kept`.
+    pack: an observation to what is kept of it.
+    follow: `(memory, observation, info) -> kept` after the step: `observation` `[B, N, ...]` is the next one, `info` as the step gave it.
+    joint: states `[B, ...]` to what a central critic sees besides the observations, or None.
+    """
+
+    act: Callable[[Worlds, Any, Array], tuple[Any, Array, Any]]
+    pack: Callable[[Array], Array]
+    follow: Callable[[Any, Array, dict[str, Any]], Any]
+    joint: Callable[[Any], Any] = lambda _: None
+
+
+def start_worlds(env: Environment, num_envs: int, memory: Any, key: Array) -> Worlds:
+    """Returns `num_envs` fresh environments; `memory` is the agents' before their first step."""
     observation, state = jax.vmap(env.reset)(jax.random.split(key, num_envs))
-    return Worlds(state, observation, zero_sums(env, num_envs))
+    return Worlds(
+        state=state,
+        observation=observation,
+        fresh=jnp.ones(num_envs, bool),
+        trace=jnp.zeros((num_envs, env.num_agents)),
+        memory=memory,
+        sums=zero_sums(env, num_envs),
+    )
 
 
 def chosen_log_probability(logits: Array, action: Array) -> Array:
@@ -51,17 +77,17 @@ def chosen_log_probability(logits: Array, action: Array) -> Array:
 
 
 def collect_rollout(
-    env: Environment, network: ActAndValue, worlds: Worlds, key: Array, num_steps: int, reward_mode: RewardMode
+    env: Environment, actor: Actor, worlds: Worlds, key: Array, num_steps: int, shaping: Shaping
 ) -> tuple[Worlds, Rollout, FinishedEpisodes, dict[str, Array]]:
     """Plays `num_steps` steps in every environment.
 
     Args:
       env: one environment; its `step` resets an ended episode by itself.
-      network: observations `[B, N, P, V, V]` to logits `[B, N, A]` and values `[B, N]`.
+      actor: how agents act.
       worlds: where the last rollout left off.
       key: consumed.
       num_steps: T.
-      reward_mode: how raw rewards become shaped ones.
+      shaping: how raw rewards become shaped ones.
     Returns:
       the worlds afterwards, the rollout, the total over the episodes that finished in it, and the game's metrics
       averaged over all its steps.
@@ -69,31 +95,27 @@ def collect_rollout(
 
     def advance(worlds: Worlds, key: Array) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
         action_key, env_key = jax.random.split(key)
-        logits, value = network(worlds.observation)
-        action = jax.random.categorical(action_key, logits).astype(jnp.int32)  # independent over [B, N]
+        joint = actor.joint(worlds.state)
+        memory, action, acting = actor.act(worlds, joint, action_key)
         env_keys = jax.random.split(env_key, action.shape[0])
         observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
-        shaped_reward = shape_reward(reward, reward_mode)
-        truncated = info["truncated"]
-        terminal_value = jax.lax.cond(  # most steps end no episode: then the second forward pass is skipped
-            truncated.any(),
-            lambda seen: network(seen)[1],
-            lambda _: jnp.zeros_like(value),
-            info["terminal_observation"],
-        )
+        trace = shaping.smoothing * worlds.trace + reward
+        shaped_reward = shaping.shape(reward, trace)
         running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
         step = Rollout(
-            observation=worlds.observation,
+            observation=actor.pack(worlds.observation),
+            joint=joint,
+            fresh=worlds.fresh,
             action=action,
-            log_probability=chosen_log_probability(logits, action),
-            value=value,
             reward=reward,
             shaped_reward=shaped_reward,
             done=done,
-            truncated=truncated,
-            terminal_value=terminal_value,
+            truncated=info["truncated"],
+            acting=acting,
+            ending=actor.follow(memory, observation, info),
         )
-        return Worlds(state, observation, running), (step, finished, info["metrics"])
+        after = Worlds(state, observation, done, jnp.where(done[:, None], 0.0, trace), memory, running)
+        return after, (step, finished, info["metrics"])
 
     worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, jax.random.split(key, num_steps))
     total = jax.tree.map(lambda leaf: leaf.sum(axis=0), finished)

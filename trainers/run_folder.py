@@ -8,51 +8,72 @@ import os
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from datetime import UTC, datetime
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
-import flax.serialization
 import jax
-import numpy as np
 from jax.tree_util import keystr, tree_leaves_with_path
 
 from .config import Config
 from .environment import Environment, reset_shapes
+from .run_files import naming, plain, write_whole
+from .shaping import kept_share
 
 MANIFEST = "manifest.json"
 METRICS_JSONL = "metrics.jsonl"
 METRICS_CSV = "metrics.csv"
+EVALUATIONS = "evaluations.jsonl"
 LEARNING_CURVE = "learning_curve.png"
-CHECKPOINTS = "checkpoints"
 
 Row = dict[str, Any]  # one line of the metrics: column -> number; NaN where there is none
+Show = Callable[[Row], None]  # what is done with a row for people to see
+
+PACKAGES = ("sjdsl", "jax", "jaxlib", "flax", "optax", "numpy")
 
 
 def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the manifest of a run that starts now; `provenance` is the caller's account of how `env` was made."""
     device = jax.devices()[0]
-    observation, _ = reset_shapes(env)
     return {
         "status": "running",
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "seed": config.seed,
-        "game": {
-            "name": env.name,
-            "hash": env.hash,
-            "params": {keystr(path, simple=True): leaf for path, leaf in tree_leaves_with_path(env.params)},
-            "num_agents": env.num_agents,
-            "action_names": list(env.action_names),
-            "observation_shape": list(observation.shape),
-        },
+        "game": describe_game(env),
         "provenance": dict(provenance),
-        "config": config.model_dump(),
-        "versions": {"python": platform.python_version()} | {name: _version(name) for name in _PACKAGES},
+        "config": config.model_dump(mode="json"),
+        "derived": derived_figures(config, env.num_agents),
+        "versions": versions(),
         "device": {"platform": device.platform, "kind": device.device_kind, "count": jax.device_count()},
     }
 
 
-_PACKAGES = ("sjdsl", "jax", "jaxlib", "flax", "optax", "numpy")
+def derived_figures(config: Config, num_agents: int) -> dict[str, float]:
+    """Returns what a configuration comes to: updates, and the share of its reward an agent keeps where it is exchanged."""
+    figures: dict[str, float] = {"updates": config.num_updates, "steps_per_update": config.steps_per_update}
+    if config.reward == "exchange":
+        figures["kept_share"] = kept_share(config.exchange_ratio, num_agents)
+    return figures
+
+
+def describe_game(env: Environment) -> dict[str, Any]:
+    """Returns what a run and a policy have to know of their game."""
+    observation, _ = reset_shapes(env)
+    return {
+        "name": env.name,
+        "hash": env.hash,
+        "params": {keystr(path, simple=True): plain(leaf) for path, leaf in tree_leaves_with_path(env.params)},
+        "num_agents": env.num_agents,
+        "action_names": list(env.action_names),
+        "observation_shape": list(observation.shape),
+    }
+
+
+def versions() -> dict[str, str | None]:
+    """Returns the versions of Python and of the packages that a run's figures depend on."""
+    return {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES}
 
 
 def _version(package: str) -> str | None:
@@ -62,67 +83,90 @@ def _version(package: str) -> str | None:
         return None
 
 
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Writes a JSON file whole or not at all; arrays become lists, and what is not finite becomes null."""
-    _write_whole(path, (json.dumps(_plain(content), indent=2, allow_nan=False) + "\n").encode())
+def seed_folders(run_dir: Path, config: Config) -> tuple[Path, ...]:
+    """Returns the folder of each seed's figures and policies: the run's own for one seed, `seed_N` in it for several."""
+    if config.seeds == 1:
+        return (run_dir,)
+    return tuple(run_dir / f"seed_{number}" for number in config.seed_numbers)
 
 
-def _plain(value: Any) -> Any:
-    match value:
-        case Mapping():
-            return {key: _plain(entry) for key, entry in value.items()}
-        case list() | tuple():
-            return [_plain(entry) for entry in value]
-        case np.ndarray() | np.generic() | jax.Array():
-            return _plain(np.asarray(value).tolist())
-        case float():
-            return value if math.isfinite(value) else None
-        case _:
-            return value
+@dataclass(frozen=True)
+class Metrics:
+    """The open metrics of one seed: `metrics.jsonl` and `metrics.csv`. All rows have the same columns."""
 
+    lines: TextIO
+    table: TextIO
 
-def _write_whole(path: Path, content: bytes) -> None:
-    unfinished = path.with_name(path.name + ".unfinished")
-    unfinished.write_bytes(content)
-    os.replace(unfinished, path)
+    def append(self, row: Row) -> None:
+        """Writes one row to both files, past the buffers of this process."""
+        known = plain(row)
+        writer = csv.writer(self.table)
+        if self.table.tell() == 0:
+            writer.writerow(known)
+        writer.writerow(known.values())
+        self.lines.write(json.dumps(known) + "\n")
+        for file in (self.table, self.lines):
+            with naming(file.name):
+                file.flush()
+
+    def to_disk(self) -> None:
+        """Has the system write what was appended: nothing of it is lost even if the machine stops."""
+        for file in (self.lines, self.table):
+            os.fsync(file.fileno())
 
 
 @contextmanager
-def open_metrics(run_dir: Path) -> Iterator[Callable[[Row], None]]:
-    """Yields a function that appends one row to both metrics files and flushes them. All rows have the same columns."""
+def open_metrics(folder: Path) -> Iterator[Metrics]:
+    """Opens the metrics of one seed for appending."""
     with (
-        open(run_dir / METRICS_JSONL, "w", encoding="utf-8") as lines,
-        open(run_dir / METRICS_CSV, "w", encoding="utf-8", newline="") as table,
+        open(folder / METRICS_JSONL, "a", encoding="utf-8") as lines,
+        open(folder / METRICS_CSV, "a", encoding="utf-8", newline="") as table,
     ):
-        writer = csv.writer(table)
-
-        def append(row: Row) -> None:
-            known = _plain(row)
-            if table.tell() == 0:
-                writer.writerow(known)
-            writer.writerow(known.values())
-            lines.write(json.dumps(known) + "\n")
-            table.flush()
-            lines.flush()
-
-        yield append
+        yield Metrics(lines, table)
 
 
-def write_checkpoint(run_dir: Path, parameters: Any, row: Row) -> Path:
-    """Writes the network's parameters after an update, and beside them what is known of that update."""
-    (run_dir / CHECKPOINTS).mkdir(exist_ok=True)
-    path = run_dir / CHECKPOINTS / f"{row['update']:08d}.msgpack"
-    _write_whole(path, flax.serialization.to_bytes(jax.device_get(parameters)))
-    write_json(path.with_suffix(".json"), row)
-    return path
+def cut_metrics(folder: Path, update: int) -> list[Row]:
+    """Drops what was written after an update, half a line included; returns the rows of the metrics that stay."""
+    rows = _whole_rows(folder / METRICS_JSONL, update)
+    text = "".join(json.dumps(row) + "\n" for row in rows)
+    write_whole(folder / METRICS_JSONL, text.encode())
+    table = folder / METRICS_CSV
+    lines = table.read_bytes().splitlines(keepends=True) if table.exists() else []
+    write_whole(table, b"".join(lines[: len(rows) + 1]) if rows else b"")
+    evaluations = _whole_rows(folder / EVALUATIONS, update)
+    if (folder / EVALUATIONS).exists():
+        write_whole(folder / EVALUATIONS, "".join(json.dumps(row) + "\n" for row in evaluations).encode())
+    return [{name: math.nan if value is None else value for name, value in row.items()} for row in rows]
 
 
-def read_parameters(checkpoint: Path) -> Any:
-    """Returns the parameters in a checkpoint, as a tree of NumPy arrays."""
-    return flax.serialization.msgpack_restore(checkpoint.read_bytes())
+def _whole_rows(path: Path, update: int) -> list[Row]:
+    """Returns the rows of a file of JSON lines up to an update."""
+    rows: list[Row] = []
+    if path.exists():
+        for line in path.read_text(encoding="utf-8").splitlines():
+            try:
+                row = json.loads(line)
+            except ValueError:
+                break  # cut off when the process was killed
+            if row["update"] <= update:
+                rows.append(row)
+    return rows
 
 
-def draw_learning_curve(run_dir: Path, rows: Sequence[Row], title: str) -> None:
+def read_evaluations(folder: Path) -> list[Row]:
+    """Returns the rows of evaluations so far."""
+    return _whole_rows(folder / EVALUATIONS, 2**62)
+
+
+def append_line(path: Path, row: Row) -> None:
+    """Appends a row to a file of JSON lines."""
+    with naming(path), open(path, "a", encoding="utf-8") as file:
+        file.write(json.dumps(plain(row)) + "\n")
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:
     """Draws the collective return of finished episodes over environment steps; nothing if no episode finished."""
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
@@ -139,4 +183,6 @@ def draw_learning_curve(run_dir: Path, rows: Sequence[Row], title: str) -> None:
     axes.set(xlabel="environment steps", ylabel="return per episode", title=title)
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small", ncols=2 if len(agents) > 4 else 1)
-    figure.savefig(run_dir / LEARNING_CURVE, dpi=120)
+    picture = BytesIO()
+    figure.savefig(picture, format="png", dpi=120)
+    write_whole(folder / LEARNING_CURVE, picture.getvalue())

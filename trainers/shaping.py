@@ -1,29 +1,135 @@
-"""Shaped rewards: pure functions of the game's raw rewards, `[..., N] -> [..., N]`."""
+"""Shaped rewards: pure functions of the game's raw rewards, `[..., N] -> [..., N]`.
 
-from typing import Literal, assert_never
+The environment pays raw rewards and knows nothing of these; metrics have both.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import assert_never
 
 import jax.numpy as jnp
 from jax import Array
 
-RewardMode = Literal["individual", "common"]
+from .config import Config, ConfigError
 
 
-def shape_reward(reward: Array, mode: RewardMode) -> Array:
-    """Returns the reward each agent learns from.
+@dataclass(frozen=True)
+class Shaping:
+    """Which rewards agents learn from.
 
-    individual: agent i learns from its own reward, u_i = r_i.
-    common: every agent learns from the group's, u_i = sum over j of r_j.
+    `shape(reward, trace)` takes raw rewards and their traces, both `[..., N]`. A trace adds up an episode's rewards with
+    decay, e_t = smoothing * e_{t-1} + r_t; with smoothing 0 it is the reward.
+    """
+
+    shape: Callable[[Array, Array], Array]
+    smoothing: float
+
+
+def make_shaping(config: Config, num_agents: int) -> Shaping:
+    """Returns the shaping that a configuration asks for.
+
+    Raises:
+      ConfigError: `svo_angle` has neither one angle nor one for each agent.
+    """
+    scale = float(num_agents) if config.match_socialjax else 1.0
+
+    def shape(reward: Array, trace: Array) -> Array:
+        match config.reward:
+            case "individual":
+                return scale * reward
+            case "common":
+                shared = common_mean(reward) if config.common_reward == "mean" else common_sum(reward)
+                return shared * (scale if config.algorithm == "vdn" else 1.0)  # there VDN adds up sums
+            case "exchange":
+                return scale * exchanged(reward, kept_share(config.exchange_ratio, num_agents))
+            case "inequity":
+                return scale * inequity_averse(reward, trace, config.inequity_envy, config.inequity_guilt)
+            case "svo":
+                penalty = svo_deviation(trace, angles, config.svo_at_rest, config.svo_quadrant)
+                return scale * (reward - config.svo_weight * penalty)
+            case _:
+                assert_never(config.reward)
+
+    angles = _angle_of_each(config, num_agents)
+    return Shaping(shape, config.reward_smoothing)
+
+
+def _angle_of_each(config: Config, num_agents: int) -> Array:
+    """Returns the sought angle of each agent, `[N]` float32 radians."""
+    angles = config.svo_angle * num_agents if len(config.svo_angle) == 1 else config.svo_angle
+    if len(angles) != num_agents:
+        raise ConfigError(f"`svo_angle` must be one angle, or one for each of the {num_agents} agents, not {len(angles)}")
+    return jnp.asarray([math.radians(angle) for angle in angles], jnp.float32)
+
+
+def common_sum(reward: Array) -> Array:
+    """u_i = sum over j of r_j."""
+    return jnp.broadcast_to(reward.sum(axis=-1, keepdims=True), reward.shape)
+
+
+def common_mean(reward: Array) -> Array:
+    """u_i = (1 / n) * sum over j of r_j."""
+    return jnp.broadcast_to(reward.mean(axis=-1, keepdims=True), reward.shape)
+
+
+def kept_share(ratio: float, num_agents: int) -> float:
+    """Returns s, how much of its reward an agent keeps, where another's reward counts `ratio` times as much as its own.
+
+    s = 1 / (1 + ratio * (n - 1)): 1 at ratio 0, 1 / n at ratio 1.
+    """
+    return 1.0 / (1.0 + ratio * (num_agents - 1))
+
+
+def exchanged(reward: Array, kept: float) -> Array:
+    """Reward exchange: u_i = s * r_i + (1 - s) / (n - 1) * sum over j != i of r_j.
 
     Args:
-      reward: `[..., N]` raw rewards.
-      mode: whose reward counts.
-    Returns:
-      `[..., N]` shaped rewards.
+      reward: `[..., N]`.
+      kept: s; nothing is exchanged by an agent that is alone.
+    Source: Willis et al. 2023, "Resolving social dilemmas through reward transfer commitments".
     """
-    match mode:
-        case "individual":
-            return reward
-        case "common":
-            return jnp.broadcast_to(reward.sum(axis=-1, keepdims=True), reward.shape)
-        case _:
-            assert_never(mode)
+    number = reward.shape[-1]
+    if number == 1:
+        return reward
+    others = reward.sum(axis=-1, keepdims=True) - reward
+    return kept * reward + (1.0 - kept) / (number - 1) * others
+
+
+def inequity_averse(reward: Array, trace: Array, envy: float, guilt: float) -> Array:
+    """u_i = r_i - envy / (n - 1) * sum_j max(e_j - e_i, 0) - guilt / (n - 1) * sum_j max(e_i - e_j, 0).
+
+    Args:
+      reward, trace: `[..., N]`.
+      envy: weight of disadvantageous inequity; guilt: of advantageous.
+    Source: Hughes et al. 2018, "Inequity aversion improves cooperation in intertemporal social dilemmas", equation 3.
+    """
+    others = max(reward.shape[-1] - 1, 1)
+    ahead = trace[..., None, :] - trace[..., :, None]  # [..., i, j] by how much j is ahead of i
+    return reward - (envy * jnp.maximum(ahead, 0.0).sum(-1) + guilt * jnp.maximum(-ahead, 0.0).sum(-1)) / others
+
+
+def svo_deviation(trace: Array, sought: Array, at_rest: str, quadrant: bool) -> Array:
+    """Returns how far each agent's social value orientation is from the one it seeks, in radians.
+
+    The orientation is the angle between an agent's own reward and the mean of the others', theta_i = atan2(mean of the
+    others, own). Where all are 0 there is no angle: `content` takes the one sought, so that nothing is deducted while
+    nobody is rewarded; `selfish` takes 0, as atan2 does. A negative reward leads out of the quadrant 0 .. 90 degrees for which
+    the theory defines the angle; `quadrant` cuts it back.
+
+    Args:
+      trace: `[..., N]`.
+      sought: `[N]` radians.
+    Returns:
+      `[..., N]` |theta - sought|, at most pi: differences are taken the short way round.
+    Source: McKee et al. 2020, "Social diversity and social preferences in mixed-motive reinforcement learning", section 3.2.
+    """
+    others = max(trace.shape[-1] - 1, 1)
+    mean_of_others = (trace.sum(axis=-1, keepdims=True) - trace) / others
+    resting = (trace == 0.0) & (mean_of_others == 0.0)
+    angle = jnp.arctan2(jnp.where(resting, 0.0, mean_of_others), jnp.where(resting, 1.0, trace))
+    if quadrant:
+        angle = jnp.clip(angle, 0.0, math.pi / 2)
+    away = jnp.abs(angle - sought)
+    away = jnp.minimum(away, 2.0 * math.pi - away)
+    return jnp.where(resting, 0.0, away) if at_rest == "content" else away

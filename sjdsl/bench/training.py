@@ -70,52 +70,64 @@ def measure_training(
 
 def measure_split(env: Environment, network: Network, num_envs: int, num_steps: int, repeats: int) -> Split:
     """Returns the parts of one update; all are timed in turn, round by round."""
-    from sjdsl.trainers import Config, make_train
-    from sjdsl.trainers.ppo import flatten_rollout, take_epochs
-    from sjdsl.trainers.rollout import collect_rollout
+    from sjdsl.trainers import PPOConfig, make_train
 
-    config = Config(network=network, num_envs=num_envs, num_steps=num_steps, total_timesteps=num_envs * num_steps * 1000)
+    config = PPOConfig(network=network, num_envs=num_envs, num_steps=num_steps, total_timesteps=num_envs * num_steps * 1000)
     program = make_train(env, config)
     state = jax.jit(program.init)(jax.random.key(0))
     began = time.perf_counter()
     update = jax.jit(program.update).lower(state).compile()
     compile_s = time.perf_counter() - began
-    apply = state.learner.apply_fn
-
-    def rollout_of(key: Array, network: Callable[..., Any]) -> Any:
-        return collect_rollout(env, network, state.worlds, key, num_steps, config.reward)[1]
-
-    def idle(observation: Array) -> tuple[Array, Array]:
-        lead = observation.shape[:2]
-        return jnp.zeros((*lead, env.num_actions)), jnp.zeros(lead)
-
-    def act(observation: Array) -> tuple[Array, Array]:
-        return apply(state.learner.params, observation)
-
-    environments = jax.jit(lambda key: rollout_of(key, idle))
-    rollout = jax.jit(lambda key: rollout_of(key, act))
-    batch = jax.jit(lambda key: flatten_rollout(rollout_of(key, act), jnp.zeros((num_envs, env.num_agents)), config))(jax.random.key(1))
-    learning = jax.jit(lambda learner, batch, key: take_epochs(learner, batch, key, config)[0].params)
+    collect = jax.jit(program.collect)
+    learn = jax.jit(program.learn)
+    idle = jax.jit(lambda key: play_idle(env, config, state, key))
+    _, played = collect(state)
     loops = [
         lambda key: _done(update(state.replace(key=key))),
-        lambda key: _done(environments(key)),
-        lambda key: _done(rollout(key)),
-        lambda key: _done(learning(state.learner, batch, key)),
+        lambda key: _done(idle(key)),
+        lambda key: _done(collect(state.replace(key=key))),
+        lambda key: _done(learn(state.replace(key=key), played)),
     ]
     rates = race(loops, [1] * len(loops), repeats, lambda _: None)
     seconds = [tuple(1 / rate for rate in rounds) for rounds in rates]
-    return Split(env.name, env.num_agents, network, num_envs, num_steps, compile_s, *seconds, flops_of(state, batch, config))
+    return Split(env.name, env.num_agents, network, num_envs, num_steps, compile_s, *seconds, flops_of(env, state, config))
 
 
-def flops_of(state: Any, batch: Any, config: Any) -> float:
+def play_idle(env: Environment, config: Any, state: Any, key: Array) -> Any:
+    """Returns the rollout of agents that act without a network: it costs what the environments cost."""
+    from sjdsl.trainers.actor_critics import packing_of
+    from sjdsl.trainers.ppo import Acting
+    from sjdsl.trainers.rollout import Actor, collect_rollout
+    from sjdsl.trainers.shaping import make_shaping
+
+    shape = (config.num_envs, env.num_agents)
+
+    def act(worlds: Any, joint: Any, key: Array) -> tuple[Any, Array, Acting]:
+        del joint
+        action = jax.random.randint(key, shape, 0, env.num_actions, jnp.int32)
+        return worlds.memory, action, Acting(jnp.zeros(shape), jnp.zeros(shape))
+
+    actor = Actor(act, packing_of(env).pack, lambda *_: jnp.zeros(shape))
+    return collect_rollout(env, actor, state.worlds, key, config.num_steps, make_shaping(config, env.num_agents))[1]
+
+
+def flops_of(env: Environment, state: Any, config: Any) -> float:
     """Returns the floating-point operations of an update: a forward pass each step and one at the end, then the gradient steps."""
-    from sjdsl.trainers.ppo import ppo_loss
+    from sjdsl.trainers.actor_critics import make_actor_critics
 
-    minibatch = jax.tree.map(lambda leaf: leaf[: leaf.shape[0] // config.num_minibatches], batch)
-    apply, params = state.learner.apply_fn, state.learner.params
-    forward = jax.jit(apply).lower(params, state.worlds.observation).cost_analysis()["flops"]
-    backward = jax.jit(jax.grad(lambda p: ppo_loss(p, apply, minibatch, config)[0])).lower(params).cost_analysis()["flops"]
-    return forward * (config.num_steps + 1) + backward * config.num_epochs * config.num_minibatches
+    networks = make_actor_critics(env, config)
+    params = tuple(learner.params for learner in state.learner)
+
+    def forward(params: Any, steps: int) -> Array:
+        """The networks on so many steps, of one environment or of several: that makes no difference here."""
+        seen = jnp.zeros((1, steps, *env.observation_shape), jnp.uint8)
+        _, logits, values = networks.apply(params, networks.start_memory(steps), seen, None, jnp.zeros((1, steps), bool))
+        return logits.sum() + values.sum()
+
+    minibatch = config.steps_per_update // config.num_minibatches
+    acting = jax.jit(lambda p: forward(p, config.num_envs)).lower(params).cost_analysis()["flops"]
+    learning = jax.jit(jax.grad(lambda p: forward(p, minibatch))).lower(params).cost_analysis()["flops"]
+    return acting * (config.num_steps + 1) + learning * config.num_epochs * config.num_minibatches
 
 
 def matrix_flops_per_s(repeats: int) -> float:

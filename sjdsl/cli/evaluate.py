@@ -3,13 +3,13 @@
 import json
 import math
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sjdsl.cli.environment import make_environment
+from sjdsl.cli.film import check_film, save_film
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -23,21 +23,35 @@ FILE = "evaluation.json"
 @click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 @click.option("--greedy", is_flag=True, help="Take the likeliest action instead of drawing one.")
-def command(run: str, episodes: int, seed: int, greedy: bool) -> None:
-    """Plays the policy of RUN, a folder that `sjdsl train` wrote, and a random one; the figures go to its evaluation.json."""
+@click.option(
+    "--which", type=click.Choice(["last", "best"]), default="last", show_default=True, help="The last policy of a run, or its best."
+)
+@click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4.")
+def command(run: str, episodes: int, seed: int, greedy: bool, which: str, film: str | None) -> None:
+    """Plays the policy of RUN and a random one; the figures go to the evaluation.json of RUN.
+
+    RUN is a folder that `sjdsl train` wrote; of several seeds, each is evaluated.
+    """
     path = Path(run)
-    evaluate_run(path, make_environment(_provenance(path)), episodes, seed, greedy)
+    if film is not None:
+        check_film(Path(film))
+    env = make_environment(_provenance(path))
+    folders = sorted(path.glob("seed_*")) or [path]
+    for folder in folders:
+        evaluate_run(folder, env, episodes, seed, greedy, which)
     list_files(path)
+    if film is not None:
+        click.echo(save_film(env, stored_policy(folders[0], env, greedy, which), Path(film), env.episode_length, seed))
 
 
-def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool = False) -> None:
+def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool = False, which: str = "last") -> None:
     """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's."""
     import jax
 
     from sjdsl.trainers import evaluate, random_policy, save_evaluation, summarise
 
     key = jax.random.key(seed)
-    trained = evaluate(env, stored_policy(path, env, greedy), key, episodes)
+    trained = evaluate(env, stored_policy(path, env, greedy, which), key, episodes)
     save_evaluation(trained, path / FILE)
     chance = summarise(evaluate(env, random_policy(env), key, episodes))
     figures = summarise(trained)
@@ -53,13 +67,13 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     click.echo(f"trained return {earned} against {guessed} of a random policy")
 
 
-def stored_policy(run_dir: Path, env: "Environment", greedy: bool = False) -> Callable[..., Any]:
-    """Returns the policy that a run stored; what is to be said about it is said in a line."""
+def stored_policy(source: Path, env: "Environment", greedy: bool = False, which: str = "last") -> Any:
+    """Returns the policy in the folder of a run or in a file; what is to be said about it is said in a line."""
     from sjdsl.trainers import load_policy
 
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
-        policy = load_policy(run_dir, env, greedy=greedy)
+        policy = load_policy(source, env, greedy=greedy, which=which)
     for note in notes:
         click.echo(f"note: {note.message}", err=True)
     return policy
@@ -75,6 +89,8 @@ def _interval(figure: "Estimate") -> str:
 def _provenance(run_dir: Path) -> dict[str, Any]:
     """Returns how the environment of a run was made."""
     path = run_dir / "manifest.json"
+    if not path.is_file() and (run_dir.parent / "manifest.json").is_file():
+        path = run_dir.parent / "manifest.json"  # one seed of several
     if not path.is_file():
         raise click.ClickException(f"{run_dir} is no folder of a run: it has no manifest.json")
     provenance = json.loads(path.read_text(encoding="utf-8")).get("provenance") or {}
@@ -86,8 +102,9 @@ def _provenance(run_dir: Path) -> dict[str, Any]:
 def list_files(run_dir: Path) -> None:
     """Prints the files of a run."""
     files = sorted(path for path in run_dir.iterdir() if path.is_file())
-    checkpoints = len(list((run_dir / "checkpoints").glob("*.msgpack")))
     click.echo(f"\n{run_dir}/")
     for path in files:
         click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
-    click.echo(f"  checkpoints/  {checkpoints} of them")
+    for folder in sorted(path for path in run_dir.iterdir() if path.is_dir()):
+        inside = [path for path in folder.iterdir() if path.suffix != ".json"]
+        click.echo(f"  {folder.name}/  {', '.join(sorted(path.name for path in inside))}")

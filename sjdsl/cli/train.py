@@ -1,5 +1,6 @@
 """`sjdsl train`: agents that learn in a game, and what they are worth beside random ones."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,23 +10,29 @@ from sjdsl.cli.environment import describe_environment, environment_options, mak
 from sjdsl.cli.evaluate import evaluate_run, list_files
 
 if TYPE_CHECKING:
-    from sjdsl.trainers import Config
+    from sjdsl.runtime.env import Environment
+    from sjdsl.trainers import Config, Result
+
+ALGORITHMS = ("ippo", "mappo", "vdn")
+REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 
 
 @click.command("train")
 @click.argument("game", required=False)
-@click.option("--algorithm", type=click.Choice(["ippo"]), default="ippo", show_default=True)
-@click.option("--reward", type=click.Choice(["individual", "common"]), help="Whose reward an agent learns from.")
-@click.option("--preset", metavar="P", help="A preset such as quick, or a .toml file; it may name the game.")
+@click.option("--algorithm", type=click.Choice(ALGORITHMS), help="ippo unless the preset has another.")
+@click.option("--reward", type=click.Choice(REWARDS), help="Whose reward an agent learns from; common unless the preset has another.")
+@click.option("--preset", metavar="P", help="paper, two_cores, another preset of the package, or a .toml file, which may name the game.")
 @click.option(
     "--set",
     "changes",
     multiple=True,
     metavar="NAME=VALUE",
-    help="A value of the configuration, such as total_timesteps=1e6.",
+    help="A value of the configuration, such as total_timesteps=1e6; `sjdsl train --keys` lists them.",
 )
 @click.option("--seed", type=click.IntRange(min=0), help="0 unless the preset has another.")
+@click.option("--seeds", type=click.IntRange(min=1), metavar="K", help="Train K seeds side by side: seed, seed + 1 and so on.")
 @click.option("--run", "run_dir", metavar="DIR", help="Where the run's files go; by default a new folder in runs/.")
+@click.option("--resume", "resumed", metavar="DIR", help="Go on with the run in DIR, which was stopped.")
 @click.option(
     "--episodes",
     type=click.IntRange(min=0),
@@ -33,48 +40,130 @@ if TYPE_CHECKING:
     show_default=True,
     help="Episodes of the evaluation at the end; 0 for none.",
 )
+@click.option("--log", "loggers", multiple=True, type=click.Choice(["tensorboard", "wandb"]), help="Where metrics go besides files.")
+@click.option("--distributed", is_flag=True, help="One of several processes that train together; see docs/training.md.")
+@click.option("--keys", is_flag=True, help="List the configuration's keys with their values, and stop.")
 @environment_options
 def command(
     game: str | None,
-    algorithm: str,
+    algorithm: str | None,
     reward: str | None,
     preset: str | None,
     changes: tuple[str, ...],
     seed: int | None,
+    seeds: int | None,
     run_dir: str | None,
+    resumed: str | None,
     episodes: int,
+    loggers: tuple[str, ...],
+    distributed: bool,
+    keys: bool,
     **described: Any,
 ) -> None:
-    """Trains one network for all agents of GAME, a bundled game or a `.sj` file, and evaluates it.
+    """Trains agents in GAME, a bundled game or a `.sj` file, and evaluates them.
 
-    The run's folder gets a manifest, metrics, checkpoints, a learning curve and the evaluation.
+    The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation.
     """
-    from sjdsl.trainers import train
-
-    given = {name: value for name, value in (("reward", reward), ("seed", seed)) if value is not None}
-    game, kept, config = _choose(game, preset, {**read_texts(changes), **given})
+    given = {"algorithm": algorithm, "reward": reward, "seed": seed, "seeds": seeds}
+    known = {name: value for name, value in given.items() if value is not None}
+    if distributed:
+        join_processes()
+    if resumed is not None:
+        ours = {"GAME": game, "--preset": preset, "--set": changes, "--run": run_dir}
+        theirs = {name.removesuffix("_file").replace("params", "param"): value for name, value in described.items()}
+        _refuse_beside_resume({**known, **ours, **theirs})
+        _resume(Path(resumed), episodes, loggers)
+        return
+    game, kept, config = _choose(game, preset, {**read_texts(changes), **known}, needed=not keys)
+    if keys:
+        click.echo("\n".join(f"{name} = {json.dumps(value)}" for name, value in config.model_dump(mode="json").items()))
+        return
     described["params"] = {**kept.pop("params", {}), **read_assignments(described["params"])}
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
+    _start(provenance, config, run_dir, episodes, loggers)
+
+
+def _start(provenance: dict[str, Any], config: "Config", run_dir: str | None, episodes: int, loggers: tuple[str, ...]) -> None:
+    from sjdsl.trainers import train
+    from sjdsl.trainers.loggers import check_loggers
+
+    check_loggers(loggers)
     env = make_environment(provenance)
-    path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{algorithm}_{config.reward}_seed{config.seed}")
-    train(env, config, path, provenance=provenance)
-    if episodes:
-        evaluate_run(path, env, episodes, config.seed)
-    list_files(path)
+    path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{config.algorithm}_{config.reward}_seed{config.seed}")
+    result = train(env, config, path, provenance=provenance, loggers=loggers)
+    _finish(result, env, config, episodes)
 
 
-def _choose(game: str | None, preset: str | None, changes: dict[str, str]) -> tuple[str, dict[str, Any], "Config"]:
+def _resume(path: Path, episodes: int, loggers: tuple[str, ...]) -> None:
+    from sjdsl.trainers import make_config, resume
+    from sjdsl.trainers.loggers import check_loggers
+    from sjdsl.trainers.resuming import read_manifest
+
+    check_loggers(loggers)
+    manifest = read_manifest(path)
+    if "game" not in manifest.get("provenance", {}):
+        raise click.ClickException(
+            f"{path} does not say which game it was; go on with it from Python: sjdsl.trainers.resume(env, {str(path)!r})"
+        )
+    env = make_environment(manifest["provenance"])
+    _finish(resume(env, path, loggers=loggers), env, make_config(manifest["config"]), episodes)
+
+
+def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
+    """Evaluates each seed's policy, and says what the run took."""
+    import jax
+
+    from sjdsl.trainers.run_folder import seed_folders
+
+    if jax.process_index() != 0:
+        return
+    for folder, seed in zip(seed_folders(result.run_dir, config), config.seed_numbers, strict=True):
+        if episodes:
+            evaluate_run(folder, env, episodes, seed)
+    steps = len(result.rows) * config.steps_per_update * config.seeds
+    training = result.seconds - result.compile_seconds
+    click.echo(
+        f"\n{steps:,} environment steps in {training:,.1f} s: {steps / training:,.0f} a second; "
+        f"compiling {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
+    )
+    list_files(result.run_dir)
+
+
+def _refuse_beside_resume(given: dict[str, Any]) -> None:
+    wrong = [name if name.startswith("--") or name == "GAME" else f"--{name}" for name, value in given.items() if value not in (None, ())]
+    if wrong:
+        raise click.UsageError(f"a run goes on as it was started: leave out {', '.join(wrong)}", click.get_current_context())
+
+
+def join_processes() -> None:
+    """Joins the processes that the environment variables of a cluster, or JAX's own, name."""
+    import os
+
+    import jax
+
+    given = {"coordinator_address": "JAX_COORDINATOR_ADDRESS", "num_processes": "JAX_NUM_PROCESSES", "process_id": "JAX_PROCESS_ID"}
+    found = {name: os.environ[variable] for name, variable in given.items() if variable in os.environ}
+    numbers = {name: value if name == "coordinator_address" else int(value) for name, value in found.items()}
+    try:
+        jax.distributed.initialize(**numbers)
+    except (ValueError, RuntimeError) as error:
+        wanted = ", ".join(given.values())
+        raise click.ClickException(f"cannot join the other processes: {error}; outside a cluster set {wanted}") from None
+
+
+def _choose(game: str | None, preset: str | None, changes: dict[str, str], needed: bool) -> tuple[str, dict[str, Any], "Config"]:
     """Returns the game, the preset's other arguments of its environment, and the configuration."""
-    from sjdsl.trainers import Config, load_preset
+    from sjdsl.trainers import load_preset, make_config
 
     if preset is None:
-        if game is None:
+        if game is None and needed:
             raise click.UsageError("name a game, or a preset that names one", click.get_current_context())
-        return game, {}, Config(**changes)
-    loaded = load_preset(preset, changes)
-    same = game in (None, loaded.game)
-    return game or loaded.game, dict(loaded.environment) if same else {}, loaded.config
+        return game or "", {}, make_config(changes)
+    loaded = load_preset(preset, changes, game)
+    if loaded.game is None and needed:
+        raise click.UsageError(f"the preset `{preset}` is for any game: name one", click.get_current_context())
+    return loaded.game or "", dict(loaded.environment), loaded.config
 
 
 def read_texts(given: tuple[str, ...]) -> dict[str, str]:

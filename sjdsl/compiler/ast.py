@@ -3,17 +3,15 @@
 Expressions and sentences have files of their own; `ast.X` finds all of them.
 """
 
-from dataclasses import dataclass
-
 from sjdsl.compiler.ast_expressions import *
 from sjdsl.compiler.ast_expressions import Call, Expr, Name, Path, String, Table, Type, Words
+from sjdsl.compiler.ast_node import Node
 from sjdsl.compiler.ast_sentences import *
 from sjdsl.compiler.ast_sentences import Block, Domain
 from sjdsl.compiler.source import Span
 
 
-@dataclass(frozen=True)
-class Constant:
+class Constant(Node):
     """`size` or `param`: `param apple : reward = 1 in 0 .. 5`"""
 
     span: Span
@@ -25,14 +23,12 @@ class Constant:
     high: Expr | None
 
 
-@dataclass(frozen=True)
-class Cite:
+class Cite(Node):
     span: Span
     text: String
 
 
-@dataclass(frozen=True)
-class About:
+class About(Node):
     """A line of metadata; its texts are read one after the other."""
 
     span: Span
@@ -40,14 +36,12 @@ class About:
     texts: tuple[String, ...]
 
 
-@dataclass(frozen=True)
-class Episode:
+class Episode(Node):
     span: Span
     steps: Expr
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(Node):
     """start None: the type's default (0, nobody) or, for words, an error."""
 
     span: Span
@@ -57,21 +51,18 @@ class Field:
     start: Expr | None
 
 
-@dataclass(frozen=True)
-class Timer:
+class Timer(Node):
     span: Span
     name: Name
 
 
-@dataclass(frozen=True)
-class Blocks:
+class Blocks(Node):
     span: Span
     what: tuple[Name, ...]
     condition: Expr | None
 
 
-@dataclass(frozen=True)
-class Glyph:
+class Glyph(Node):
     """`glyph "F" with state = dirty`"""
 
     span: Span
@@ -79,23 +70,20 @@ class Glyph:
     starts: tuple[tuple[Name, Expr], ...]
 
 
-@dataclass(frozen=True)
-class Kind:
+class Kind(Node):
     span: Span
     name: Name
     glyph: String
     attributes: tuple[Field | Timer | Blocks | Glyph, ...]
 
 
-@dataclass(frozen=True)
-class Group:
+class Group(Node):
     span: Span
     name: Name
     kinds: tuple[Name, ...]
 
 
-@dataclass(frozen=True)
-class Map:
+class Map(Node):
     """rows for an inline map, file for `map "maps/x.txt"`."""
 
     span: Span
@@ -103,20 +91,17 @@ class Map:
     rows: tuple[String, ...]
 
 
-@dataclass(frozen=True)
-class Acts:
+class Acts(Node):
     span: Span
     actions: tuple[Name, ...]
 
 
-@dataclass(frozen=True)
-class Moves:
+class Moves(Node):
     span: Span
     frame: Name
 
 
-@dataclass(frozen=True)
-class Forbid:
+class Forbid(Node):
     """actions empty: all"""
 
     span: Span
@@ -124,15 +109,13 @@ class Forbid:
     condition: Expr
 
 
-@dataclass(frozen=True)
-class Agents:
+class Agents(Node):
     span: Span
     number: Expr | None
     attributes: tuple[Acts | Moves | Field | Timer | Forbid, ...]
 
 
-@dataclass(frozen=True)
-class Shape:
+class Shape(Node):
     """A picture (rows) or a call."""
 
     span: Span
@@ -141,16 +124,14 @@ class Shape:
     call: Call | None
 
 
-@dataclass(frozen=True)
-class Define:
+class Define(Node):
     span: Span
     name: Name
     parameters: tuple[Name, ...]
     value: Expr
 
 
-@dataclass(frozen=True)
-class Turn:
+class Turn(Node):
     """One place of the schedule: `sprout(red)`"""
 
     span: Span
@@ -158,64 +139,55 @@ class Turn:
     arguments: tuple[Expr, ...]
 
 
-@dataclass(frozen=True)
-class Schedule:
+class Schedule(Node):
     span: Span
     turns: tuple[Turn, ...]
 
 
-@dataclass(frozen=True)
-class Phase:
+class Phase(Node):
     span: Span
     name: Name
     parameters: tuple[Name, ...]
     block: Block
 
 
-@dataclass(frozen=True)
-class Window:
+class Window(Node):
     """`window ahead 9, behind 1, left 5, right 5`"""
 
     span: Span
     sides: tuple[tuple[Name, Expr], ...]
 
 
-@dataclass(frozen=True)
-class Relabel:
+class Relabel(Node):
     span: Span
     label: Name
     where: Expr | None
 
 
-@dataclass(frozen=True)
-class Show:
+class Show(Node):
     span: Span
     what: Path
     labels: tuple[Relabel, ...]
 
 
-@dataclass(frozen=True)
-class Hide:
+class Hide(Node):
     span: Span
     what: Path
     condition: Expr | None
 
 
-@dataclass(frozen=True)
-class Observe:
+class Observe(Node):
     span: Span
     sights: tuple[Window | Show | Hide, ...]
 
 
-@dataclass(frozen=True)
-class Event:
+class Event(Node):
     span: Span
     name: Name
     by: Words | None
 
 
-@dataclass(frozen=True)
-class Measure:
+class Measure(Node):
     """`mean` or `final`"""
 
     span: Span
@@ -224,39 +196,33 @@ class Measure:
     value: Expr
 
 
-@dataclass(frozen=True)
-class Metrics:
+class Metrics(Node):
     span: Span
     metrics: tuple[Event | Measure, ...]
 
 
-@dataclass(frozen=True)
-class Require:
+class Require(Node):
     span: Span
     condition: Expr
 
 
-@dataclass(frozen=True)
-class Always:
+class Always(Node):
     span: Span
     condition: Expr
 
 
-@dataclass(frozen=True)
-class Once:
+class Once(Node):
     span: Span
     trigger: Expr
     condition: Expr
 
 
-@dataclass(frozen=True)
-class Conserved:
+class Conserved(Node):
     span: Span
     value: Expr
 
 
-@dataclass(frozen=True)
-class Monotone:
+class Monotone(Node):
     """`monotone growth falling in dirt`"""
 
     span: Span
@@ -265,14 +231,12 @@ class Monotone:
     argument: Name
 
 
-@dataclass(frozen=True)
-class Symmetric:
+class Symmetric(Node):
     span: Span
     what: Name
 
 
-@dataclass(frozen=True)
-class Policy:
+class Policy(Node):
     """`random`, `never(clean)`, `seek D`"""
 
     span: Span
@@ -281,8 +245,7 @@ class Policy:
     domain: Domain | None
 
 
-@dataclass(frozen=True)
-class Expect:
+class Expect(Node):
     span: Span
     condition: Expr
     policies: tuple[Policy, ...]
@@ -292,8 +255,7 @@ class Expect:
 Check = Require | Always | Once | Conserved | Monotone | Symmetric | Expect
 
 
-@dataclass(frozen=True)
-class Checks:
+class Checks(Node):
     """`checks { … }`, or `checks dilemma { … }`: a block with a name can be replaced and dropped"""
 
     span: Span
@@ -301,8 +263,7 @@ class Checks:
     checks: tuple[Check, ...]
 
 
-@dataclass(frozen=True)
-class Override:
+class Override(Node):
     """`set regrow_1 = 0.0025` in a variant"""
 
     span: Span
@@ -310,14 +271,12 @@ class Override:
     value: Expr | Table
 
 
-@dataclass(frozen=True)
-class Drop:
+class Drop(Node):
     span: Span
     name: Name
 
 
-@dataclass(frozen=True)
-class Variant:
+class Variant(Node):
     span: Span
     name: Name
     title: String | None
@@ -346,8 +305,7 @@ Section = (
 )
 
 
-@dataclass(frozen=True)
-class Game:
+class Game(Node):
     span: Span
     name: Name
     title: String | None
@@ -355,8 +313,7 @@ class Game:
     sections: tuple[Section, ...]
 
 
-@dataclass(frozen=True)
-class File:
+class File(Node):
     span: Span
     version: int
     game: Game

@@ -2,37 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from sjdsl.compiler.ast_node import Node
 from sjdsl.compiler.source import Span
 
 if TYPE_CHECKING:
     from sjdsl.compiler.ast_sentences import Domain
 
 
-@dataclass(frozen=True)
-class Name:
+class Name(Node):
     span: Span
     text: str
 
 
-@dataclass(frozen=True)
-class String:
+class String(Node):
     span: Span
     text: str
 
 
-@dataclass(frozen=True)
-class Words:
+class Words(Node):
     """`{ none, ripe }`"""
 
     span: Span
     names: tuple[Name, ...]
 
 
-@dataclass(frozen=True)
-class Range:
+class Range(Node):
     """`0 .. cap capped`"""
 
     span: Span
@@ -41,8 +37,7 @@ class Range:
     capped: bool
 
 
-@dataclass(frozen=True)
-class NamedType:
+class NamedType(Node):
     """`agent`, `set of agent`, `reward`"""
 
     span: Span
@@ -56,25 +51,21 @@ Type = Words | Range | NamedType
 # ---- expressions
 
 
-@dataclass(frozen=True)
-class Int:
+class Int(Node):
     span: Span
     value: int
 
 
-@dataclass(frozen=True)
-class Decimal:
+class Decimal(Node):
     span: Span
     value: float
 
 
-@dataclass(frozen=True)
-class Nobody:
+class Nobody(Node):
     span: Span
 
 
-@dataclass(frozen=True)
-class Path:
+class Path(Node):
     """`a.bag[raw]`: a name, then members and indices in order."""
 
     span: Span
@@ -82,20 +73,17 @@ class Path:
     steps: tuple[Member | Index, ...]
 
 
-@dataclass(frozen=True)
-class Member:
+class Member(Node):
     span: Span
     name: Name
 
 
-@dataclass(frozen=True)
-class Index:
+class Index(Node):
     span: Span
     key: Expr
 
 
-@dataclass(frozen=True)
-class Call:
+class Call(Node):
     """`ramp(x, zero_at, one_at)`, `ready(row)`, `disc(2)`"""
 
     span: Span
@@ -103,14 +91,12 @@ class Call:
     arguments: tuple[Expr, ...]
 
 
-@dataclass(frozen=True)
-class Count:
+class Count(Node):
     span: Span
     domain: Domain
 
 
-@dataclass(frozen=True)
-class Total:
+class Total(Node):
     """`sum(row)` or `sum(e over D)`"""
 
     span: Span
@@ -118,15 +104,13 @@ class Total:
     domain: Domain | None
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(Node):
     span: Span
     subject: Expr
     arms: tuple[Arm, ...]
 
 
-@dataclass(frozen=True)
-class Arm:
+class Arm(Node):
     """`3..: e` has low 3, high None, open True; `otherwise: e` has word None and low None."""
 
     span: Span
@@ -137,8 +121,7 @@ class Arm:
     value: Expr
 
 
-@dataclass(frozen=True)
-class Unary:
+class Unary(Node):
     """op: `+`, `-`, `not`"""
 
     span: Span
@@ -146,8 +129,7 @@ class Unary:
     operand: Expr
 
 
-@dataclass(frozen=True)
-class Binary:
+class Binary(Node):
     """op: `+ - * / %`, `<= >= == != < >`, `and`, `or`, `is`, `is not`"""
 
     span: Span
@@ -156,8 +138,7 @@ class Binary:
     right: Expr
 
 
-@dataclass(frozen=True)
-class Chose:
+class Chose(Node):
     """`zapper chose zap`"""
 
     span: Span
@@ -165,8 +146,7 @@ class Chose:
     action: Name
 
 
-@dataclass(frozen=True)
-class Standing:
+class Standing(Node):
     """`nobody on soil`, `agent on grass`"""
 
     span: Span
@@ -174,8 +154,7 @@ class Standing:
     kind: Name
 
 
-@dataclass(frozen=True)
-class Within:
+class Within(Node):
     """`x in set`; `x in { a, b }` has words; `x in low .. high` has high."""
 
     span: Span
@@ -187,16 +166,14 @@ class Within:
 Expr = Int | Decimal | Nobody | Path | Call | Count | Total | Case | Unary | Binary | Chose | Standing | Within
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(Node):
     """`{ red: 0.25, green: 0.4 }`; values may be tables."""
 
     span: Span
     entries: tuple[Entry, ...]
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(Node):
     span: Span
     key: Name
     value: Expr | Table

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from sjdsl.compiler.ast_expressions import Expr, Name, Path, Table, Words
+from sjdsl.compiler.ast_node import Node
 from sjdsl.compiler.source import Span
 
 
-@dataclass(frozen=True)
-class ShapeRef:
+class ShapeRef(Node):
     """`beam` or `disc(2)`; arguments None for a named shape."""
 
     span: Span
@@ -17,8 +15,7 @@ class ShapeRef:
     arguments: tuple[Expr, ...] | None
 
 
-@dataclass(frozen=True)
-class Near:
+class Near(Node):
     """`in beam of cleaner`"""
 
     span: Span
@@ -26,23 +23,20 @@ class Near:
     anchor: Name
 
 
-@dataclass(frozen=True)
-class Members:
+class Members(Node):
     """`in { row, column }`"""
 
     span: Span
     names: tuple[Name, ...]
 
 
-@dataclass(frozen=True)
-class On:
+class On(Node):
     span: Span
     kind: Name
     bind: Name | None
 
 
-@dataclass(frozen=True)
-class Domain:
+class Domain(Node):
     """`KIND as x on KIND as y in PLACE where c`"""
 
     span: Span
@@ -56,21 +50,18 @@ class Domain:
 # ---- sentences
 
 
-@dataclass(frozen=True)
-class Block:
+class Block(Node):
     span: Span
     statements: tuple[Stmt, ...]
 
 
-@dataclass(frozen=True)
-class Let:
+class Let(Node):
     span: Span
     name: Name
     value: Expr
 
 
-@dataclass(frozen=True)
-class Draw:
+class Draw(Node):
     """`from a .. b` has high; `from { w, w }` has Words; `from { w: p }` has Table."""
 
     span: Span
@@ -79,15 +70,13 @@ class Draw:
     high: Expr | None
 
 
-@dataclass(frozen=True)
-class Each:
+class Each(Node):
     span: Span
     domain: Domain
     block: Block
 
 
-@dataclass(frozen=True)
-class Pick:
+class Pick(Node):
     span: Span
     number: Expr
     domain: Domain
@@ -95,16 +84,14 @@ class Pick:
     otherwise: Otherwise | None
 
 
-@dataclass(frozen=True)
-class First:
+class First(Node):
     span: Span
     domain: Domain
     block: Block
     otherwise: Otherwise | None
 
 
-@dataclass(frozen=True)
-class Match:
+class Match(Node):
     span: Span
     left: Domain
     first: bool
@@ -112,16 +99,14 @@ class Match:
     block: Block
 
 
-@dataclass(frozen=True)
-class When:
+class When(Node):
     span: Span
     condition: Expr
     block: Block
     otherwise: Otherwise | None
 
 
-@dataclass(frozen=True)
-class Chance:
+class Chance(Node):
     span: Span
     probability: Expr
     block: Block
@@ -131,45 +116,39 @@ class Chance:
 Otherwise = Block | When | Chance
 
 
-@dataclass(frozen=True)
-class Set:
+class Set(Node):
     span: Span
     target: Path
     value: Expr
 
 
-@dataclass(frozen=True)
-class Add:
+class Add(Node):
     span: Span
     value: Expr
     target: Path
 
 
-@dataclass(frozen=True)
-class All:
+class All(Node):
     """`all`, or `all but x`"""
 
     span: Span
     but: Name | None
 
 
-@dataclass(frozen=True)
-class Give:
+class Give(Node):
     span: Span
     value: Expr
     receiver: Path | All
 
 
-@dataclass(frozen=True)
-class Tally:
+class Tally(Node):
     span: Span
     event: Path
     by: Expr | None
     receiver: Path | None
 
 
-@dataclass(frozen=True)
-class Send:
+class Send(Node):
     """stay: the name after `otherwise` (must be `stay`)."""
 
     span: Span
@@ -180,27 +159,23 @@ class Send:
     stay: Name | None
 
 
-@dataclass(frozen=True)
-class Remove:
+class Remove(Node):
     span: Span
     who: Path
 
 
-@dataclass(frozen=True)
-class Move:
+class Move(Node):
     span: Span
     domain: Domain
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(Node):
     span: Span
     shape: ShapeRef
     anchor: Name
 
 
-@dataclass(frozen=True)
-class End:
+class End(Node):
     span: Span
 
 

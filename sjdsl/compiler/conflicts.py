@@ -307,7 +307,7 @@ def _renamed(e: ir.Node, name: str) -> ir.Expr:
     if isinstance(e, ir.Member) and e.name == name:
         return e.model_copy(update={"name": "$"})
     update = {}
-    for key in type(e).model_fields:
+    for key in ir.inner_fields(type(e)):
         value = getattr(e, key)
         if isinstance(value, ir.Node):
             update[key] = _renamed(value, name)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from typing import Literal, get_args, get_origin
+from typing import Annotated, Literal, get_args, get_origin
 
 from sjdsl.compiler.ir_expressions import *
 from sjdsl.compiler.ir_nodes import *
@@ -190,10 +190,12 @@ class Game(Node):
     checks: tuple[Check, ...] = ()
 
 
-def children(node: Node) -> Iterator[Node]:
-    """Yields the nodes directly inside `node`, in field order."""
-    for name in _inner_fields(type(node)):
-        yield from _nodes(getattr(node, name))
+def children(node: Node) -> list[Node]:
+    """Returns the nodes directly inside `node`, in field order."""
+    found: list[Node] = []
+    for name in inner_fields(type(node)):
+        _gather(getattr(node, name), found)
+    return found
 
 
 def walk(node: Node) -> Iterator[Node]:
@@ -202,19 +204,19 @@ def walk(node: Node) -> Iterator[Node]:
     while waiting:
         following = waiting.pop()
         yield following
-        waiting += reversed([*children(following)])
+        waiting += reversed(children(following))
 
 
-def _nodes(value: object) -> Iterator[Node]:
-    if isinstance(value, Node):
-        yield value
-    elif isinstance(value, tuple):
+def _gather(value: object, found: list[Node]) -> None:
+    if isinstance(value, tuple):
         for item in value:
-            yield from _nodes(item)
+            _gather(item, found)
+    elif isinstance(value, Node):
+        found.append(value)
 
 
 @cache
-def _inner_fields(kind: type[Node]) -> tuple[str, ...]:
+def inner_fields(kind: type[Node]) -> tuple[str, ...]:
     """Returns the fields that can hold nodes: most hold names and numbers, and a game is walked often."""
     return tuple(name for name, field in kind.model_fields.items() if _can_hold_nodes(field.annotation))
 
@@ -222,5 +224,7 @@ def _inner_fields(kind: type[Node]) -> tuple[str, ...]:
 def _can_hold_nodes(annotation: object) -> bool:
     if get_origin(annotation) is Literal:
         return False
+    if get_origin(annotation) is Annotated:
+        return _can_hold_nodes(get_args(annotation)[0])
     inside = [a for a in get_args(annotation) if a is not Ellipsis]
     return any(_can_hold_nodes(a) for a in inside) if inside else annotation not in (str, int, float, bool, type(None), Span)

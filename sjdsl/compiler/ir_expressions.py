@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import InstanceOf
-
-from sjdsl.compiler.ir_nodes import AGENT, CONDITION, Expr, Expression, Node, Type
+from sjdsl.compiler.ir_nodes import AGENT, CONDITION, INSTANCE, Expr, Expression, Node, Type
 
 if TYPE_CHECKING:
     from sjdsl.compiler.ir_sentences import Domain
 else:  # declared later; its fields are checked when one is built
-    Domain = InstanceOf[Node]
+    Domain = Annotated[Node, INSTANCE]
 
 
 class Number(Expression):

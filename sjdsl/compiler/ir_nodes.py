@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, InstanceOf
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic_core import CoreSchema, core_schema
 
 from sjdsl.compiler.source import Span
 
 Unit = Literal["count", "steps", "cells", "reward", "probability", "fraction", "number"]
 
 
+class InstanceCheck:
+    """Has pydantic check that a value is an instance, and nothing about its own fields: those were checked when it was made.
+
+    (Pydantic's `InstanceOf` adds the whole schema of the class, for reading JSON, to that of every model that holds one.)
+    """
+
+    def __get_pydantic_core_schema__(self, kind: type, handler: Any) -> CoreSchema:
+        del handler
+        return core_schema.is_instance_schema(kind)
+
+
+INSTANCE = InstanceCheck()
+
+
 class Node(BaseModel):
     """A frozen part of the IR. `origin` is where the author wrote it."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
-    origin: Span | None = Field(default=None, repr=False)
+    # what checks a node's fields is built when the first one is made: no game has nodes of all classes
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+    origin: Annotated[Span, INSTANCE] | None = Field(default=None, repr=False)
 
 
 class Expression(Node):
@@ -97,10 +113,10 @@ if TYPE_CHECKING:
     Place: TypeAlias = ir_sentences.Near | ir_sentences.InAgents | ir_sentences.Among
     Turn: TypeAlias = ir.Phase | ir.Tick
 else:
-    Expr = InstanceOf[Expression]
-    Stmt = InstanceOf[Sentence]
-    Place = InstanceOf[PlaceNode]
-    Turn = InstanceOf[TurnNode]
+    Expr = Annotated[Expression, INSTANCE]
+    Stmt = Annotated[Sentence, INSTANCE]
+    Place = Annotated[PlaceNode, INSTANCE]
+    Turn = Annotated[TurnNode, INSTANCE]
 
 
 class Type(BaseModel):

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
 
-from lark import Lark, Token, Tree
+from lark import Lark, Token, Tree, UnexpectedToken
 
 from sjdsl.compiler import ast, errors
 from sjdsl.compiler.automaton import END, Automaton, Stack, make_automaton, read
@@ -42,8 +42,9 @@ def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
     found = scan(source, parser())
     if wrong and not _skip_to_game(found):
         raise CompileError(wrong)
-    _raise(wrong + found.problems + (_find_errors(found, not wrong) if found.complete else []))
-    tree = _tree(found.tokens)
+    tree = None if wrong or found.problems else _tree(found.tokens)
+    if tree is None:
+        raise CompileError(wrong + found.problems + (_find_errors(found, not wrong) if found.complete else []))
     _raise(check_tree(tree, source))
     return found.tokens, tree
 
@@ -180,9 +181,12 @@ def _beginning(table: Automaton, begun: bool) -> Stack:
     return stack
 
 
-def _tree(tokens: list[Token]) -> Tree[Token]:
-    """Returns the tree of tokens that are known to be without errors."""
+def _tree(tokens: list[Token]) -> Tree[Token] | None:
+    """Returns the tree of tokens, None if there is an error in them."""
     reader = parser().parse_interactive("")
-    for token in tokens:
-        reader.feed_token(token)
-    return reader.feed_eof(tokens[-1])
+    try:
+        for token in tokens:
+            reader.feed_token(token)
+        return reader.feed_eof(tokens[-1])
+    except UnexpectedToken:
+        return None

@@ -87,7 +87,7 @@ def renamed(node: N, names: dict[str, str]) -> N:
     if isinstance(node, ir.Member | ir.Local) and node.name in names:
         return node.model_copy(update={"name": names[node.name]})
     changed = {}
-    for name in type(node).model_fields:
+    for name in ir.inner_fields(type(node)):
         old = getattr(node, name)
         if isinstance(old, ir.Node):
             changed[name] = renamed(old, names)

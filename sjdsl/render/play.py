@@ -9,17 +9,16 @@ from jax import Array
 
 from sjdsl.render.snapshot import Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.policy import Policy, with_memory
 
-Policy = Callable[[Array, Array], Array]
 
-
-def stay_policy(env: Environment) -> Policy:
+def stay_policy(env: Environment) -> Callable[[Array, Array], Array]:
     """Returns the policy under which nobody does anything."""
     stay = jnp.full(env.num_agents, env.action_names.index("stay"), jnp.int32)
     return lambda _key, _observation: stay
 
 
-def random_policy(env: Environment) -> Policy:
+def random_policy(env: Environment) -> Callable[[Array, Array], Array]:
     """Returns the policy that draws every action with equal probability."""
     return lambda key, _observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
 
@@ -28,21 +27,25 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every:
     """Yields the first state of each episode and one of `every` states that follow, an episode's last one included.
 
     Args:
-      policy: `(key, observation) -> actions [N]`.
+      policy: `(key, observation) -> actions [N]`, or one with memory.
       num_steps: steps to play, over as many episodes as they take.
     """
     key, reset_key = jax.random.split(jax.random.key(seed))
     observation, state = env.reset(reset_key)
     returns = np.zeros(env.num_agents)
-    act = jax.jit(policy)
+    remembering = with_memory(policy)
+    memory = remembering.start
+    act = jax.jit(remembering.act)
     yield take_snapshot(env, state, returns)
     for number in range(1, num_steps + 1):
         key, action_key, step_key, reset_key = jax.random.split(key, 4)
-        observation, state, reward, done, _ = env.step_env(step_key, state, act(action_key, observation))
+        memory, actions = act(memory, action_key, observation)
+        observation, state, reward, done, _ = env.step_env(step_key, state, actions)
         returns = returns + np.asarray(reward)
         if number % every == 0 or done:
             yield take_snapshot(env, state, returns)
         if done and number < num_steps:
             observation, state = env.reset(reset_key)
+            memory = remembering.start
             returns = np.zeros(env.num_agents)
             yield take_snapshot(env, state, returns)

@@ -49,10 +49,15 @@ def nth(words: Array, n: Array) -> Array:
     earlier = (index[None] < index[:, None]).reshape((1,) * n.ndim + (index.size, index.size))
     before = jnp.sum(jnp.where(earlier, counts[..., None, :], 0), axis=-1, dtype=jnp.int32)
     here = (before <= n[..., None]) & (n[..., None] < before + counts)
-    word = jnp.sum(jnp.where(here, words, jnp.uint32(0)), axis=-1, dtype=jnp.uint32)
-    passed = jnp.sum(jnp.where(here, before, 0), axis=-1, dtype=jnp.int32)
-    number = jnp.sum(jnp.where(here, index.reshape((1,) * n.ndim + (-1,)), 0), axis=-1, dtype=jnp.int32)
+    numbers = jnp.broadcast_to(index, words.shape)
+    chosen = (jnp.where(here, words, jnp.uint32(0)), jnp.where(here, before, 0), jnp.where(here, numbers, 0))
+    # one sum of three instead of three: each would find `here` again
+    word, passed, number = lax.reduce(chosen, (jnp.uint32(0), jnp.int32(0), jnp.int32(0)), _added, (words.ndim - 1,))
     return number * WIDTH + nth_bit(word, n - passed)
+
+
+def _added(left: tuple[Array, ...], right: tuple[Array, ...]) -> tuple[Array, ...]:
+    return tuple(a + b for a, b in zip(left, right, strict=True))
 
 
 def without(words: Array, member: Array) -> Array:

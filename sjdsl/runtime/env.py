@@ -12,6 +12,7 @@ from jax.custom_batching import custom_vmap
 from sjdsl.compiler import ir
 from sjdsl.runtime.draws import key_words
 from sjdsl.runtime.planes import TokenPlane, channel_names
+from sjdsl.runtime.state_vector import state_vector
 from sjdsl.runtime.tokens import to_channels
 
 State = Any
@@ -105,14 +106,15 @@ class Environment:
           params: instead of `env.params`.
         Returns:
           observation (of the state returned); state; reward `[N]` float32, raw; done bool; info: `truncated`, `terminated` bool,
-          `events` int32 `[N]` or scalar counts of this step, `metrics` float32 scalars, `terminal_observation` (before the
-          reset; costs nothing under `jit` when unused).
+          `events` int32 `[N]` or scalar counts of this step, `metrics` float32 scalars, `terminal_observation` and
+          `terminal_state` (before the reset; they cost nothing under `jit` when unused).
         """
         params = self.params if params is None else params
         words = key_words(key)
         ended, reward, done, info = self._transition(words, state, actions, params)
         state = reset_where(self.module.reset, done, words, params, ended)
         info["terminal_observation"] = self._observe(ended, params)
+        info["terminal_state"] = ended
         return self._observe(state, params), state, reward, done, info
 
     def _step_env(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
@@ -120,6 +122,7 @@ class Environment:
         params = self.params if params is None else params
         state, reward, done, info = self._transition(key_words(key), state, actions, params)
         info["terminal_observation"] = observation = self._observe(state, params)
+        info["terminal_state"] = state
         return observation, state, reward, done, info
 
     def _transition(self, words: Array, state: State, actions: Array, params: Params) -> tuple[State, Array, Array, Info]:
@@ -156,6 +159,22 @@ class Environment:
     def allowed_actions(self, state: State, params: Params | None = None) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
         return self.module.allowed_actions(state, self.params if params is None else params)
+
+    def state_vector(self, state: State, params: Params | None = None) -> Array:
+        """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
+        row, col = self.cells(state)
+        length = self.module.episode_length(self.params if params is None else params)
+        return state_vector(self.game, state, row, col, length)
+
+    @property
+    def roles(self) -> tuple[int, ...] | None:
+        """The role of each agent, as numbers from 0: a field of the agents called `role` that every episode begins with alike.
+
+        None if there is no such field, or it changes: by a rule, or from episode to episode.
+        """
+        from sjdsl.runtime.roles import lasting_roles
+
+        return lasting_roles(self.game, lambda key: self.reset(key)[1])
 
     def cells(self, state: State) -> tuple[Array, Array]:
         """Returns the (row, col) of each agent on the map, int32 `[N]` each; negative for those who are away."""

@@ -44,6 +44,7 @@ def test_the_table_has_the_parts(training: Training) -> None:
     assert table.rows[0][:3] == ("meadow", "2", "mlp")
 
 
+@pytest.mark.slow
 def test_on_the_command_line(meadow: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     figures = tmp_path / "figures.json"
     assert run(["bench", str(meadow), "--training", "mlp", "--envs", "2", "--steps", "4", "--repeats", "1", "--json", str(figures)]) == 0

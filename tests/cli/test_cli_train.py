@@ -4,7 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import Sjdsl
+from command_line import GAME, Sjdsl
+
+from sjdsl.cli import run
 
 SMALL = ("total_timesteps=96", "num_envs=4", "num_steps=12", "num_minibatches=1", "num_epochs=1", "network=mlp")
 QUICK = [part for value in SMALL for part in ("--set", value)]
@@ -50,6 +52,118 @@ def test_a_preset_names_the_game(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest
     assert seen["params"] == {"length": 20, "spawn": 0.1}
     sjdsl("train", "orchard.sj", "--preset", "p.toml")
     assert seen["params"] == {}, "another game does not take the preset's environment"
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The run of two seeds, with policies that were evaluated; called as on the command line."""
+    folder = tmp_path_factory.mktemp("trained")
+    (folder / "orchard.sj").write_text(GAME)
+    values = [*QUICK, "--set", "evaluate_every=1", "--set", "evaluation_episodes=3"]
+    call = ["train", str(folder / "orchard.sj"), "--algorithm", "mappo", "--reward", "svo", *values, "--seed", "4", "--seeds", "2"]
+    assert run([*call, "--run", str(folder / "run"), "--episodes", "2"]) == 0
+    return folder / "run"
+
+
+@pytest.mark.slow
+def test_seeds_have_folders(trained: Path, sjdsl: Sjdsl) -> None:
+    manifest = json.loads((trained / "manifest.json").read_text())
+    config = manifest["config"]
+    assert (config["algorithm"], config["reward"], config["seed"], config["seeds"]) == ("mappo", "svo", 4, 2)
+    rows = []
+    for seed in ("seed_4", "seed_5"):
+        assert {"best.safetensors", "last.safetensors"} <= {path.name for path in (trained / seed / "policies").iterdir()}
+        assert json.loads((trained / seed / "policies" / "last.json").read_text())["seed"] == int(seed[-1])
+        assert json.loads((trained / seed / "evaluation.json").read_text())["episodes"] == 2
+        rows.append([json.loads(line) for line in (trained / seed / "metrics.jsonl").read_text().splitlines()])
+    assert len(rows[0]) == len(rows[1]) == 2
+    assert rows[0][0]["loss"] != rows[1][0]["loss"], "seeds differ"
+    shown = sjdsl("train", "--resume", trained, "--episodes", "0")
+    assert shown.status == 0, shown.text
+    assert f"{trained}/" in shown.out
+
+
+def test_the_best_policy_is_evaluated_and_filmed(trained: Path, sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl("evaluate", trained / "seed_5", "--which", "best", "--episodes", "2", "--film", "x.gif")
+    assert shown.status == 0, shown.text
+    assert "x.gif  7 frames" in shown.out, "an episode of six steps, and its start"
+    assert (folder / "x.gif").read_bytes().startswith(b"GIF8")
+
+
+def test_a_film_without_its_package(trained: Path, sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+    import importlib.util
+
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    for call in (["evaluate", trained, "--film", "x.mp4"], ["render", "orchard.sj", "-o", "x.mp4"]):
+        shown = sjdsl(*call)
+        assert shown.status == 1
+        assert "pip install 'sjdsl[video]'" in shown.err
+    shown = sjdsl("evaluate", trained, "--film", "x.avi")
+    assert shown.status == 2
+    assert "no .gif, no .mp4" in shown.err
+
+
+@pytest.mark.parametrize(
+    ("more", "named"),
+    [
+        (["orchard.sj"], "GAME"),
+        (["--seed", "1"], "--seed"),
+        (["--seeds", "2"], "--seeds"),
+        (["--algorithm", "vdn"], "--algorithm"),
+        (["--reward", "common"], "--reward"),
+        (["--preset", "paper"], "--preset"),
+        (["--set", "seed=1"], "--set"),
+        (["--run", "else"], "--run"),
+        (["--seed", "0"], "--seed"),
+        (["--param", "apple=2"], "--param"),
+        (["--agents", "3"], "--agents"),
+        (["--variant", "rich"], "--variant"),
+    ],
+)
+def test_a_run_goes_on_as_it_was_started(sjdsl: Sjdsl, more: list[str], named: str) -> None:
+    shown = sjdsl("train", "--resume", "runs/some", *more)
+    assert shown.status == 2, shown.text
+    assert f"leave out {named}" in shown.err
+
+
+def test_no_run_to_go_on_with(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl("train", "--resume", folder)
+    assert shown.status == 1
+    assert "is no folder of a run" in shown.err
+
+
+def test_keys_are_listed(sjdsl: Sjdsl) -> None:
+    shown = sjdsl("train", "--keys", "--algorithm", "vdn", "--set", "seed=9")
+    assert shown.status == 0
+    listed = dict(line.split(" = ") for line in shown.out.splitlines())
+    assert listed["algorithm"] == '"vdn"'
+    assert listed["seed"] == "9"
+    assert "buffer_size" in listed
+    assert "clip_epsilon" not in listed
+    assert "clip_epsilon" in sjdsl("train", "--keys").out
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (["orchard.sj", "--set", "learning_rat=1"], "did you mean `learning_rate`?"),
+        (["orchard.sj", "--set", "learning_rate"], "is not of the form name=value"),
+        (["orchard.sj", "--set", "num_envs=none"], "`num_envs` must be a whole number"),
+        (["orchard.sj", "--preset", "papper"], "did you mean `paper`?"),
+        (["orchard.sj", "--preset", "none.toml"], "none.toml does not exist"),
+        (["orchard.sj", "--algorithm", "vdn", "--reward", "svo"], "`reward` must be 'common'"),
+        (["orchard.sj", "--algorithm", "sarsa"], "'sarsa' is not one of"),
+        (["orchard.sj", "--log", "wandb"], "pip install 'sjdsl[wandb]'"),
+        (["orchard.sj", "--set", "num_envs=3", "--set", "num_minibatches=7"], "cannot be split"),
+        ([], "name a game, or a preset that names one"),
+    ],
+)
+def test_what_is_wrong_is_said_before_a_folder_is_made(sjdsl: Sjdsl, folder: Path, call: list[str], said: str) -> None:
+    shown = sjdsl("train", *call)
+    assert shown.status in (1, 2)
+    assert said in shown.err
+    assert "Traceback" not in shown.err
+    assert not (folder / "runs").exists()
 
 
 def _stop() -> None:

@@ -41,6 +41,7 @@ def test_no_folder_is_no_error(tmp_path: Path) -> None:
     assert VARIABLE not in os.environ
 
 
+@pytest.mark.slow
 def test_a_damaged_program_is_compiled_again(folder: Path, tmp_path: Path) -> None:
     """Three starts of a command: what the first keeps, the second finds; what is damaged before the third is no error in it."""
     game = tmp_path / "orchard.sj"

@@ -374,7 +374,7 @@ def swapped(text: str, token: Token, following: Token) -> str:
     return f"{text[: token.start_pos]} {following}{between}{token} {text[following.end_pos :]}"
 
 
-@pytest.mark.parametrize("change", [without, twice, swapped])
+@pytest.mark.parametrize("change", [without, *(pytest.param(change, marks=pytest.mark.slow) for change in (twice, swapped))])
 def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Token], str]) -> None:
     """One change, one message, within a line; braces may be missed further away."""
     tokens = list(parser().lex(COINS))

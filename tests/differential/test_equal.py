@@ -29,7 +29,10 @@ def together(env: sjdsl.Environment, seed: int, steps: int, given: dict | None =
     return report
 
 
-@pytest.mark.parametrize(("name", "params"), OTHER_NUMBERS, ids=lambda x: str(x))
+FEW = [*OTHER_NUMBERS[:1], *(pytest.param(*other, marks=pytest.mark.slow) for other in OTHER_NUMBERS[1:])]
+
+
+@pytest.mark.parametrize(("name", "params"), FEW, ids=lambda x: str(x))
 def test_other_numbers(name: str, params: dict) -> None:
     env = sjdsl.make(name, params=params)
     types = {p.name: p.type.kind for p in env.game.params}

@@ -32,8 +32,9 @@ SAMPLED = 6  # steps that both engines take from wherever a run has come to, bes
 
 
 def is_rare(form: Form) -> bool:
-    """Returns whether a form is played only with all tests: crowds (see `tests/differential/test_twenty_agents.py`) and third variants."""
-    return form.agents is not None or form.variant in ("crowd", "meltingpot")
+    """Returns whether a form is played only with all tests: crowds (see `tests/differential/test_twenty_agents.py`) and most variants."""
+    usual = form.variant is None or (form.game, form.variant) == ("clean_up", "socialjax")
+    return form.agents is not None or not usual
 
 
 @pytest.fixture(scope="module", params=[pytest.param(f, marks=pytest.mark.slow) if is_rare(f) else f for f in programs()], ids=str)

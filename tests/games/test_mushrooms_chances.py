@@ -96,6 +96,7 @@ def test_meals_of_one_step_add_up() -> None:
         assert_grown(seen, np.sum([TRIALS[kind] for kind in kinds], axis=0).tolist(), 0.03)
 
 
+@pytest.mark.slow
 def test_as_released_it_grows_one_step_later() -> None:
     """Nothing in the step of the meal, whatever the key; in the next step what the meal gives, once."""
     env = environment(GAME, "socialjax")

@@ -1,6 +1,6 @@
 """Every example of the manual is compiled and run, and what the manual says of it is compared.
 
-Quickly in the reference interpreter; once more, marked slow, in the compiled step beside the interpreter on the same draws.
+Quickly in the reference interpreter; once more, two of three marked slow, in the compiled step beside the interpreter on the same draws.
 """
 
 import re
@@ -28,12 +28,16 @@ KNOWN_FAULTS: dict[str, str] = {}
 KNOWN_DIFFERENCES: dict[str, str] = {}
 
 
-def chosen(wanted: Callable[[Example], bool], known: Mapping[str, str] = KNOWN_FAULTS) -> pytest.MarkDecorator:
-    """Returns the parametrisation of a test over the examples wanted; those with a known fault are expected to fail."""
+def chosen(wanted: Callable[[Example], bool], known: Mapping[str, str] = KNOWN_FAULTS, one_of: int = 1) -> pytest.MarkDecorator:
+    """Returns the parametrisation of a test over the examples wanted; those with a known fault are expected to fail.
+
+    All but one of `one_of` are marked slow.
+    """
     params = []
-    for example in filter(wanted, examples()):
+    for number, example in enumerate(filter(wanted, examples())):
         fault = known.get(example.name)
         marks = [pytest.mark.xfail(reason=fault, strict=True)] if fault else []
+        marks += [pytest.mark.slow] if number % one_of else []
         params.append(pytest.param(example, id=example.name, marks=marks))
     return pytest.mark.parametrize("example", params)
 
@@ -115,7 +119,7 @@ def rest(name: str, seed: int, steps: int, folder: Path) -> View:
     return view
 
 
-@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES)
+@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES, one_of=3)
 def test_compiled_example_equals_the_interpreted(example, folder):
     for block in example.said("result"):
         script = read_script(block)

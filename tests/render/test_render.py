@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from PIL import Image
@@ -15,6 +17,7 @@ from sjdsl.render.colours import INK, WORDS, agent_colour, kind_colours, mark_co
 from sjdsl.render.look import FieldLook, make_look
 from sjdsl.render.tiles import shown_values
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.policy import MemoryPolicy
 
 GAME = """sj 1
 game yard "Yard" {
@@ -176,6 +179,18 @@ def test_an_episode_shows_its_first_and_last_state(env: Environment) -> None:
     assert [shot.step for shot in play(env, stay_policy(env), 6)] == [0, 1, 2, 3, 4, 0, 1, 2]
     assert [shot.step for shot in play(env, stay_policy(env), 6, every=3)] == [0, 3, 4, 0, 2]
     assert [shot.step for shot in play(env, stay_policy(env), 4)] == [0, 1, 2, 3, 4]
+
+
+def test_a_policy_with_memory_starts_each_episode_afresh(env: Environment) -> None:
+    """One that zaps in the second step of what it remembers: so it does in both episodes."""
+
+    def act(memory: jax.Array, key: jax.Array, observation: jax.Array) -> tuple[jax.Array, jax.Array]:
+        del key, observation
+        return memory + 1, jnp.where(memory == 1, ZAP, STAY)[None].astype(jnp.int32)
+
+    shots = list(play(env, MemoryPolicy(jnp.int32(0), act), 8))
+    assert [shot.step for shot in shots] == [0, 1, 2, 3, 4] * 2
+    assert [bool(shot.held.all()) for shot in shots] == [False, False, True, True, True] * 2
 
 
 def test_files(env: Environment, painter: Painter, tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ def test_count_near_of_all_and_none() -> None:
 
 
 @pytest.mark.parametrize("agents", [1, 6, 8, 9, 20, 32])
-@pytest.mark.parametrize("sets", [1, 14, 15, 16, 538])
+@pytest.mark.parametrize("sets", [1, 14, 15, 16, pytest.param(538, marks=pytest.mark.slow)])
 def test_times_in_sets(agents: int, sets: int) -> None:
     """Sparse sets, full ones (as many in a word as its fields can count), and batches."""
     member = np.random.default_rng(agents * sets).random((3, sets, agents)) < np.array([0.1, 0.6, 1.0])[:, None, None]

@@ -77,7 +77,7 @@ def test_what_reset_and_step_return(env: Environment) -> None:
     assert int(state.step) == 1
     assert (reward.shape, reward.dtype) == ((3,), jnp.float32)
     assert (done.shape, done.dtype) == ((), jnp.bool_)
-    assert set(info) == {"truncated", "terminated", "events", "metrics", "terminal_observation"}
+    assert set(info) == {"truncated", "terminated", "events", "metrics", "terminal_observation", "terminal_state"}
     events = {name: (value.shape, value.dtype) for name, value in info["events"].items()}
     assert events == {"visits[none]": ((3,), jnp.int32), "visits[ripe]": ((3,), jnp.int32), "rests": ((), jnp.int32)}
     assert {name: (v.shape, v.dtype) for name, v in info["metrics"].items()} == {"ripe": ((), jnp.float32)}
@@ -193,6 +193,7 @@ def test_jit_scan_and_loop_agree(env: Environment) -> None:
     assert scanned[3].tolist() == [t % LENGTH == LENGTH - 1 for t in range(steps)]
 
 
+@pytest.mark.slow
 def test_without_jit(env: Environment) -> None:
     """The last step of an episode, with its reset, carried out operation by operation."""
     state = at(some_states(env), 2)

@@ -1,6 +1,7 @@
 """Probe games: environments small enough that values and best actions are known by hand."""
 
-from collections.abc import Callable
+import dataclasses
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
@@ -11,8 +12,11 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.trainers import Config, TrainState, make_train
-from sjdsl.trainers.ppo import make_network
+from sjdsl.trainers import Config, TrainState, VDNConfig, make_config, make_train
+from sjdsl.trainers.actor_critics import make_actor_critics
+from sjdsl.trainers.vdn import make_action_values
+
+MAX_STEPS = 5
 
 
 @flax.struct.dataclass
@@ -28,12 +32,13 @@ class Probe:
     """A game given by what it shows, what it pays and how its episodes end; the interface of a compiled game."""
 
     name: str
-    reward: Callable[[ProbeState, Array], Array]  # state and actions [N] -> [N]
-    show: Callable[[ProbeState], Array] = lambda _: jnp.int32(0)  # -> the one token seen, 0 .. 5
-    length: Callable[[ProbeState], Array] = lambda _: jnp.int32(1)  # steps of the episode
-    ends: Literal["terminated", "truncated"] = "terminated"
-    num_agents: int = 1
+    reward: Callable[[ProbeState, Array], Any]  # state and actions [N] -> [N], or one number for all
+    show: Callable[[ProbeState], Array] = lambda _: jnp.int32(0)  # -> the one token seen, 0 .. 5; or one for each agent
+    length: Callable[[ProbeState], Array] = lambda _: jnp.int32(1)  # steps of the episode, at most MAX_STEPS
+    truncates: bool | Array = False  # episodes end by the time limit
+    num_agents: int = 2
     num_actions: int = 2
+    roles: tuple[int, ...] | None = None
     episode_length: int = 100
     hash: str = "probe"
     params: tuple[float, ...] = ()
@@ -45,8 +50,12 @@ class Probe:
         return tuple(f"action_{index}" for index in range(self.num_actions))
 
     def observe(self, state: ProbeState) -> Array:
-        """Returns `[N, 1, 1, 1]` uint8: every agent sees the same token."""
-        return jnp.full((self.num_agents, 1, 1, 1), self.show(state), jnp.uint8)
+        """Returns `[N, 1, 1, 1]` uint8: every agent sees one token."""
+        return windows(self, self.show(state))
+
+    def state_vector(self, state: ProbeState) -> Array:
+        """Returns `[2]` float32: cue and step, counted as if the episode went on for ever."""
+        return jnp.stack([state.cue, state.step % self.length(state)]).astype(jnp.float32)
 
     def reset(self, key: Array, params: None = None) -> tuple[Array, ProbeState]:
         """Draws a cue."""
@@ -57,12 +66,13 @@ class Probe:
     def step_env(self, key: Array, state: ProbeState, actions: Array, params: None = None) -> tuple[Any, ...]:
         """Plays one step and resets nothing."""
         del key, params
-        reward = jnp.asarray(self.reward(state, actions), jnp.float32)
+        reward = jnp.broadcast_to(jnp.asarray(self.reward(state, actions), jnp.float32), self.num_agents)
         after = state.replace(step=state.step + 1)
         done = after.step >= self.length(state)
         info = {
-            "truncated": done if self.ends == "truncated" else jnp.bool_(False),
+            "truncated": done & self.truncates,
             "terminal_observation": self.observe(after),
+            "terminal_state": after,
             "events": {"second_action": (actions == 1).astype(jnp.int32), "steps": jnp.int32(1)},
             "metrics": {"step": after.step.astype(jnp.float32)},
         }
@@ -77,38 +87,33 @@ class Probe:
         return self.observe(state), state, reward, done, info
 
 
+def windows(env: Probe, shown: int | Array | Sequence[int]) -> Array:
+    """Returns the observations `[N, 1, 1, 1]` of agents that see one token, or one each."""
+    return jnp.broadcast_to(jnp.asarray(shown), env.num_agents).astype(jnp.uint8).reshape(-1, 1, 1, 1)
+
+
 @cache
-def constant(amount: float) -> Probe:
+def constant(amount: float, num_agents: int = 2) -> Probe:
     """One step that pays `amount` whatever is done."""
-    return Probe("constant", reward=lambda _, __: jnp.full(1, amount))
+    return Probe("constant", reward=lambda _, __: amount, num_agents=num_agents)
 
 
 @cache
 def delayed() -> Probe:
     """Two steps; the second pays 1."""
-    return Probe(
-        "delayed",
-        reward=lambda state, _: jnp.full(1, 1.0) * (state.step == 1),
-        show=lambda state: state.step,
-        length=lambda _: jnp.int32(2),
-    )
+    return Probe("delayed", reward=lambda state, _: 1.0 * (state.step == 1), show=lambda state: state.step, length=lambda _: jnp.int32(2))
 
 
 @cache
 def cued() -> Probe:
     """One step that pays 1 after cue 1 and -1 after cue 0."""
-    return Probe("cued", reward=lambda state, _: jnp.full(1, 2.0 * state.cue - 1.0), show=lambda state: state.cue)
+    return Probe("cued", reward=lambda state, _: 2.0 * state.cue - 1.0, show=lambda state: state.cue)
 
 
 @cache
-def matching() -> Probe:
-    """One step that pays 1 to an agent whose action is the cue, else 0; two agents."""
-    return Probe(
-        "matching",
-        reward=lambda state, actions: (actions == state.cue).astype(jnp.float32),
-        show=lambda state: state.cue,
-        num_agents=2,
-    )
+def matching(num_agents: int = 2) -> Probe:
+    """One step that pays 1 to an agent whose action is the cue, else 0."""
+    return Probe("matching", reward=lambda state, actions: actions == state.cue, show=lambda state: state.cue, num_agents=num_agents)
 
 
 @cache
@@ -116,10 +121,10 @@ def stream(ends: Literal["terminated", "truncated"]) -> Probe:
     """Pays the cue, 0 or 1, at each of three steps. The token is cue + 2 x step; after the last step it starts over."""
     return Probe(
         f"stream {ends}",
-        reward=lambda state, _: jnp.full(1, 1.0) * state.cue,
+        reward=lambda state, _: state.cue,
         show=lambda state: state.cue + 2 * (state.step % 3),
         length=lambda _: jnp.int32(3),
-        ends=ends,
+        truncates=ends == "truncated",
     )
 
 
@@ -127,7 +132,7 @@ def stream(ends: Literal["terminated", "truncated"]) -> Probe:
 def dilemma() -> Probe:
     """The prisoner's dilemma, once: action 0 cooperates, 1 defects; 3 each, 5 and 0, or 1 each."""
     payoffs = jnp.array([[3.0, 0.0], [5.0, 1.0]])
-    return Probe("dilemma", reward=lambda _, actions: payoffs[actions, actions[::-1]], num_agents=2)
+    return Probe("dilemma", reward=lambda _, actions: payoffs[actions, actions[::-1]])
 
 
 @cache
@@ -138,8 +143,84 @@ def uneven() -> Probe:
         reward=lambda _, __: jnp.array([1.0, 0.0]),
         show=lambda state: state.cue,
         length=lambda state: 2 + 3 * state.cue,
-        ends="truncated",
-        num_agents=2,
+        truncates=True,
+    )
+
+
+@cache
+def opposite() -> Probe:
+    """One step that pays agent 0 for action 0 and agent 1 for action 1, though both see the same."""
+    return Probe("opposite", reward=lambda _, actions: actions == jnp.arange(2))
+
+
+@cache
+def hidden() -> Probe:
+    """One step that pays 1 after cue 1 and -1 after cue 0; agent 1 sees the cue, agent 0 sees token 2."""
+    return Probe(
+        "hidden", reward=lambda state, _: 2.0 * state.cue - 1.0, show=lambda state: jnp.stack([jnp.full_like(state.cue, 2), state.cue])
+    )
+
+
+@cache
+def different() -> Probe:
+    """One step that pays agent 0 one and agent 1 minus one, though both see the same."""
+    return Probe("different", reward=lambda _, __: jnp.array([1.0, -1.0]))
+
+
+@cache
+def recalled() -> Probe:
+    """Two steps: the first shows the cue, 1 or 2, the second nothing, and pays the action that was cued."""
+    return Probe(
+        "recalled",
+        reward=lambda state, actions: (actions == state.cue) & (state.step == 1),
+        show=lambda state: jnp.where(state.step == 0, 1 + state.cue, 0),
+        length=lambda _: jnp.int32(2),
+    )
+
+
+@cache
+def endless_riches() -> Probe:
+    """One step that pays infinity."""
+    return Probe("endless riches", reward=lambda _, __: jnp.inf)
+
+
+@flax.struct.dataclass
+class Tables:
+    """All that a probe does, as arrays: probes of a form share what is compiled."""
+
+    reward: Array  # [2, MAX_STEPS, A, ..., A, N] float32, by cue, step and the actions of all agents
+    shown: Array  # [2, MAX_STEPS + 1, N] uint8
+    length: Array  # [2] int32
+    truncates: Array  # [] bool
+
+
+def tables_of(env: Probe) -> Tables:
+    """Returns what a probe does."""
+    joint = jnp.indices((env.num_actions,) * env.num_agents).reshape(env.num_agents, -1).T
+
+    def pay(cue: Array, step: Array, actions: Array) -> Array:
+        return jnp.broadcast_to(jnp.asarray(env.reward(ProbeState(cue, step), actions), jnp.float32), env.num_agents)
+
+    def by_step(function: Callable[[Array, Array], Array], steps: int) -> Array:
+        return jnp.stack([jnp.stack([function(jnp.int32(cue), jnp.int32(step)) for step in range(steps)]) for cue in (0, 1)])
+
+    reward = by_step(lambda cue, step: jax.vmap(lambda actions: pay(cue, step, actions))(joint), MAX_STEPS)
+    return Tables(
+        reward=reward.reshape(2, MAX_STEPS, *[env.num_actions] * env.num_agents, env.num_agents),
+        shown=by_step(lambda cue, step: env.observe(ProbeState(cue, step)).ravel(), MAX_STEPS + 1),
+        length=by_step(lambda cue, step: env.length(ProbeState(cue, step)), 1)[:, 0],
+        truncates=jnp.asarray(env.truncates),
+    )
+
+
+def tabled(form: Probe, tables: Tables) -> Probe:
+    """Returns the probe that does what the tables say, which may be traced; agents and actions are those of `form`."""
+    return dataclasses.replace(
+        form,
+        reward=lambda state, actions: tables.reward[(state.cue, state.step, *actions)],
+        show=lambda state: tables.shown[state.cue, state.step],
+        length=lambda state: tables.length[state.cue],
+        truncates=tables.truncates,
     )
 
 
@@ -150,31 +231,83 @@ QUICK: dict[str, Any] = {
     "num_epochs": 2,
     "num_minibatches": 2,
     "learning_rate": 1e-2,
+    "clip_value_loss": False,
     "network": "mlp",
     "network_width": 16,
-    "gamma": 0.9,
+    "gamma": 0.8,
     "reward": "individual",
 }
 
+QUICK_VALUES: dict[str, Any] = {
+    "algorithm": "vdn",
+    "num_envs": 16,
+    "num_steps": 4,
+    "total_timesteps": 16 * 4 * 200,
+    "buffer_size": 16 * 4 * 10,
+    "batch_size": 32,
+    "learning_starts": 0,
+    "learning_rate": 1e-2,
+    "target_update_every": 2,
+    "epsilon_fraction": 0.5,
+    "network": "mlp",
+    "network_width": 16,
+    "gamma": 0.8,
+}
 
-@cache
-def run_of(env: Probe, config: Config) -> Callable[[Array], tuple[TrainState, dict[str, Any]]]:
-    """Returns a whole run as one jitted function of its key: to the last state and all updates' metrics."""
-    program = make_train(env, config)
+FAST_TO_COMPILE = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}  # compiling is what takes the time
 
-    def run(key: Array) -> tuple[TrainState, dict[str, Any]]:
+Run = tuple[TrainState, dict[str, Any]]
+
+
+def quick(**changes: Any) -> Config:
+    """Returns `QUICK` or, for vdn, `QUICK_VALUES`, with `changes`."""
+    return make_config(QUICK_VALUES if changes.get("algorithm") == "vdn" else QUICK, **changes)
+
+
+def run_of(env: Probe, config: Config, seeds: int = 1) -> Callable[[Array], Run]:
+    """Returns a whole run as a function of its key: to the last state and all updates' metrics. With more seeds, of as many keys."""
+    form = Probe("form", reward=lambda _, __: 0.0, num_agents=env.num_agents, num_actions=env.num_actions, roles=env.roles)
+    return lambda key: _run_of_form(form, config, seeds)(key, tables_of(env))
+
+
+_FORMS: dict[tuple[Any, ...], Any] = {}
+
+
+def _run_of_form(form: Probe, config: Config, seeds: int) -> Callable[[Array, Tables], Run]:
+    """Returns the jitted runs of all probes of a form."""
+
+    def run(key: Array, tables: Tables) -> Run:
+        program = make_train(tabled(form, tables), config)
         return jax.lax.scan(lambda state, _: program.update(state), program.init(key), length=config.num_updates)
 
-    return jax.jit(run, compiler_options={"xla_backend_optimization_level": 0})  # compiling is what takes the time
+    runs = jax.vmap(run, in_axes=(0, None)) if seeds > 1 else run
+    name = (form.num_agents, form.num_actions, form.roles, config, seeds)
+    return _FORMS.setdefault(name, jax.jit(runs, compiler_options=FAST_TO_COMPILE))
 
 
-def learn(env: Probe, seed: int = 0, **changes: Any) -> tuple[TrainState, dict[str, Any]]:
-    """Trains on a probe with `QUICK` and `changes`."""
-    return run_of(env, Config(**{**QUICK, **changes}))(jax.random.key(seed))
+@cache
+def learn(env: Probe, seed: int = 0, **changes: Any) -> Run:
+    """Trains on a probe with `QUICK` or `QUICK_VALUES` and `changes`; once, however many tests ask."""
+    return run_of(env, quick(**changes))(jax.random.key(seed))
 
 
-def judge(env: Probe, state: TrainState, shown: int) -> tuple[Array, float]:
-    """Returns the action probabilities `[A]` and the value that a trained network gives to one token."""
-    network = make_network(env, Config(**QUICK))
-    logits, value = network.apply(state.learner.params, jnp.full((1, 1, 1), shown, jnp.uint8))
-    return jax.nn.softmax(logits), float(value)
+def judge(
+    env: Probe, state: TrainState, shown: int | Sequence[int], world: Sequence[float] | None = None, **changes: Any
+) -> tuple[Array, Array]:
+    """Returns the action probabilities `[N, A]` and values `[N]` that trained networks give where agents see `shown`.
+
+    `world` is the state's vector, for critics that see it; `changes` are those of the run.
+    """
+    networks = make_actor_critics(env, quick(**changes))
+    parameters = tuple(learner.params for learner in state.learner)
+    vector = None if world is None else jnp.asarray(world, jnp.float32)[None, None]
+    seen = windows(env, shown)[None, None]
+    _, logits, values = networks.apply(parameters, networks.start_memory(1), seen, vector, jnp.ones((1, 1), bool))
+    return jax.nn.softmax(logits[0, 0]), values[0, 0]
+
+
+def judge_actions(env: Probe, state: TrainState, shown: int | Sequence[int], **changes: Any) -> Array:
+    """Returns the value `[N, A]` of each action that a trained network of value decomposition gives."""
+    config = quick(algorithm="vdn", **changes)
+    assert isinstance(config, VDNConfig)
+    return make_action_values(env, config).apply(state.learner.online.params, windows(env, shown))

@@ -1,25 +1,38 @@
-"""Advantages against a plain loop over one environment and one agent at a time."""
+"""Advantages against a plain loop over one environment and one agent at a time, and against the sum that defines them."""
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from sjdsl.trainers.advantage import generalised_advantages, successor_values
 
 STEPS, ENVS, AGENTS = 23, 5, 3
-GAMMA, LAMBDA = 0.97, 0.9
 
 
-def test_advantages_equal_a_plain_loop() -> None:
-    draw = np.random.default_rng(0)
+def drawn(seed: int, share_done: float) -> tuple[np.ndarray, ...]:
+    """Returns rewards, values, terminal values, last values, and which steps end episodes, for which reason."""
+    draw = np.random.default_rng(seed)
     shape = (STEPS, ENVS, AGENTS)
     rewards, values, terminal_values = (draw.normal(size=shape).astype(np.float32) for _ in range(3))
     last_value = draw.normal(size=(ENVS, AGENTS)).astype(np.float32)
-    done = draw.random((STEPS, ENVS)) < 0.3
+    done = draw.random((STEPS, ENVS)) < share_done
     truncated = done & (draw.random((STEPS, ENVS)) < 0.5)
-    assert (done & ~truncated).any()
-    assert truncated.any()
+    return rewards, values, terminal_values, last_value, done, truncated
 
-    expected = np.zeros(shape, np.float64)
+
+def found(drawn: tuple[np.ndarray, ...], gamma: float, gae_lambda: float) -> np.ndarray:
+    """Returns what the trainer computes."""
+    rewards, values, terminal_values, last_value, done, truncated = map(jnp.asarray, drawn)
+    successors = successor_values(values, last_value, terminal_values, done, truncated)
+    return np.asarray(generalised_advantages(rewards, values, successors, done, gamma, gae_lambda))
+
+
+@pytest.mark.parametrize(("seed", "share_done"), [(0, 0.3), (1, 0.0), (2, 1.0), (3, 0.1)])
+@pytest.mark.parametrize(("gamma", "gae_lambda"), [(0.97, 0.9), (1.0, 1.0), (0.9, 0.0), (0.0, 0.5)])
+def test_advantages_equal_a_plain_loop(seed: int, share_done: float, gamma: float, gae_lambda: float) -> None:
+    given = drawn(seed, share_done)
+    rewards, values, terminal_values, last_value, done, truncated = given
+    expected = np.zeros(values.shape, np.float64)
     for env in range(ENVS):
         for agent in range(AGENTS):
             advantage = 0.0
@@ -29,14 +42,42 @@ def test_advantages_equal_a_plain_loop() -> None:
                     advantage, following = 0.0, terminal_values[step, env, agent]
                 elif done[step, env]:
                     advantage, following = 0.0, 0.0
-                delta = rewards[step, env, agent] + GAMMA * following - values[step, env, agent]
-                advantage = delta + GAMMA * LAMBDA * advantage
+                delta = rewards[step, env, agent] + gamma * following - values[step, env, agent]
+                advantage = delta + gamma * gae_lambda * advantage
                 expected[step, env, agent] = advantage
                 following = values[step, env, agent]
+    np.testing.assert_allclose(found(given, gamma, gae_lambda), expected, atol=1e-4)
 
-    successors = successor_values(*map(jnp.asarray, (values, last_value, terminal_values, done, truncated)))
-    advantages = generalised_advantages(jnp.asarray(rewards), jnp.asarray(values), successors, jnp.asarray(done), GAMMA, LAMBDA)
-    np.testing.assert_allclose(advantages, expected, atol=1e-5)
+
+@pytest.mark.parametrize("seed", range(3))
+def test_advantages_are_means_of_longer_and_longer_returns(seed: int) -> None:
+    """A = (1 - lambda) * sum over k of lambda^(k-1) * (k-step return - value), the last k taking all that is left.
+
+    Source: Schulman et al. 2016, equations 15 and 16.
+    """
+    gamma, gae_lambda = 0.9, 0.8
+    given = drawn(seed, 0.2)
+    rewards, values, terminal_values, last_value, done, truncated = given
+
+    def worth_after(step: int, env: int) -> np.ndarray:
+        if done[step, env]:
+            return terminal_values[step, env] if truncated[step, env] else np.zeros(AGENTS)
+        return last_value[env] if step == STEPS - 1 else values[step + 1, env]
+
+    def advantage(start: int, env: int) -> np.ndarray:
+        paid, total, left = np.zeros(AGENTS), np.zeros(AGENTS), 1.0
+        for length, step in enumerate(range(start, STEPS), start=1):
+            paid = paid + gamma ** (length - 1) * rewards[step, env]
+            last = done[step, env] or step == STEPS - 1
+            weight = left if last else (1 - gae_lambda) * gae_lambda ** (length - 1)
+            total = total + weight * (paid + gamma**length * worth_after(step, env) - values[start, env])
+            left -= weight
+            if last:
+                break
+        return total
+
+    expected = np.array([[advantage(step, env) for env in range(ENVS)] for step in range(STEPS)])
+    np.testing.assert_allclose(found(given, gamma, gae_lambda), expected, atol=1e-4)
 
 
 def test_lambda_one_is_the_discounted_return_less_the_value() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import jax
 import numpy as np
+import pytest
 
 import sjdsl
 from sjdsl.trainers import evaluate, load_policy, load_preset, train
@@ -13,6 +14,7 @@ from sjdsl.trainers import evaluate, load_policy, load_preset, train
 SMALL = {"num_envs": 4, "num_steps": 10, "total_timesteps": 4 * 10 * 6, "num_minibatches": 2}
 
 
+@pytest.mark.slow
 def test_the_quick_preset_runs(tmp_path: Path) -> None:
     """Episodes of 20 steps: three in each environment of the run."""
     preset = load_preset("quick", SMALL)

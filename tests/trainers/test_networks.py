@@ -1,68 +1,228 @@
-"""The network: shapes, initial scale, and that it sees every plane."""
+"""The networks: shapes, initial weights, that they see every plane, and what memory is."""
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
 
 import flax.linen as nn
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from probes import FAST_TO_COMPILE
 
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.trainers.convolution import convolve
-from sjdsl.trainers.networks import ActorCritic
+from sjdsl.trainers.initialisation import orthogonal, orthonormal_columns
+from sjdsl.trainers.networks import ActionValues, ActorCritic
 
 PLANES = (
     TokenPlane("content", "word", ("outside", "none", "mine")),
     TokenPlane("marks", "bits", ("zapped", "cleaned")),
     TokenPlane("bag", "number", high=200),
 )
-
-
-@pytest.fixture(scope="module", params=["mlp", "cnn"])
-def network(request: pytest.FixtureRequest) -> ActorCritic:
-    return ActorCritic(7, PLANES, request.param, 64)
+ENVS, AGENTS, SIDE = 5, 2, 5
+FRESH = jnp.zeros((1, ENVS), bool)
 
 
 def _observations(key: jax.Array) -> jax.Array:
-    return jax.random.randint(key, (5, 2, 3, 11, 11), 0, 3).astype(jnp.uint8)
+    return jax.random.randint(key, (1, ENVS, AGENTS, 3, SIDE, SIDE), 0, 2).astype(jnp.uint8)
 
 
-def test_shapes_and_initial_scale(network: ActorCritic) -> None:
-    observation_key, network_key = jax.random.split(jax.random.key(0))
-    observation = _observations(observation_key)
-    parameters = jax.jit(network.init)(network_key, observation)
-    logits, value = network.apply(parameters, observation)
-    assert logits.shape == (5, 2, 7)
-    assert value.shape == (5, 2)
+def _changed_in_turn(observation: jax.Array) -> jax.Array:
+    """Returns `[1 + N * P, ...]`: the observation, and it with one cell of one plane of one agent changed."""
+    at = [(agent, plane) for agent in range(AGENTS) for plane in range(3)]
+    return jnp.concatenate([observation, *(observation.at[:, :, agent, plane, 2, 3].add(1) for agent, plane in at)])
+
+
+@pytest.fixture(scope="module", params=["mlp", "cnn"])
+def kind(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
+@cache
+def _read_changed(kind: str, central: bool) -> tuple[Any, jax.Array, jax.Array]:
+    """Returns parameters, and logits and values `[1 + N * P, B, N, ...]` of `_changed_in_turn`."""
+    network = ActorCritic(7, AGENTS, PLANES, PLANES * AGENTS if central else None, kind, 16)
+
+    @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
+    def read(key: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
+        observation_key, network_key = jax.random.split(key)
+        seen = _changed_in_turn(_observations(observation_key))
+        joint = seen.reshape(-1, ENVS, AGENTS * 3, SIDE, SIDE) if central else None
+        fresh = jnp.zeros(seen.shape[:2], bool)
+        parameters = network.init(network_key, (), seen, joint, fresh)
+        return parameters, *network.apply(parameters, (), seen, joint, fresh)[1:]
+
+    return read(jax.random.key(0))
+
+
+def test_shapes_and_initial_scale(kind: str) -> None:
+    parameters, logits, values = _read_changed(kind, False)
+    assert logits.shape == (1 + AGENTS * 3, ENVS, AGENTS, 7)
+    assert values.shape == (1 + AGENTS * 3, ENVS, AGENTS)
     assert jax.nn.softmax(logits).max() < 1 / 7 + 0.02
-    actor, critic = (parameters["params"][head]["kernel"] for head in ("actor", "critic"))
+    actor, critic = (np.asarray(parameters["params"][head]["out"]["kernel"]) for head in ("actor", "critic"))
     np.testing.assert_allclose(actor.T @ actor, 0.01**2 * np.eye(7), atol=1e-6)
     np.testing.assert_allclose(critic.T @ critic, [[1.0]], atol=1e-5)
 
 
-def test_every_plane_reaches_the_outputs(network: ActorCritic) -> None:
-    observation_key, network_key = jax.random.split(jax.random.key(0))
-    observation = _observations(observation_key)
-    parameters = jax.jit(network.init)(network_key, observation)
-    _, value = network.apply(parameters, observation)
-    for plane in range(3):
-        _, changed = network.apply(parameters, observation.at[..., plane, 4, 6].set(0))
-        assert not np.allclose(value, changed)
+def test_every_plane_of_an_agents_own_window_reaches_its_outputs_and_no_other(kind: str) -> None:
+    for outputs in map(np.asarray, _read_changed(kind, False)[1:]):
+        told = np.abs(outputs[1:] - outputs[0]).reshape(AGENTS, 3, ENVS, AGENTS, -1).max(axis=-1)
+        for changed in range(AGENTS):
+            for agent in range(AGENTS):
+                assert (told[changed, ..., agent] > 1e-6).all() == (changed == agent)
+                assert (told[changed, ..., agent] < 1e-6).all() == (changed != agent)
+
+
+def test_every_plane_of_all_windows_reaches_a_central_critic(kind: str) -> None:
+    """And nothing but an agent's own window reaches its logits."""
+    _, logits, values = map(np.asarray, _read_changed(kind, True))
+    assert (np.abs(values[1:] - values[0]) > 1e-6).all()
+    told = np.abs(logits[1:] - logits[0]).reshape(AGENTS, 3, ENVS, AGENTS, -1).max(axis=(1, 2, 4))
+    assert (told > 1e-6).tolist() == np.eye(AGENTS, dtype=bool).tolist()
+
+
+def test_action_values_see_every_plane(kind: str) -> None:
+    network = ActionValues(7, PLANES, kind, 16)
+
+    @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
+    def read(key: jax.Array) -> jax.Array:
+        observation_key, network_key = jax.random.split(key)
+        seen = _changed_in_turn(_observations(observation_key))
+        return network.apply(network.init(network_key, seen), seen)
+
+    values = np.asarray(read(jax.random.key(0)))
+    told = np.abs(values[1:] - values[0]).reshape(AGENTS, 3, ENVS, AGENTS, 7).max(axis=-1)
+    assert (told > 1e-6).tolist() == np.broadcast_to(np.eye(AGENTS, dtype=bool)[:, None, None], told.shape).tolist()
+
+
+def test_bfloat16_is_of_the_layers_alone() -> None:
+    """Parameters and outputs are float32, near those of float32: bfloat16 has 8 bits, so relative errors of 2^-8 a product."""
+    exact, coarse = (ActorCritic(7, AGENTS, PLANES, None, "mlp", 64, dtype=jnp.dtype(name)) for name in ("float32", "bfloat16"))
+
+    @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
+    def read(key: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
+        observation_key, network_key = jax.random.split(key)
+        seen = _observations(observation_key)
+        parameters = coarse.init(network_key, (), seen, None, FRESH)
+        return parameters, *(network.apply(parameters, (), seen, None, FRESH)[2] for network in (exact, coarse))
+
+    parameters, wanted, found = read(jax.random.key(0))
+    assert {leaf.dtype.name for leaf in jax.tree.leaves(parameters)} == {"float32"}
+    assert found.dtype == jnp.float32
+    assert (wanted != found).any()
+    np.testing.assert_allclose(found, wanted, atol=0.05 * float(jnp.abs(wanted).max()))
+
+
+# memory
+
+
+LENGTH = 6
+
+
+@pytest.mark.parametrize("central", [pytest.param(False, marks=pytest.mark.slow), True])
+def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_episode(central: bool) -> None:
+    """Two pasts that differ in their first step are told apart until an episode begins, at step 3."""
+    network = ActorCritic(3, AGENTS, PLANES[:1], PLANES[:1] if central else None, "mlp", 8, recurrent=True)
+    start = network.start_memory(ENVS)
+    fresh = jnp.zeros((LENGTH, ENVS), bool).at[3].set(True)
+
+    def windows(tokens: jax.Array) -> tuple[jax.Array, jax.Array | None]:
+        seen = tokens[..., None, None, None].astype(jnp.uint8)
+        return seen, seen[:, :, 0] if central else None
+
+    @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
+    def read(key: jax.Array) -> tuple[Any, ...]:
+        network_key, tokens_key = jax.random.split(key)
+        tokens = jax.random.randint(tokens_key, (LENGTH, ENVS, AGENTS), 0, 3)
+        other = tokens.at[0].set((tokens[0] + 1) % 3)
+        parameters = network.init(network_key, start, *windows(tokens), fresh)
+
+        def one_by_one(memory: Any, step: tuple[jax.Array, jax.Array]) -> tuple[Any, Any]:
+            memory, logits, values = network.apply(parameters, memory, *windows(step[0][None]), step[1][None])
+            return memory, (logits[0], values[0])
+
+        together = network.apply(parameters, start, *windows(tokens), fresh)[1:]
+        return together, jax.lax.scan(one_by_one, start, (tokens, fresh))[1], network.apply(parameters, start, *windows(other), fresh)[1:]
+
+    together, stepwise, other = read(jax.random.key(0))
+    jax.tree.map(partial(np.testing.assert_allclose, atol=1e-6), together, stepwise)
+    for outputs, others in zip(together, other, strict=True):
+        assert (np.abs(outputs - others)[1:3].reshape(2, -1).max(axis=1) > 1e-7).all()
+        np.testing.assert_array_equal(outputs[3:], others[3:])
+
+
+# weights and convolutions
+
+
+def _drawn(gain: float, shape: tuple[int, ...], seed: int = 0) -> jax.Array:
+    return jax.jit(lambda key: orthogonal(gain)(key, shape), compiler_options=FAST_TO_COMPILE)(jax.random.key(seed))
+
+
+@pytest.mark.parametrize("shape", [(1331, 64), (64, 1), (7, 64), (5, 5, 3, 32), (64, 64)])
+def test_starting_weights_are_orthogonal(shape: tuple[int, ...]) -> None:
+    gain = 2.0**0.5
+    weights = np.asarray(_drawn(gain, shape), np.float64).reshape(-1, shape[-1]) / gain
+    products = weights.T @ weights if weights.shape[0] >= weights.shape[1] else weights @ weights.T
+    np.testing.assert_allclose(products, np.eye(len(products)), atol=1e-5)
+
+
+def test_nearly_parallel_columns_become_orthogonal_too() -> None:
+    """Freed of the others once, they would keep errors of rounding a thousand times as large."""
+    matrix = 1.0 + 1e-3 * jax.random.normal(jax.random.key(0), (20, 5))
+    columns = np.asarray(jax.jit(orthonormal_columns, compiler_options=FAST_TO_COMPILE)(matrix), np.float64)
+    np.testing.assert_allclose(columns.T @ columns, np.eye(5), atol=1e-5)
+
+
+def test_starting_weights_have_no_direction() -> None:
+    """Of 400 matrices of 6 x 3: an entry has mean 0 and variance 1/6, its mean a standard error of 0.0204; 18 entries, 4 errors each."""
+    draw = jax.jit(jax.vmap(lambda key: orthogonal()(key, (6, 3))), compiler_options=FAST_TO_COMPILE)
+    matrices = draw(jax.random.split(jax.random.key(0), 400))
+    np.testing.assert_allclose(matrices.mean(axis=0), 0.0, atol=4 * 0.0204)
+    np.testing.assert_allclose((matrices**2).mean(axis=0), 1 / 6, atol=4 * 0.011)
+
+
+def test_other_keys_draw_other_weights() -> None:
+    first, again, other = (_drawn(1.0, (6, 3), seed) for seed in (0, 0, 1))
+    np.testing.assert_array_equal(first, again)
+    assert not np.allclose(first, other)
+
+
+def _gradients_of(convolution: Callable[[jax.Array, jax.Array], jax.Array], weight: jax.Array) -> Callable[..., Any]:
+    """Returns a function to the weighted sum of a convolution and its gradients."""
+    return jax.value_and_grad(lambda features, kernel: (weight * convolution(features, kernel)).sum(), argnums=(0, 1))
 
 
 def test_convolution_and_its_gradients() -> None:
-    """Against flax's convolution, values and both gradients."""
-    side = 5
-    keys = jax.random.split(jax.random.key(0), 3)
-    features = jax.random.normal(keys[0], (4, 11, 11, 6))
-    kernel = jax.random.normal(keys[1], (side, side, 6, 8))
-    weight = jax.random.normal(keys[2], (4, 11, 11, 8))
-    reference = nn.Conv(8, (side, side), use_bias=False)
+    """Against flax's convolution."""
+    reference = nn.Conv(4, (5, 5), use_bias=False)
 
-    def ours(features: jax.Array, kernel: jax.Array) -> jax.Array:
-        return (weight * convolve(features, kernel)).sum()
+    @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
+    def both(key: jax.Array) -> tuple[Any, Any]:
+        keys = jax.random.split(key, 3)
+        shapes = (2, 7, 7, 3), (5, 5, 3, 4), (2, 7, 7, 4)
+        features, kernel, weight = (jax.random.normal(key, shape) for key, shape in zip(keys, shapes, strict=True))
+        theirs = _gradients_of(lambda features, kernel: reference.apply({"params": {"kernel": kernel}}, features), weight)
+        return _gradients_of(convolve, weight)(features, kernel), theirs(features, kernel)
 
-    def theirs(features: jax.Array, kernel: jax.Array) -> jax.Array:
-        return (weight * reference.apply({"params": {"kernel": kernel}}, features)).sum()
+    jax.tree.map(partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-4), *both(jax.random.key(0)))
 
-    values = [jax.jit(jax.value_and_grad(loss, argnums=(0, 1)))(features, kernel) for loss in (ours, theirs)]
-    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-3), *values)
+
+@pytest.mark.parametrize("axes", [(0, 0), (0, None), (None, 0)])
+def test_convolutions_of_several_networks(axes: tuple[int | None, int | None]) -> None:
+    """Values and gradients under `vmap` are those of flax's."""
+    reference = nn.Conv(4, (3, 3), use_bias=False)
+
+    @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
+    def both(key: jax.Array) -> tuple[Any, Any]:
+        keys = jax.random.split(key, 3)
+        shapes = (2, 5, 5, 2), (3, 3, 2, 4)
+        stacked = ((3, *shape) if axis == 0 else shape for shape, axis in zip(shapes, axes, strict=True))
+        features, kernel = (jax.random.normal(key, shape) for key, shape in zip(keys[:2], stacked, strict=True))
+        weight = jax.random.normal(keys[2], (2, 5, 5, 4))
+        theirs = _gradients_of(lambda features, kernel: reference.apply({"params": {"kernel": kernel}}, features), weight)
+        return tuple(jax.vmap(each, axes)(features, kernel) for each in (_gradients_of(convolve, weight), theirs))
+
+    jax.tree.map(partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-4), *both(jax.random.key(0)))

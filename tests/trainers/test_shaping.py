@@ -1,28 +1,216 @@
-"""Shaped rewards against their closed forms."""
+"""Shaped rewards against their closed forms, and against loops written from the papers' definitions."""
 
+import math
+from functools import partial
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from probes import dilemma, learn, tabled, tables_of, uneven
 
-from sjdsl.trainers.shaping import shape_reward
+from sjdsl.trainers import ConfigError, make_config
+from sjdsl.trainers.rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
+from sjdsl.trainers.shaping import Shaping, exchanged, kept_share, make_shaping, svo_deviation
 
 REWARD = jnp.array([[[1.0, -2.0, 4.0]], [[0.0, 0.5, 0.0]]])  # [T=2, B=1, N=3]
+MODES = ("individual", "common", "svo", "exchange", "inequity")
+
+
+def shaped(raw: jax.Array, trace: jax.Array | None = None, **values: object) -> np.ndarray:
+    """Returns rewards `[..., N]` as a configuration shapes them; traces are the rewards unless given."""
+    shaping = make_shaping(make_config(values), raw.shape[-1])
+    return np.asarray(shaping.shape(raw, raw if trace is None else trace))
 
 
 def test_individual_is_the_raw_reward() -> None:
-    np.testing.assert_array_equal(shape_reward(REWARD, "individual"), REWARD)
+    np.testing.assert_array_equal(shaped(REWARD, reward="individual"), REWARD)
 
 
 def test_common_is_the_sum_for_everyone() -> None:
-    np.testing.assert_array_equal(shape_reward(REWARD, "common"), [[[3.0, 3.0, 3.0]], [[0.5, 0.5, 0.5]]])
+    np.testing.assert_array_equal(shaped(REWARD, reward="common"), [[[3.0, 3.0, 3.0]], [[0.5, 0.5, 0.5]]])
 
 
-@pytest.mark.parametrize("mode", ["individual", "common"])
-def test_mean_return_of_symmetric_agents_scales_by_their_number_at_most(mode: str) -> None:
-    """Common reward multiplies the group's reward by N; individual reward leaves it."""
-    factor = {"individual": 1.0, "common": 3.0}[mode]
-    np.testing.assert_allclose(shape_reward(REWARD, mode).sum(-1), factor * REWARD.sum(-1))
+def test_common_may_be_the_mean() -> None:
+    np.testing.assert_allclose(shaped(REWARD, reward="common", common_reward="mean"), [[[1.0] * 3], [[0.5 / 3] * 3]], rtol=1e-6)
 
 
-def test_one_agent_alone_is_its_own_group() -> None:
-    np.testing.assert_array_equal(shape_reward(REWARD[..., :1], "common"), shape_reward(REWARD[..., :1], "individual"))
+@pytest.mark.parametrize("mode", MODES)
+def test_one_agent_alone_has_its_own_reward(mode: str) -> None:
+    """Alone at 0 degrees it deviates from nothing, exchanges with nobody and envies nobody."""
+    alone = jnp.array([[1.0], [0.0], [2.5]])
+    np.testing.assert_allclose(shaped(alone, reward=mode, svo_angle=0), alone, rtol=1e-6)
+
+
+# social value orientation
+
+
+def deviation(own: float, others: float, sought: float, at_rest: str = "content", quadrant: bool = True) -> float:
+    """Returns agent 0's deviation in degrees, where the others have `others` on average."""
+    trace = jnp.array([own, others - 1.0, others + 1.0] if others else [own, 0.0, 0.0])
+    return math.degrees(svo_deviation(trace, jnp.full(3, math.radians(sought)), at_rest, quadrant)[0])
+
+
+@pytest.mark.parametrize(
+    ("own", "others", "angle"), [(1.0, 0.0, 0.0), (2.0, 2.0, 45.0), (0.0, 3.0, 90.0), (1.0, 3.0**0.5, 60.0), (3.0**0.5, 1.0, 30.0)]
+)
+@pytest.mark.parametrize("sought", [0.0, 45.0, 90.0])
+def test_the_orientation_is_the_angle_of_own_and_others_rewards(own: float, others: float, angle: float, sought: float) -> None:
+    assert deviation(own, others, sought) == pytest.approx(abs(angle - sought), abs=1e-3)
+
+
+@pytest.mark.parametrize(("at_rest", "degrees"), [("content", 0.0), ("selfish", 90.0)])
+def test_where_nobody_is_rewarded(at_rest: str, degrees: float) -> None:
+    assert deviation(0.0, 0.0, 90.0, at_rest) == pytest.approx(degrees, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("own", "others", "angle", "cut"),
+    [(-2.0, 2.0, 135.0, 90.0), (2.0, -2.0, -45.0, 0.0), (-2.0, -2.0, -135.0, 0.0), (-1.0, 0.0, 180.0, 90.0)],
+)
+def test_the_quadrant_cuts_what_negative_rewards_lead_to(own: float, others: float, angle: float, cut: float) -> None:
+    assert deviation(own, others, 0.0) == pytest.approx(cut, abs=1e-3)
+    assert deviation(own, others, 0.0, quadrant=False) == pytest.approx(abs(angle), abs=1e-3)
+
+
+def test_differences_go_the_short_way_round() -> None:
+    """From -135 to 170 degrees are 305 one way and 55 the other."""
+    assert deviation(-2.0, -2.0, 170.0, quadrant=False) == pytest.approx(55.0, abs=1e-3)
+    assert deviation(-2.0, -2.0, 90.0, quadrant=False) == pytest.approx(135.0, abs=1e-3)
+
+
+def test_svo_deducts_the_weighted_deviation_in_radians() -> None:
+    """Three agents; the mean of the others is 1, 2.5 and -0.5: 45 degrees, 90 cut from 128.7, and 0 cut from -7.1."""
+    angles = np.radians([45.0, 90.0, 0.0])
+    expected = np.asarray(REWARD[0, 0]) - 0.2 * np.abs(angles - np.radians(90.0))
+    np.testing.assert_allclose(shaped(REWARD[0, 0], reward="svo", svo_weight=0.2), expected, rtol=1e-5)
+
+
+def test_each_agent_may_seek_an_angle_of_its_own() -> None:
+    found = shaped(jnp.array([1.0, 1.0, 1.0]), reward="svo", svo_weight=1.0, svo_angle=(0, 45, 90))
+    np.testing.assert_allclose(found, [1 - math.pi / 4, 1.0, 1 - math.pi / 4], rtol=1e-5)
+
+
+def test_there_must_be_one_angle_or_one_for_each() -> None:
+    with pytest.raises(ConfigError, match="`svo_angle` must be one angle, or one for each of the 3 agents, not 2"):
+        make_shaping(make_config(reward="svo", svo_angle=(0, 45)), 3)
+
+
+def test_svo_compares_traces_and_pays_rewards() -> None:
+    found = shaped(jnp.array([2.0, 0.0]), jnp.array([0.0, 5.0]), reward="svo", svo_weight=1.0, svo_angle=90)
+    np.testing.assert_allclose(found, [2.0, 0.0 - math.pi / 2], rtol=1e-6)
+
+
+# reward exchange
+
+
+@pytest.mark.parametrize(("ratio", "number", "share"), [(0.0, 5, 1.0), (1.0, 4, 0.25), (0.5, 2, 2 / 3), (0.5, 7, 0.25), (0.3, 1, 1.0)])
+def test_kept_share(ratio: float, number: int, share: float) -> None:
+    """The shares of ratio 1/2 are those of SocialJax's configurations: .6667 of two agents, .25 of seven."""
+    assert kept_share(ratio, number) == pytest.approx(share)
+
+
+def test_exchange_counts_others_rewards_by_the_ratio() -> None:
+    """u_i is proportional to r_i + ratio * the sum of the others', and sums to what is paid."""
+    reward = np.array([1.0, -2.0, 4.0, 0.5])
+    wanted = np.array([reward[i] + 0.3 * (reward.sum() - reward[i]) for i in range(4)])
+    wanted *= reward.sum() / wanted.sum()
+    np.testing.assert_allclose(exchanged(jnp.asarray(reward), kept_share(0.3, 4)), wanted, rtol=1e-5)
+
+
+def test_exchange_reaches_from_individual_to_the_common_mean() -> None:
+    np.testing.assert_array_equal(shaped(REWARD, reward="exchange", exchange_ratio=0), REWARD)
+    mean = shaped(REWARD, reward="common", common_reward="mean")
+    np.testing.assert_allclose(shaped(REWARD, reward="exchange", exchange_ratio=1), mean, rtol=1e-6)
+
+
+# inequity aversion
+
+
+def test_inequity_aversion_is_the_double_sum() -> None:
+    draw = np.random.default_rng(0)
+    reward, trace = draw.normal(size=(2, 6, 5)).astype(np.float32)
+    expected = reward.copy()
+    for row in range(6):
+        for i in range(5):
+            for j in range(5):
+                expected[row, i] -= 3.0 / 4 * max(trace[row, j] - trace[row, i], 0)
+                expected[row, i] -= 0.7 / 4 * max(trace[row, i] - trace[row, j], 0)
+    found = shaped(jnp.asarray(reward), jnp.asarray(trace), reward="inequity", inequity_envy=3.0, inequity_guilt=0.7)
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-5)
+
+
+# scaling
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_socialjax_scales_what_is_each_agents_own(mode: str) -> None:
+    """Rewards of an agent are times their number there; the common sum is the sum."""
+    factor = 1.0 if mode == "common" else 3.0
+    plain, scaled = (shaped(REWARD, reward=mode, match_socialjax=match) for match in (False, True))
+    np.testing.assert_allclose(scaled, factor * plain, rtol=1e-6)
+
+
+def test_socialjax_sums_the_common_sum_again_for_vdn() -> None:
+    plain, scaled = (shaped(REWARD, algorithm="vdn", match_socialjax=match) for match in (False, True))
+    np.testing.assert_array_equal(plain[0, 0], [3.0, 3.0, 3.0])
+    np.testing.assert_allclose(scaled, 3.0 * plain)
+
+
+# traces
+
+
+def played(smoothing: float, num_steps: int, rollouts: int) -> list[Rollout]:
+    """Returns rollouts of `uneven`, whose shaped rewards show the traces."""
+    env = tabled(uneven(), tables_of(uneven()))
+    shaping = Shaping(lambda _, trace: trace, smoothing)
+
+    def act(worlds: Worlds, joint: None, key: jax.Array) -> tuple[tuple[()], jax.Array, None]:
+        del joint, key
+        return (), jnp.zeros((worlds.fresh.shape[0], 2), jnp.int32), None
+
+    actor = Actor(act, pack=lambda observation: observation, follow=lambda _, __, ___: ())
+    play = jax.jit(partial(collect_rollout, env, actor, num_steps=num_steps, shaping=shaping))
+    start_key, *keys = jax.random.split(jax.random.key(0), 1 + rollouts)
+    worlds = start_worlds(env, 8, (), start_key)
+    pieces = []
+    for key in keys:
+        worlds, rollout, _, _ = play(worlds=worlds, key=key)
+        pieces.append(rollout)
+    return pieces
+
+
+@pytest.mark.parametrize("smoothing", [pytest.param(0.0, marks=pytest.mark.slow), 0.5])
+def test_traces_decay_and_end_with_the_episode(smoothing: float) -> None:
+    """Over rollouts that cut episodes of two and five steps anywhere; agent 0 is paid 1 a step, agent 1 nothing."""
+    pieces = played(smoothing, 3, 6)
+    reward, done, traces = (np.concatenate([getattr(piece, name) for piece in pieces]) for name in ("reward", "done", "shaped_reward"))
+    assert done.any(axis=0).all()
+    for env in range(8):
+        trace = np.zeros(2)
+        for step in range(18):
+            trace = smoothing * trace + reward[step, env]
+            np.testing.assert_allclose(traces[step, env], trace, rtol=1e-6)
+            if done[step, env]:
+                trace = np.zeros(2)
+
+
+# whole runs
+
+
+@pytest.mark.slow
+def test_svo_of_no_weight_trains_as_individual_reward_does() -> None:
+    """But for the rounding of two programs: 2e-7 of a number."""
+    individual, svo = (learn(dilemma(), **changes)[1] for changes in ({}, {"reward": "svo", "svo_weight": 0.0}))
+    jax.tree.map(partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-6), individual, svo)
+
+
+@pytest.mark.slow
+def test_full_exchange_trains_as_the_common_mean_does() -> None:
+    """To rounding, over the first updates: later ones enlarge it."""
+    exchange, mean = (
+        learn(dilemma(), reward=reward, **changes)[1]
+        for reward, changes in (("exchange", {"exchange_ratio": 1.0}), ("common", {"common_reward": "mean"}))
+    )
+    np.testing.assert_allclose(exchange["loss"][:10], mean["loss"][:10], rtol=1e-3, atol=1e-4)
+    np.testing.assert_allclose(exchange["agent_return"][-1], mean["agent_return"][-1], atol=0.1)

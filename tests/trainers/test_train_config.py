@@ -1,12 +1,12 @@
 """Configurations: wrong ones are refused in the user's words, right ones never change."""
 
-from pathlib import Path
+from typing import Any
 
 import pytest
-from probes import QUICK, constant
+from probes import constant, quick
 from pydantic import ValidationError
 
-from sjdsl.trainers import Config, ConfigError, load_preset, make_train
+from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, make_config, make_train
 
 
 @pytest.mark.parametrize(
@@ -21,28 +21,38 @@ from sjdsl.trainers import Config, ConfigError, load_preset, make_train
         ({"gamma": -0.1}, "`gamma` must be at least 0.0, not -0.1"),
         ({"learning_rate": float("inf")}, "`learning_rate` must be a finite number, not inf"),
         ({"anneal_learning_rate": "perhaps"}, "`anneal_learning_rate` must be true or false, not 'perhaps'"),
-        ({"reward": "shared"}, "`reward` must be 'individual' or 'common', not 'shared'"),
+        ({"reward": "shared"}, "`reward` must be 'individual', 'common', 'svo', 'exchange' or 'inequity', not 'shared'"),
+        ({"exchange_ratio": 1.1}, "`exchange_ratio` must be at most 1.0, not 1.1"),
+        ({"svo_angle": 200}, "`svo_angle` must be at most 180.0, not 200"),
+        ({"svo_angle": ()}, "`svo_angle` must be one number or more"),
+        ({"roles": (0, -1)}, "`roles` must be at least 0, not -1"),
+        ({"memory": "lstm"}, "`memory` must be 'none' or 'gru', not 'lstm'"),
+        ({"algorithm": "a2c"}, "unknown algorithm 'a2c'; known: ippo, mappo, vdn"),
+        ({"algorithm": "vdn", "reward": "svo"}, "`reward` must be 'common', not 'svo'"),
+        ({"algorithm": "vdn", "epsilon_fraction": 0}, "`epsilon_fraction` must be more than 0.0, not 0"),
+        ({"algorithm": "vdn", "num_epochs": 2}, "`num_epochs`"),
+        ({"buffer_size": 2}, "`buffer_size`"),
     ],
 )
-def test_wrong_values_are_explained(values: dict[str, object], message: str) -> None:
+def test_wrong_values_are_explained(values: dict[str, Any], message: str) -> None:
     with pytest.raises(ConfigError) as error:
-        Config(**values)
+        make_config(values)
     assert message in str(error.value)
 
 
 def test_all_faults_are_told_at_once() -> None:
     with pytest.raises(ConfigError) as error:
-        Config(gama=0.9, num_envs=-1)
+        make_config(gama=0.9, num_envs=-1)
     assert len(str(error.value).splitlines()) == 2
 
 
 def test_numbers_may_come_as_text() -> None:
-    config = Config(total_timesteps="1e6", learning_rate="3e-4", anneal_learning_rate="false")
+    config = make_config(total_timesteps="1e6", learning_rate="3e-4", anneal_learning_rate="false")
     assert (config.total_timesteps, config.learning_rate, config.anneal_learning_rate) == (1_000_000, 3e-4, False)
 
 
 def test_a_config_is_frozen() -> None:
-    config = Config()
+    config = PPOConfig()
     before = config.model_dump()
     with pytest.raises(ValidationError):
         config.seed = 1  # type: ignore[misc]
@@ -51,49 +61,33 @@ def test_a_config_is_frozen() -> None:
 
 
 def test_the_last_update_is_whole() -> None:
-    assert Config(num_envs=4, num_steps=8, total_timesteps=65).num_updates == 3
+    assert PPOConfig(num_envs=4, num_steps=8, total_timesteps=65).num_updates == 3
 
 
-def test_samples_must_divide_into_minibatches() -> None:
-    with pytest.raises(ConfigError, match="16 x 16 x 1 = 256 samples cannot be split into num_minibatches = 3"):
-        make_train(constant(1.0), Config(**{**QUICK, "num_minibatches": 3}))
+def test_lists_may_come_as_text_or_as_one_number() -> None:
+    config = make_config(svo_angle="45, 90", roles="0,0,1")
+    assert isinstance(config, PPOConfig)
+    assert (config.svo_angle, config.roles) == ((45.0, 90.0), (0, 0, 1))
+    assert make_config(svo_angle=45).svo_angle == (45.0,)
 
 
-def test_a_packaged_preset_and_changes() -> None:
-    quick = load_preset("quick", {"seed": 7, "num_envs": "32"})
-    assert quick.game == "coins"
-    assert (quick.config.seed, quick.config.num_envs, quick.config.reward) == (7, 32, "common")
-    with pytest.raises(ConfigError, match="did you mean `learning_rate`"):
-        load_preset("quick", {"learning_rates": 1})
-
-
-def test_a_preset_in_a_file(tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text('game = "harvest"\n[environment]\nnum_agents = 3\n[config]\ntotal_timesteps = 1e5\n')
-    mine = load_preset(path)
-    assert (mine.game, mine.environment, mine.config) == ("harvest", {"num_agents": 3}, Config(total_timesteps=100_000))
+def test_the_algorithm_decides_which_keys_there_are() -> None:
+    kinds = {algorithm: type(make_config(algorithm=algorithm)) for algorithm in ("ippo", "mappo", "vdn")}
+    assert kinds == {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
+    assert make_config().algorithm == "ippo"
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("changes", "message"),
     [
-        ('game = "a"\n[confg]\n', r"mine\.toml: unknown key `confg`; did you mean `config`"),
-        ("game = 3\n", "`game` must be text, not 3"),
-        ('game = "a"\nconfig = 3\n', "`config` must be a table, not 3"),
-        ("[config]\nseed = 1\n", "no game is named"),
-        ("game = \n", r"mine\.toml: "),
+        ({"num_minibatches": 3}, "16 x 16 = 256 steps cannot be split into num_minibatches = 3 equal parts"),
+        ({"num_minibatches": 32, "memory": "gru"}, "num_envs = 16 cannot be split into num_minibatches = 32 equal parts"),
     ],
 )
-def test_wrong_preset_files_are_explained(tmp_path: Path, text: str, message: str) -> None:
-    (tmp_path / "mine.toml").write_text(text)
+def test_a_rollout_must_divide_into_minibatches(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
-        load_preset(tmp_path / "mine.toml")
+        make_train(constant(1.0), quick(**changes))
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [("quik", "unknown preset `quik`; did you mean `quick`"), ("none.toml", r"none\.toml does not exist")],
-)
-def test_missing_presets_are_explained(name: str, message: str) -> None:
-    with pytest.raises(ConfigError, match=message):
-        load_preset(name)
+def test_seeds_are_numbered_from_the_first() -> None:
+    assert make_config(seed=3, seeds=4).seed_numbers == (3, 4, 5, 6)

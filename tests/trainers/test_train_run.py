@@ -10,16 +10,16 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
-import optax
 import pytest
-from flax.training.train_state import TrainState as Learner
+from jax.tree_util import keystr, tree_leaves_with_path
 from probes import QUICK, matching
+from run_outcomes import counting, read_lines, read_manifest
+from safetensors.numpy import load_file
 
-from sjdsl.trainers import Config, PolicyError, Result, RunError, Train, TrainState, evaluate, load_policy, run, train
+from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, run, train
 from sjdsl.trainers.progress import show_progress
-from sjdsl.trainers.run_folder import read_parameters
 
-CONFIG = Config(**{**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_every": 8, "seed": 5})
+CONFIG = make_config({**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_every": 8, "seed": 5})
 
 
 @pytest.fixture(scope="module")
@@ -27,19 +27,11 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Result:
     return train(matching(), CONFIG, tmp_path_factory.mktemp("runs") / "first", "none", {"game": "matching"})
 
 
-def _manifest(run_dir: Path) -> dict[str, object]:
-    return json.loads((run_dir / "manifest.json").read_text())
-
-
-def _rows(run_dir: Path) -> list[dict[str, float]]:
-    return [json.loads(line) for line in (run_dir / "metrics.jsonl").read_text().splitlines()]
-
-
 def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
-    manifest = _manifest(result.run_dir)
+    manifest = read_manifest(result.run_dir)
     assert manifest["status"] == "finished"
     assert manifest["seed"] == 5
-    assert Config(**manifest["config"]) == CONFIG
+    assert make_config(manifest["config"]) == CONFIG
     assert manifest["provenance"] == {"game": "matching"}
     assert manifest["game"] == {
         "name": "matching",
@@ -51,11 +43,12 @@ def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
     }
     assert manifest["versions"]["jax"] == jax.__version__
     assert manifest["device"]["platform"] == jax.devices()[0].platform
-    assert manifest["seconds"] == pytest.approx(result.seconds, abs=1.0)
+    assert 0 < manifest["compile_seconds"] < manifest["seconds"] < result.seconds
+    assert 0 < manifest["program_megabytes"] < manifest["peak_megabytes"]
 
 
 def test_metrics_have_one_row_an_update_in_both_files(result: Result) -> None:
-    rows = _rows(result.run_dir)
+    rows = read_lines(result.run_dir / "metrics.jsonl")
     assert [row["update"] for row in rows] == list(range(1, 21))
     assert rows[-1]["env_steps"] == 16 * 16 * 20
     wanted = {"return", "return_agent_1", "shaped_return", "collective_return", "episodes", "entropy", "kl"}
@@ -71,15 +64,16 @@ def test_the_learning_curve_is_drawn(result: Result) -> None:
     assert (result.run_dir / "learning_curve.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_checkpoints_hold_the_parameters(result: Result) -> None:
-    stored = sorted((result.run_dir / "checkpoints").iterdir())
-    assert [path.name for path in stored if path.suffix == ".msgpack"] == [
-        "00000008.msgpack",
-        "00000016.msgpack",
-        "00000020.msgpack",
-    ]
-    assert json.loads((result.run_dir / "checkpoints" / "00000016.json").read_text())["update"] == 16
-    jax.tree.map(np.testing.assert_array_equal, read_parameters(stored[-1]), result.parameters)
+def test_policies_and_checkpoints_are_kept(result: Result) -> None:
+    policies = result.run_dir / "policies"
+    assert {path.stem for path in policies.iterdir()} == {"00000008", "00000016", "00000020", "last", "best"}
+    assert json.loads((policies / "00000016.json").read_text())["update"] == 16
+    stored = load_file(policies / "last.safetensors")
+    trained = {keystr(place): leaf for place, leaf in tree_leaves_with_path(result.parameters)}
+    assert stored.keys() == trained.keys()
+    for name, leaf in trained.items():
+        np.testing.assert_array_equal(stored[name], leaf)
+    assert sorted(path.name for path in (result.run_dir / "checkpoints").iterdir()) == ["16", "20"], "the last two"
     assert not list(result.run_dir.rglob("*.unfinished"))
 
 
@@ -98,7 +92,7 @@ def test_a_stored_policy_acts_as_it_learnt(result: Result) -> None:
 def test_a_stored_policy_must_fit(result: Result, tmp_path: Path) -> None:
     with pytest.raises(PolicyError, match="2 actions"):
         load_policy(result.run_dir, dataclasses.replace(matching(), num_actions=3))
-    with pytest.raises(PolicyError, match="no checkpoint of update 7, but of 8, 16, 20"):
+    with pytest.raises(PolicyError, match="no policy of update 7, but of 8, 16, 20"):
         load_policy(result.run_dir, matching(), update=7)
     with pytest.raises(PolicyError, match="is no run folder"):
         load_policy(tmp_path, matching())
@@ -111,21 +105,9 @@ def test_a_run_never_writes_over_another(result: Result) -> None:
         train(matching(), CONFIG, result.run_dir, "none")
 
 
-def _quick_to_compile(diverges_after: int) -> Train:
-    """Returns a run that learns nothing; its parameter counts the updates."""
-
-    def init(key: jax.Array) -> TrainState:
-        learner = Learner.create(apply_fn=None, params={"updates": jnp.zeros(())}, tx=optax.sgd(1.0))
-        return TrainState(key, learner, None, jnp.int32(0))
-
-    def update(state: TrainState) -> tuple[TrainState, dict[str, jax.Array]]:
-        updates = state.updates + 1
-        learner = state.learner.replace(params={"updates": updates.astype(jnp.float32)})
-        loss = jnp.where(updates > diverges_after, jnp.nan, 1.0)
-        metrics = {"episodes": updates, "collective_return": jnp.float32(2), "agent_return": jnp.ones(2), "loss": loss}
-        return state.replace(learner=learner, updates=updates), metrics
-
-    return Train(init, update)
+def _updates_of(run_dir: Path, name: str) -> float:
+    """Returns what `counting` keeps as its parameter."""
+    return load_file(run_dir / "policies" / f"{name}.safetensors")["['updates']"].item()
 
 
 def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -133,29 +115,51 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytes
     def interrupt(*_: object) -> Iterator[object]:
         def show(row: dict[str, float]) -> None:
             if row["update"] == 3:
-                assert len(_rows(tmp_path / "run")) == 3  # on disk already, should the process be killed
+                assert len(read_lines(tmp_path / "run" / "metrics.jsonl")) == 3  # on disk already, should the process be killed
                 raise KeyboardInterrupt
 
         yield show
 
     monkeypatch.setattr(run, "show_progress", interrupt)
-    monkeypatch.setattr(run, "make_train", lambda *_: _quick_to_compile(diverges_after=100))
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
     with pytest.raises(KeyboardInterrupt):
         train(matching(), CONFIG, tmp_path / "run", "none")
-    assert _manifest(tmp_path / "run")["status"] == "interrupted"
-    assert [row["update"] for row in _rows(tmp_path / "run")] == [1, 2, 3]
+    assert read_manifest(tmp_path / "run")["status"] == "interrupted"
+    assert [row["update"] for row in read_lines(tmp_path / "run" / "metrics.jsonl")] == [1, 2, 3]
     assert (tmp_path / "run" / "learning_curve.png").exists()
-    assert read_parameters(tmp_path / "run" / "checkpoints" / "00000003.msgpack")["updates"] == 3.0
+    assert _updates_of(tmp_path / "run", "last") == 3.0
 
 
 def test_a_diverged_run_stops_with_its_last_good_parameters(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "make_train", lambda *_: _quick_to_compile(diverges_after=4))
-    with pytest.raises(RunError, match="the loss became nan in update 5"):
-        train(matching(), CONFIG, tmp_path / "run", "none")
-    assert "the loss became nan" in str(_manifest(tmp_path / "run")["status"])
-    assert [row["loss"] for row in _rows(tmp_path / "run")] == [1.0, 1.0, 1.0, 1.0, None]
-    (stored,) = (tmp_path / "run" / "checkpoints").glob("*.msgpack")
-    assert read_parameters(stored)["updates"] == 4.0
+    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9))
+    with pytest.raises(
+        RunError, match=r"the loss became nan in update 10 of seed 0; the policy of update 9 is kept.*smaller learning_rate"
+    ):
+        train(matching(), CONFIG.model_copy(update={"seed": 0}), tmp_path / "run", "none")
+    assert str(read_manifest(tmp_path / "run")["status"]).startswith("failed: the loss became nan")
+    assert [row["loss"] for row in read_lines(tmp_path / "run" / "metrics.jsonl")] == [1.0] * 9 + [None]
+    assert _updates_of(tmp_path / "run", "last") == 9.0
+    assert _updates_of(tmp_path / "run", "00000009") == 9.0
+    assert _updates_of(tmp_path / "run", "00000008") == 8.0
+    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["8"], "what diverged is not gone on from"
+
+
+def test_parameters_that_are_not_finite_are_never_kept(tmp_path: Path) -> None:
+    """A real run whose steps are absurd: whatever is stored can be played."""
+    config = CONFIG.model_copy(update={"learning_rate": 1e38, "max_gradient_norm": 1e38, "anneal_learning_rate": False})
+    with pytest.raises(RunError, match=r"the loss became nan in update \d+.*Try a smaller learning_rate than 1e\+38"):
+        train(matching(), config, tmp_path / "run", "none")
+    for tensor in load_file(tmp_path / "run" / "policies" / "last.safetensors").values():
+        assert np.isfinite(tensor).all()
+
+
+def test_seeds_are_runs_side_by_side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of which diverges: it is named."""
+    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=6))
+    with pytest.raises(RunError, match=r"update 10 of seed 6; the policy of update 9"):
+        train(matching(), CONFIG.model_copy(update={"seeds": 3}), tmp_path / "run", "none")
+    assert sorted(path.name for path in (tmp_path / "run").glob("seed_*")) == ["seed_5", "seed_6", "seed_7"]
+    assert _updates_of(tmp_path / "run" / "seed_6", "last") == 9.0
 
 
 def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
@@ -167,6 +171,7 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
                     "env_steps": 1000 * update,
                     "seconds": 1.5 * update,
                     "steps_per_second": 5e4,
+                    "rollout_share": 0.25,
                     "episodes": episodes,
                     "collective_return": 7.25 if episodes else float("nan"),
                 }
@@ -174,5 +179,5 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
     printed = capsys.readouterr().out.splitlines()  # the second update comes too soon after the first
     title, first, last = (" ".join(line.split()) for line in printed)
     assert title == "a run: compiling"
-    assert first == "update 1/3 1,000 steps 50,000 steps/s 3 s left no episode finished yet"
-    assert last == "update 3/3 3,000 steps 50,000 steps/s 0 s left collective return 7.2"
+    assert first == "update 1/3 1,000 steps 50,000 steps/s 25% playing 3 s left no episode finished yet"
+    assert last == "update 3/3 3,000 steps 50,000 steps/s 25% playing 0 s left collective return 7.2"

@@ -77,7 +77,7 @@ def _state(game: ir.Game, w: Writer) -> list[Attribute]:
     ]
     if stores_moved(game):
         found.append(Attribute("moved", "[N]", "bool_", "did the last movement change the cell", f"jnp.zeros({n}, bool)"))
-    if _stores_away(game):
+    if w.module.stores_away:
         found += [
             Attribute(
                 "away",
@@ -103,11 +103,6 @@ def _state(game: ir.Game, w: Writer) -> list[Attribute]:
             )
         )
     return found
-
-
-def _stores_away(game: ir.Game) -> bool:
-    """Whether somebody can be sent away for some ticks."""
-    return any(isinstance(x, ir.Send) and x.after is not None for x in ir.walk(game))
 
 
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Attribute:
@@ -202,7 +197,7 @@ def _outcome(game: ir.Game) -> list[Attribute]:
 
 def _phase(phase: ir.Phase, pools: tuple, module: Module) -> Function:
     w = Writer(module, starting=phase is module.game.start)
-    sends = Sends(pools, away_stored=_stores_away(module.game))
+    sends = Sends(pools, away_stored=module.stores_away)
     block(phase.body, Frame(), w, sends)
     w.origin = None
     finish_writes(w)
@@ -236,7 +231,7 @@ def _tick(pools: dict, module: Module) -> Function:
             w.origin = field.origin
             w.assign(name, f"{old} - ({old} > 0).astype({old}.dtype)")
     w.origin = None
-    if _stores_away(module.game):
+    if module.stores_away:
         w.line(f"state = {_replaced('state', w.changed)}")
         w.changed.clear()
         returns(pools, w)

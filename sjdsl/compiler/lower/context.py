@@ -92,7 +92,17 @@ class Module:
     @cached_property
     def can_be_away(self) -> bool:
         """Whether agents can be off the map during a step."""
-        return any(isinstance(n, ir.Remove) or (isinstance(n, ir.Send) and n.after is not None) for n in ir.walk(self.game))
+        return self.stores_away or any(isinstance(n, ir.Remove) for n in ir.walk(self.game))
+
+    @cached_property
+    def stores_away(self) -> bool:
+        """Whether somebody can be sent away for some ticks."""
+        return any(s.after is not None for s in self.sends)
+
+    @cached_property
+    def sends(self) -> tuple[ir.Send, ...]:
+        """All sentences that send agents somewhere, in the order of the game."""
+        return tuple(n for n in ir.walk(self.game) if isinstance(n, ir.Send))
 
     def field(self, read: ir.FieldRead, kind: str = "") -> ir.VarField:
         """Returns the declaration of a field."""

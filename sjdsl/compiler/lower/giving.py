@@ -39,6 +39,11 @@ def tally(s: ir.Tally, frame: Frame, w: Writer) -> None:
     if key.literal:
         _count(s, attribute, key.text, amount, frame, w)
         return
+    if _is_one_each(s.receiver, frame):  # all columns at once: one sum instead of an update for each
+        word = w.axis("word", len(event.by))
+        here = frame.when(binary("==", key, iota(word, "u8"), "bool"))
+        _count(s, attribute, "", amount, here, w)
+        return
     for number in range(len(event.by)):  # the word differs from instance to instance: one column at a time
         here = frame.when(binary("==", key, literal(number, "u8"), "bool"))
         _count(s, attribute, str(number), amount, here, w)
@@ -49,6 +54,12 @@ def _count(s: ir.Tally, attribute: str, column: str, amount: Value, frame: Frame
         deliver(attribute, f":, {column}" if column else "", per_agent(s.receiver, amount, frame, w), w)
     else:
         deliver(attribute, column, _summed(frame.mask, amount, frame.axes, w), w)
+
+
+def _is_one_each(receiver: ir.Expr | None, frame: Frame) -> bool:
+    """Whether every instance has an agent of its own that receives."""
+    who = frame.variables[receiver.name] if isinstance(receiver, ir.Member) else None
+    return isinstance(who, AgentVar) and who.axis is not None and frame.axes == (who.axis,)
 
 
 def deliver(attribute: str, place: str, got: Value, w: Writer) -> None:

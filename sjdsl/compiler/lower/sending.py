@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, Writer, iota
+from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, Module, Writer, iota
 from sjdsl.compiler.lower.expressions import lower, owner
 from sjdsl.compiler.lower.values import Axis, Value, as_dtype, both, invert, literal, reduce, select
 from sjdsl.compiler.streams import RETURN
@@ -99,7 +99,7 @@ def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
 
 def finish(sends: Sends, w: Writer) -> None:
     """Writes the placing of all who are sent in a phase."""
-    can_be_away = any(a.after is not None for p in sends.pools for a in _sends_of(p, w.module.game)) or sends.away_stored
+    can_be_away = any(a.after is not None for p in sends.pools for a in _sends_of(p, w.module)) or sends.away_stored
     for pool in sends.pools:
         parts = sends.now.get(pool.number, [])
         if not parts:
@@ -107,7 +107,7 @@ def finish(sends: Sends, w: Writer) -> None:
         w.origin = parts[0][0].origin
         sent = parts[0][1] if len(parts) == 1 else w.keep("sent", Value(" | ".join(t for _, t in parts), "bool")).text
         leaving = [sent, *(text for p, _, text, _ in sends.away if p is pool)]
-        left = "" if any(s.stay for s in _sends_of(pool, w.module.game)) else " | ".join(leaving)
+        left = "" if any(s.stay for s in _sends_of(pool, w.module)) else " | ".join(leaving)
         placed = place(pool, sent, left, w, 0)
         _headings(pool, parts, placed, w)
         if can_be_away:
@@ -126,9 +126,9 @@ def finish(sends: Sends, w: Writer) -> None:
             w.assign("away", f"jnp.where({removed}, 0, {w.current('away')})")
 
 
-def _sends_of(pool: Pool, game: ir.Game) -> list[ir.Send]:
+def _sends_of(pool: Pool, module: Module) -> list[ir.Send]:
     """Returns all sentences that send to a pool."""
-    return [x for x in ir.walk(game) if isinstance(x, ir.Send) and x.order_stream == pool.send.order_stream]
+    return [s for s in module.sends if s.order_stream == pool.send.order_stream]
 
 
 def place(pool: Pool, sent: str, leaving: str, w: Writer, stream_change: int) -> str:
@@ -181,7 +181,7 @@ def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
     w.line("state = state.replace(away=state.away - ((state.position == 0) & (state.away > 1)).astype(jnp.int32))")
     w.names.taken |= {"due"}
     for pool in (p for phase in pools.values() for p in phase):
-        if not any(s.after is not None for s in _sends_of(pool, w.module.game)):
+        if not any(s.after is not None for s in _sends_of(pool, w.module)):
             continue
         w.known.clear()
         w.origin = pool.send.origin

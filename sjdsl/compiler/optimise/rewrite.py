@@ -15,7 +15,7 @@ def rewrite(node: N, rule: Rule) -> N:
     A rule returns a node, or for a sentence a tuple of sentences to stand in its place.
     """
     update: dict[str, Any] = {}
-    for name in type(node).model_fields:
+    for name in ir.inner_fields(type(node)):
         value = getattr(node, name)
         new = _rewritten(value, rule)
         if new is not value:

@@ -1,0 +1,35 @@
+"""Films of episodes, as commands write them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from sjdsl.runtime.env import Environment
+
+SPEED = 8.0  # frames a second
+
+
+def check_film(path: Path) -> None:
+    """Refuses a file that is no film, or one that needs a package that is missing."""
+    if path.suffix not in (".gif", ".mp4"):
+        raise click.UsageError(f"`{path}` is no .gif, no .mp4 and no .png", click.get_current_context(silent=True))
+    if path.suffix == ".mp4":
+        import importlib.util
+
+        if importlib.util.find_spec("av") is None:
+            raise click.ClickException("an .mp4 needs the package av: pip install 'sjdsl[video]'; a .gif needs nothing")
+
+
+def save_film(env: "Environment", policy: Any, path: Path, steps: int, seed: int, every: int = 1, speed: float = SPEED) -> str:
+    """Plays, draws and writes a film; returns what there is to say about it."""
+    from sjdsl.render import make_painter, play, save_gif, save_mp4
+
+    painter = make_painter(env)
+    frames = [painter.draw(shot) for shot in play(env, policy, steps, seed, every)]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save = save_mp4 if path.suffix == ".mp4" else save_gif
+    save(frames, path, round(1000 / speed))
+    width, height = frames[0].size
+    return f"{path}  {len(frames)} frames of {width} x {height} pixels, {path.stat().st_size / 1000:.0f} kB"

@@ -1,0 +1,30 @@
+"""`sjdsl plot`: learning curves of runs in one picture."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("plot")
+@click.argument("runs", nargs=-1, required=True, metavar="RUN...")
+@click.option("-o", "output", required=True, metavar="FILE", help="A .png, .svg or .pdf.")
+@click.option(
+    "--metric",
+    default="collective_return",
+    show_default=True,
+    help="A column of metrics.jsonl; sums and a quotient of them too, as in event_own/event_own+event_other.",
+)
+def command(runs: tuple[str, ...], output: str, metric: str) -> None:
+    """Draws a metric of RUNs over environment steps: the mean over a run's seeds, and their range.
+
+    RUN is a folder that `sjdsl train` wrote, or NAME=FOLDER to give it a name in the picture.
+    """
+    from sjdsl.trainers.curves import draw_curves
+
+    pairs = [text.partition("=") for text in runs]
+    named = [(name, Path(folder)) if equals else (Path(name).name, Path(name)) for name, equals, folder in pairs]
+    path = Path(output)
+    if path.suffix not in (".png", ".svg", ".pdf"):
+        raise click.UsageError(f"`{path}` is no .png, .svg or .pdf", click.get_current_context())
+    draw_curves(named, metric, path)
+    click.echo(f"{path}  {metric} of {', '.join(name for name, _ in named)}")

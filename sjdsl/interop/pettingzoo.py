@@ -1,0 +1,155 @@
+"""PettingZoo: a compiled game as a `ParallelEnv`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import jax
+import numpy as np
+
+from sjdsl.factory import make
+from sjdsl.interop.missing import needs
+from sjdsl.render import make_painter, take_snapshot
+
+with needs("pettingzoo"):
+    from gymnasium import spaces
+    from pettingzoo import ParallelEnv
+
+Figures = dict[str, dict[str, Any]]
+
+
+class ParallelGame(ParallelEnv):
+    """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all leave together.
+
+    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"` is asked for; rewards are raw. An episode ends
+    by truncation, or by termination where the rules say `end`. Infos have the events of the step. An action out of range is refused.
+    It can be pickled: what comes back starts where this one stands.
+    """
+
+    metadata = {"name": "sjdsl_v0", "render_modes": ["rgb_array"], "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
+
+    def __init__(self, game: str, render_mode: str | None = None, observation: str = "onehot", **arguments: Any) -> None:
+        """Makes the environment.
+
+        Args:
+          game, observation, arguments: of `sjdsl.make`.
+          render_mode: None or `rgb_array`.
+        """
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode is None or rgb_array, not {render_mode!r}")
+        self._arguments = {"game": str(game), "render_mode": render_mode, "observation": observation, **arguments}
+        self.env = make(game, observation=observation, **arguments)
+        self.metadata = {**type(self).metadata, "name": f"{self.env.name}_v0"}
+        self.render_mode = render_mode
+        self.possible_agents = [f"agent_{index}" for index in range(self.env.num_agents)]
+        self.agents: list[str] = []
+        _, *window = self.env.observation_shape[1:]
+        box = spaces.Box(0, 255, (*window, self.env.observation_shape[1]), np.uint8)
+        self.observation_spaces = dict.fromkeys(self.possible_agents, box)
+        self.action_spaces = {agent: spaces.Discrete(self.env.num_actions) for agent in self.possible_agents}
+        size = jax.eval_shape(lambda key: self.env.state_vector(self.env.reset(key)[1]), jax.random.key(0)).shape
+        self.state_space = spaces.Box(-1.0, 1.0, size, np.float32)
+        self._vector = jax.jit(self.env.state_vector)
+        self._key: Any = None
+        self._state: Any = None
+        self._returns = np.zeros(self.env.num_agents)
+        self._painter: Any = None
+
+    def observation_space(self, agent: str) -> spaces.Space:
+        """Returns the same object at each call."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Space:
+        """Returns the same object at each call."""
+        return self.action_spaces[agent]
+
+    def reset(self, seed: int | None = None, options: dict | None = None) -> tuple[dict[str, np.ndarray], Figures]:
+        """Starts an episode. The same seed gives the same episode under the same actions; without one, the draws go on."""
+        del options
+        if seed is not None:
+            self._key = jax.random.key(seed)
+        elif self._key is None:
+            self._key = jax.random.key(int(np.random.SeedSequence().generate_state(1)[0]))
+        self._key, reset_key = jax.random.split(self._key)
+        observation, self._state = self.env.reset(reset_key)
+        self._returns = np.zeros(self.env.num_agents)
+        self.agents = self.possible_agents[:]
+        return self._of_each(_channels_last(observation)), {agent: {} for agent in self.agents}
+
+    def step(self, actions: Mapping[str, int]) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], Figures]:
+        """Plays one step; without agents, after an episode's end, nothing happens."""
+        if not self.agents:
+            if self._state is None:
+                raise RuntimeError("call reset before step")
+            return {}, {}, {}, {}, {}
+        chosen = np.array([self._checked(agent, actions) for agent in self.agents], np.int32)
+        self._key, step_key = jax.random.split(self._key)
+        observation, self._state, reward, done, info = self.env.step_env(step_key, self._state, chosen)
+        rewards = np.asarray(reward, np.float64)
+        self._returns = self._returns + rewards
+        events = {name: np.asarray(count) for name, count in info["events"].items()}
+        results = (
+            self._of_each(_channels_last(observation)),
+            {agent: float(value) for agent, value in zip(self.agents, rewards, strict=True)},
+            dict.fromkeys(self.agents, bool(info["terminated"])),
+            dict.fromkeys(self.agents, bool(info["truncated"])),
+            {
+                agent: {name: int(count[index] if count.ndim else count) for name, count in events.items()}
+                for index, agent in enumerate(self.agents)
+            },
+        )
+        if bool(done):
+            self.agents = []
+        return results
+
+    def state(self) -> np.ndarray:
+        """Returns the whole state as one vector, `[K]` float32."""
+        if self._state is None:
+            raise RuntimeError("call reset before state")
+        return np.asarray(self._vector(self._state))
+
+    def render(self) -> np.ndarray | None:
+        """Returns the picture `[height, width, 3]` uint8 of the state, or None without a render mode."""
+        if self.render_mode is None:
+            return None
+        if self._state is None:
+            raise RuntimeError("call reset before render")
+        self._painter = self._painter or make_painter(self.env)
+        return np.asarray(self._painter.draw(take_snapshot(self.env, self._state, self._returns)))
+
+    def close(self) -> None:
+        """Nothing is held open."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        stands = None if self._key is None else np.asarray(jax.random.key_data(self._key))
+        leaves = None if self._state is None else [np.asarray(leaf) for leaf in jax.tree.leaves(self._state)]
+        return {"arguments": self._arguments, "key": stands, "leaves": leaves, "returns": self._returns, "agents": self.agents}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        self.__init__(**kept["arguments"])  # type: ignore[misc]
+        if kept["key"] is not None:
+            self._key = jax.random.wrap_key_data(kept["key"])
+        if kept["leaves"] is not None:
+            structure = jax.tree.structure(jax.eval_shape(self.env.reset, jax.random.key(0))[1])
+            self._state = jax.tree.unflatten(structure, [jax.numpy.asarray(leaf) for leaf in kept["leaves"]])
+        self._returns, self.agents = kept["returns"], kept["agents"]
+
+    def _checked(self, agent: str, actions: Mapping[str, int]) -> int:
+        if agent not in actions:
+            raise KeyError(f"no action for {agent}; give one to each of {', '.join(self.agents)}")
+        action = int(actions[agent])
+        if not 0 <= action < self.env.num_actions:
+            raise ValueError(f"{action} is no action of {agent}: 0 .. {self.env.num_actions - 1}")
+        return action
+
+    def _of_each(self, values: np.ndarray) -> dict[str, np.ndarray]:
+        return dict(zip(self.agents, values, strict=True))
+
+
+def parallel_env(game: str, **arguments: Any) -> ParallelGame:
+    """Returns `ParallelGame(game, …)`, the name PettingZoo's tools look for."""
+    return ParallelGame(game, **arguments)
+
+
+def _channels_last(observation: Any) -> np.ndarray:
+    """Returns `[N, rows, cols, channels]` of an observation with planes first."""
+    return np.ascontiguousarray(np.moveaxis(np.asarray(observation), 1, -1))

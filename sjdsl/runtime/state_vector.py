@@ -1,0 +1,62 @@
+"""The whole state of the world as numbers for a network: what a central critic may see."""
+
+import math
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.identifiers import attribute_name
+
+HEADINGS = 4
+
+
+def state_vector(game: ir.Game, state: Any, row: Array, col: Array, length: Array) -> Array:
+    """Returns the state as one vector, its entries from -1 to 1.
+
+    In this order: how much of the episode is over; of each agent its row and column as shares of the map, whether it is on the
+    map, and its heading; then every declared variable, those of cells, of agents and of the world. A word is one-hot; a number with
+    limits goes from 0 to 1; one without, such as a timer, x, is x / (1 + |x|); a set of agents has an entry an agent, and so has a
+    variable that names one agent. Marks, which last one step, are left out.
+
+    Args:
+      game: the typed rules.
+      state: of one environment.
+      row, col: `[N]` int32 on the map, negative for agents who are away.
+      length: steps of the episode.
+    Returns:
+      `[K]` float32.
+    """
+    here = row >= 0
+    height, width = len(game.rows), len(game.rows[0])
+    parts = [
+        state.step.astype(jnp.float32) / jnp.asarray(length, jnp.float32),
+        jnp.where(here, row, 0).astype(jnp.float32) / jnp.float32(max(height - 1, 1)),
+        jnp.where(here, col, 0).astype(jnp.float32) / jnp.float32(max(width - 1, 1)),
+        here.astype(jnp.float32),
+        jax.nn.one_hot(state.heading, HEADINGS, dtype=jnp.float32),
+    ]
+    fields = [*(field for kind in game.kinds for field in kind.fields), *game.agents.fields, *game.fields]
+    parts += [_numbers(getattr(state, attribute_name(field)), field.type, game.agents.number) for field in fields]
+    return jnp.concatenate([part.ravel() for part in parts])
+
+
+def _numbers(stored: Array, type: ir.Type, num_agents: int) -> Array:
+    """Returns the entries of one variable, float32."""
+    match type.kind:
+        case "word":
+            return jax.nn.one_hot(stored, len(type.words), dtype=jnp.float32)
+        case "agent":
+            return jax.nn.one_hot(stored, num_agents, dtype=jnp.float32)  # nobody, -1: all zero
+        case "agents":
+            shifts = jnp.arange(min(num_agents, 8 * stored.dtype.itemsize)).astype(stored.dtype)
+            one = jnp.ones((), stored.dtype)
+            return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(jnp.float32)
+        case "condition":
+            return stored.astype(jnp.float32)
+    value = stored.astype(jnp.float32)
+    if math.isfinite(type.low) and math.isfinite(type.high) and type.high > type.low:
+        return (value - jnp.float32(type.low)) / jnp.float32(type.high - type.low)
+    return value / (1.0 + jnp.abs(value))

@@ -1,0 +1,115 @@
+"""The PettingZoo adapter: PettingZoo's own tests, a seed test over whole episodes, and copies by pickle."""
+
+import re
+from functools import partial
+
+import cloudpickle
+import numpy as np
+import pytest
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
+from pettingzoo.test.state_test import state_test
+from pettingzoo.utils import parallel_to_aec
+
+from sjdsl.interop.pettingzoo import ParallelGame, parallel_env
+
+SHORT = {"params": {"length": 40}}
+coins = partial(parallel_env, "coins", **SHORT)
+
+
+def actions_of(env: ParallelGame, step: int) -> dict[str, int]:
+    return {agent: (3 * step + index) % env.env.num_actions for index, agent in enumerate(env.agents)}
+
+
+def course(env: ParallelGame, seed: int, steps: int) -> list[tuple]:
+    """Plays steps, over as many episodes as they take, and returns all that was returned."""
+    seen: list[tuple] = [env.reset(seed=seed)]
+    for step in range(steps):
+        seen.append(env.step(actions_of(env, step)))
+        if not env.agents:
+            seen.append(env.reset())
+    return seen
+
+
+def assert_alike(first: list[tuple], second: list[tuple]) -> None:
+    for a, b in zip(first, second, strict=True):
+        for agent in a[0]:
+            np.testing.assert_array_equal(a[0][agent], b[0][agent])
+        assert a[1:] == b[1:]
+
+
+@pytest.mark.filterwarnings("error::UserWarning")
+def test_pettingzoos_own_tests() -> None:
+    parallel_api_test(coins(), num_cycles=100)
+    parallel_seed_test(coins)
+    api_test(parallel_to_aec(coins()), num_cycles=60)
+    seed_test(lambda: parallel_to_aec(coins()))
+    state_test(parallel_to_aec(coins()), coins())
+
+
+def test_a_seed_is_a_course_of_500_steps() -> None:
+    """PettingZoo's own test compares a single step."""
+    assert_alike(course(coins(), 5, 500), course(coins(), 5, 500))
+    with pytest.raises(AssertionError):
+        assert_alike(course(coins(), 5, 500), course(coins(), 6, 500))
+
+
+def test_resets_without_a_seed_go_on() -> None:
+    env = coins()
+    starts = [env.reset(seed=1)[0]["agent_0"], *(env.reset()[0]["agent_0"] for _ in range(12))]
+    assert len({start.tobytes() for start in starts}) > 1
+
+
+def test_a_copy_goes_on_alike() -> None:
+    env = coins()
+    env.reset(seed=3)
+    for step in range(10):
+        env.step(actions_of(env, step))
+    copy = cloudpickle.loads(cloudpickle.dumps(env))
+    np.testing.assert_array_equal(env.state(), copy.state())
+    for step in range(30):
+        assert_alike([env.step(actions_of(env, step))], [copy.step(actions_of(copy, step))])
+
+
+def test_the_returns_are_the_games() -> None:
+    """Rewards, events and the time limit against the environment itself."""
+    env = coins()
+    env.reset(seed=2)
+    rewards = np.zeros(2)
+    counts = np.zeros(2)
+    for step in range(40):
+        _, reward, terminated, truncated, info = env.step(actions_of(env, step))
+        rewards += list(reward.values())
+        counts += [info[agent]["own_coins"] + info[agent]["other_coins"] for agent in info]
+        assert not any(terminated.values())
+        assert all(truncated.values()) == (step == 39)
+    assert env.agents == []
+    assert env.step({}) == ({}, {}, {}, {}, {})
+    assert rewards.sum() <= counts.sum()
+
+
+@pytest.mark.parametrize(
+    ("actions", "error", "message"),
+    [({"agent_0": 1}, KeyError, "no action for agent_1"), ({"agent_0": 1, "agent_1": 7}, ValueError, "7 is no action of agent_1: 0 .. 6")],
+)
+def test_wrong_actions_are_refused(actions: dict[str, int], error: type[Exception], message: str) -> None:
+    env = coins()
+    env.reset(seed=0)
+    with pytest.raises(error, match=re.escape(message)):
+        env.step(actions)
+
+
+def test_pictures() -> None:
+    env = coins(render_mode="rgb_array")
+    env.reset(seed=0)
+    picture = env.render()
+    assert picture.dtype == np.uint8
+    assert picture.ndim == 3
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 5
+    assert coins().render() is None
+
+
+def test_calls_before_reset_are_refused() -> None:
+    env = coins(render_mode="rgb_array")
+    for call in (lambda: env.step({}), env.state, env.render):
+        with pytest.raises(RuntimeError, match="call reset before"):
+            call()

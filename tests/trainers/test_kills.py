@@ -1,0 +1,114 @@
+"""Runs of the command line whose process is killed, interrupted or left without room, at times nobody chose."""
+
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from run_outcomes import ORCHARD, TWELVE, VALUES, assert_same_end, read_lines, read_manifest, run_sjdsl, sets, start_sjdsl, wait_for_rows
+
+from tests.cli.command_line import GAME
+
+pytestmark = pytest.mark.slow
+
+ARGUMENTS = {"ippo": sets(*ORCHARD, *TWELVE), "vdn": ["--algorithm", "vdn", *sets(*VALUES, *TWELVE)]}
+
+
+@pytest.fixture(scope="module")
+def games(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("games")
+    (folder / "orchard.sj").write_text(GAME)
+    return folder
+
+
+@pytest.fixture(scope="module", params=["ippo", "vdn"])
+def arguments(request: pytest.FixtureRequest, games: Path) -> list[str]:
+    return [str(games / "orchard.sj"), *ARGUMENTS[request.param], "--episodes", "0"]
+
+
+@pytest.fixture(scope="module")
+def whole(arguments: list[str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    run_dir = tmp_path_factory.mktemp("runs") / "whole"
+    run_sjdsl("train", *arguments, "--run", run_dir)
+    assert len(read_lines(run_dir / "metrics.jsonl")) == 12
+    return run_dir
+
+
+def _resume(run_dir: Path) -> None:
+    run_sjdsl("train", "--resume", run_dir, "--episodes", "0")
+
+
+@pytest.mark.parametrize("rows", [1, 4, 9])
+def test_killed_when_so_many_rows_are_written(arguments: list[str], whole: Path, tmp_path: Path, rows: int) -> None:
+    run_dir = tmp_path / "run"
+    process = start_sjdsl("train", *arguments, "--run", run_dir)
+    wait_for_rows(run_dir, rows, process)
+    process.kill()
+    process.communicate()
+    assert process.returncode == -signal.SIGKILL
+    assert read_manifest(run_dir)["status"] == "running"
+    _resume(run_dir)
+    assert_same_end(run_dir, whole)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_killed_again_and_again(arguments: list[str], whole: Path, tmp_path: Path, seed: int) -> None:
+    """Within a second of the first update that a process makes: also while it saves, and while it reads what was saved."""
+    chance = random.Random(seed)
+    run_dir = tmp_path / "run"
+    process = start_sjdsl("train", *arguments, "--run", run_dir)
+    for _ in range(3):
+        wait_for_rows(run_dir, len(read_lines_or_none(run_dir)) + 1, process)
+        time.sleep(chance.random() * 0.7)
+        process.kill()
+        process.communicate()
+        process = start_sjdsl("train", "--resume", run_dir, "--episodes", "0")
+    _, err = process.communicate(timeout=400)
+    assert process.returncode == 0, err[-3000:]
+    assert_same_end(run_dir, whole)
+
+
+def read_lines_or_none(run_dir: Path) -> list[str]:
+    lines = run_dir / "metrics.jsonl"
+    return lines.read_text().splitlines() if lines.exists() else []
+
+
+def test_ctrl_c_is_told_and_gone_on_from(arguments: list[str], whole: Path, tmp_path: Path) -> None:
+    run_dir = tmp_path / "run"
+    process = start_sjdsl("train", *arguments, "--run", run_dir)
+    wait_for_rows(run_dir, 2, process)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 130, out + err
+    assert err.splitlines()[-1] == "interrupted"
+    manifest = read_manifest(run_dir)
+    assert manifest["status"] == "interrupted"
+    done = manifest["updates"]
+    assert 2 <= done < 12
+    assert (run_dir / "checkpoints" / str(done)).is_dir()
+    _resume(run_dir)
+    if done % 2:
+        for extra in (run_dir / "policies").glob(f"{done:08d}.*"):
+            extra.unlink()  # an update after which only the stopped run saved
+    assert_same_end(run_dir, whole)
+
+
+@pytest.mark.parametrize("limit", [2500, 4000])
+def test_files_that_may_not_grow(arguments: list[str], whole: Path, tmp_path: Path, limit: int) -> None:
+    """The system refuses what goes beyond so many bytes of a file: no disk is full in the same place twice, but this comes near."""
+    run_dir = tmp_path / "run"
+    program = (
+        "import resource, sys; from sjdsl.cli import main;"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, resource.RLIM_INFINITY)); sys.argv[0] = 'sjdsl'; main()"
+    )
+    command = [sys.executable, "-c", program, "train", *arguments, "--run", str(run_dir)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
+    assert done.returncode == 1, done.stderr
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith(f"error: {run_dir.resolve()}/")
+    assert "could not be written: File too large" in last
+    _resume(run_dir)
+    assert_same_end(run_dir, whole)

@@ -1,0 +1,107 @@
+"""Stored policies: found, loaded in a line, refused when they are damaged or of another game."""
+
+import dataclasses
+import json
+import shutil
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from probes import QUICK, matching
+from run_outcomes import counting
+
+from sjdsl.trainers import MemoryPolicy, PolicyError, evaluate, load_policy, make_config, run, train, trained_policy
+from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.policy_file import write_policy
+from sjdsl.trainers.run_folder import describe_game
+
+ALWAYS_ONE = {"algorithm": "vdn", "network": "mlp", "network_width": 4, "buffer_size": 32, "epsilon_end": 0.0}
+
+
+def _store(folder: Path, fill: float = 0.0, **values: object) -> Path:
+    """Stores a policy of `matching` all of whose parameters are `fill`."""
+    config = make_config(ALWAYS_ONE, **values)
+    parameters = jax.tree.map(lambda leaf: np.full(leaf.shape, fill, leaf.dtype), parameter_shapes(matching(), config))
+    path = folder / "policies" / "best.safetensors"
+    described = {"game": describe_game(matching()), "config": config.model_dump(mode="json"), "update": 3, "env_steps": 192, "seed": 0}
+    write_policy(path, parameters, described)
+    return path
+
+
+def test_three_lines_load_one(tmp_path: Path) -> None:
+    path = _store(tmp_path)
+    env = matching()
+    policy = load_policy(str(path), env)
+    actions = policy(jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
+    assert actions.tolist() == [0, 0], "of equal values the first action is the best"
+
+
+@pytest.mark.parametrize("damage", ["cut", "empty", "flipped", "no json", "json cut", "json of a future version"])
+def test_what_is_damaged_is_refused_by_name(tmp_path: Path, damage: str) -> None:
+    path = _store(tmp_path)
+    content, beside = path.read_bytes(), path.with_suffix(".json")
+    match damage:
+        case "cut":
+            path.write_bytes(content[: len(content) // 2])
+        case "empty":
+            path.write_bytes(b"")
+        case "flipped":
+            path.write_bytes(b"\xff" + content[1:])
+        case "no json":
+            beside.unlink()
+        case "json cut":
+            beside.write_text(beside.read_text()[:40])
+        case _:
+            read = json.loads(beside.read_text())
+            beside.write_text(json.dumps(read | {"config": read["config"] | {"plasticity": 1}}))
+    with pytest.raises(PolicyError, match=r"best\.safetensors cannot be read"):
+        load_policy(path, matching())
+
+
+def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
+    path = _store(tmp_path)
+    with pytest.raises(PolicyError, match=r"does not fit matching: it was trained on matching with 2 actions .*; here are 3 actions"):
+        load_policy(path, dataclasses.replace(matching(), num_actions=3))
+    with pytest.warns(UserWarning, match=r"another form of the game: matching probe, not matching changed"):
+        load_policy(path, dataclasses.replace(matching(), hash="changed"))
+    with pytest.raises(PolicyError, match="does not exist"):
+        load_policy(tmp_path / "none.safetensors", matching())
+
+
+def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
+    with pytest.raises(PolicyError, match=r"is no run folder: it has no manifest\.json"):
+        load_policy(tmp_path, matching())
+    (tmp_path / "manifest.json").write_text("{}")
+    _store(tmp_path)
+    with pytest.raises(PolicyError, match="has no policy called last, but of best"):
+        load_policy(tmp_path, matching())
+    assert load_policy(tmp_path, matching(), which="best") is not None
+    shutil.rmtree(tmp_path / "policies")
+    with pytest.raises(PolicyError, match="holds no policy yet"):
+        load_policy(tmp_path, matching())
+
+
+def test_folders_of_seeds_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+    config = make_config(QUICK, total_timesteps=16 * 16 * 2, seeds=2, seed=7)
+    train(matching(), config, tmp_path / "run", "none")
+    with pytest.raises(PolicyError, match=r"several seeds; name one: .*run/seed_7, .*run/seed_8"):
+        load_policy(tmp_path / "run", matching())
+    assert (tmp_path / "run" / "seed_8" / "policies" / "last.safetensors").is_file()
+
+
+def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
+    """And is told from one without: its actions come with what it remembers."""
+    config = make_config({**QUICK, "memory": "gru"})
+    parameters = jax.tree.map(lambda leaf: jnp.full(leaf.shape, 0.1), parameter_shapes(matching(), config))
+    policy = trained_policy(matching(), config, parameters)
+    assert isinstance(policy, MemoryPolicy)
+    memory, actions = policy.act(policy.start, jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
+    assert actions.shape == (2,)
+    assert jax.tree.map(jnp.shape, memory) == jax.tree.map(jnp.shape, policy.start)
+    assert any((old != new).any() for old, new in zip(jax.tree.leaves(policy.start), jax.tree.leaves(memory), strict=True))
+    returns = evaluate(matching(), policy, jax.random.key(1), 50).returns
+    assert returns.shape == (50, 2)
+    assert 0 < returns.mean() < 1

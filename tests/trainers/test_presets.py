@@ -1,0 +1,235 @@
+"""Presets: layered tables, and what those of the package say."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config
+from sjdsl.trainers.ppo import check_minibatches
+from sjdsl.trainers.shaping import kept_share
+
+GAMES = (
+    "coins",
+    "harvest_open",
+    "harvest_closed",
+    "harvest_partnership",
+    "clean_up",
+    "coop_mining",
+    "mushrooms",
+    "gift_refinement",
+    "pd_arena",
+)
+PPO = tuple((algorithm, reward) for algorithm in ("ippo", "mappo") for reward in ("individual", "common", "svo", "exchange", "inequity"))
+
+
+def test_a_packaged_preset_and_changes() -> None:
+    quick = load_preset("quick", {"seed": 7, "num_envs": "32"})
+    assert quick.game == "coins"
+    assert (quick.config.seed, quick.config.num_envs, quick.config.reward) == (7, 32, "common")
+    with pytest.raises(ConfigError, match="did you mean `learning_rate`"):
+        load_preset("quick", {"learning_rates": 1})
+
+
+def test_a_preset_in_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('game = "harvest"\n[environment]\nnum_agents = 3\n[config]\ntotal_timesteps = 1e5\n')
+    mine = load_preset(path)
+    assert (mine.game, mine.environment, mine.config) == ("harvest", {"num_agents": 3}, make_config(total_timesteps=100_000))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('game = "a"\n[confg]\n', r"mine\.toml: unknown key `confg`; did you mean `config`"),
+        ("game = 3\n", "`game` must be text, not 3"),
+        ('game = "a"\nconfig = 3\n', "`config` must be a table, not 3"),
+        ('only_listed = "yes"\n', "`only_listed` must be true or false, not 'yes'"),
+        ("[algorithm]\nippo = 3\n", r"mine\.toml: algorithm: `ippo` must be a table, not 3"),
+        ("[algorithm.ipo]\nseed = 3\n", r"mine\.toml: algorithm: unknown key `ipo`; did you mean `ippo`"),
+        ("[reward.svoo]\nseed = 3\n", r"mine\.toml: reward: unknown key `svoo`; did you mean `svo`"),
+        ("[games.coins.reward.svoo]\nseed = 3\n", r"mine\.toml: games\.coins: reward: unknown key `svoo`"),
+        ("[games]\ncoins = 3\n", r"mine\.toml: games: `coins` must be a table, not 3"),
+        ("[games.coins]\nconfg = 3\n", r"mine\.toml: games\.coins: unknown key `confg`; did you mean `config`"),
+        ("[config]\nnum_env = 3\n", "unknown key `num_env`; did you mean `num_envs`"),
+        ("game = \n", r"mine\.toml: "),
+    ],
+)
+def test_wrong_preset_files_are_explained(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(ConfigError, match=message):
+        load_preset(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("quik", "unknown preset `quik`; did you mean `quick`"), ("none.toml", r"none\.toml does not exist")],
+)
+def test_missing_presets_are_explained(name: str, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        load_preset(name)
+
+
+LAYERS = """
+[config]
+num_envs = 2
+num_steps = 2
+num_epochs = 2
+gamma = 0.2
+gae_lambda = 0.2
+clip_epsilon = 0.2
+entropy_coefficient = 0.2
+[algorithm.mappo]
+num_steps = 3
+gamma = 0.3
+gae_lambda = 0.3
+clip_epsilon = 0.3
+entropy_coefficient = 0.3
+[reward.svo]
+gamma = 0.4
+gae_lambda = 0.4
+clip_epsilon = 0.4
+entropy_coefficient = 0.4
+[games.coins.config]
+num_epochs = 5
+gae_lambda = 0.5
+clip_epsilon = 0.5
+entropy_coefficient = 0.5
+[games.coins.algorithm.mappo]
+clip_epsilon = 0.6
+entropy_coefficient = 0.6
+[games.coins.reward.svo]
+entropy_coefficient = 0.7
+[games.coins.environment]
+num_agents = 3
+"""
+
+
+@pytest.mark.parametrize(
+    ("game", "changes", "expected"),
+    [
+        ("coins", {"algorithm": "mappo", "reward": "svo"}, (2, 3, 5, 0.4, 0.5, 0.6, 0.7)),
+        ("coins", {"algorithm": "mappo", "reward": "svo", "gae_lambda": 0.9, "entropy_coefficient": 0.9}, (2, 3, 5, 0.4, 0.9, 0.6, 0.9)),
+        ("coins", {"algorithm": "mappo"}, (2, 3, 5, 0.3, 0.5, 0.6, 0.6)),
+        ("coins", {}, (2, 2, 5, 0.2, 0.5, 0.5, 0.5)),
+        ("other", {"algorithm": "mappo", "reward": "svo"}, (2, 3, 2, 0.4, 0.4, 0.4, 0.4)),
+        ("games/coins.sj", {"reward": "svo"}, (2, 2, 5, 0.4, 0.5, 0.5, 0.7)),
+        (None, {}, (2, 2, 2, 0.2, 0.2, 0.2, 0.2)),
+    ],
+)
+def test_later_tables_win(tmp_path: Path, game: str | None, changes: dict[str, Any], expected: tuple[float, ...]) -> None:
+    (tmp_path / "mine.toml").write_text(LAYERS)
+    preset = load_preset(tmp_path / "mine.toml", changes, game)
+    found = preset.config
+    assert isinstance(found, PPOConfig)
+    figures = (
+        found.num_envs,
+        found.num_steps,
+        found.num_epochs,
+        found.gamma,
+        found.gae_lambda,
+        found.clip_epsilon,
+        found.entropy_coefficient,
+    )
+    assert figures == expected
+    assert preset.environment == ({"num_agents": 3} if game and "coins" in game else {})
+
+
+def test_a_preset_may_choose_the_algorithm_whose_table_is_read(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('[config]\nalgorithm = "vdn"\n[algorithm.vdn]\nbatch_size = 7\n[algorithm.ippo]\nnum_epochs = 9\n')
+    chosen, other = (load_preset(tmp_path / "mine.toml", changes).config for changes in ({}, {"algorithm": "ippo"}))
+    assert isinstance(chosen, VDNConfig)
+    assert isinstance(other, PPOConfig)
+    assert (chosen.batch_size, other.num_epochs) == (7, 9)
+
+
+def test_a_preset_made_for_some_games_refuses_others() -> None:
+    with pytest.raises(ConfigError, match="the preset `paper` has nothing for `chicken`; it has coins, harvest_open"):
+        load_preset("paper", game="chicken")
+
+
+@pytest.mark.parametrize("name", ["paper", "two_cores"])
+@pytest.mark.parametrize("game", GAMES)
+def test_every_algorithm_and_reward_has_a_valid_configuration(name: str, game: str) -> None:
+    for algorithm, reward in PPO:
+        config = load_preset(name, {"algorithm": algorithm, "reward": reward}, game).config
+        assert isinstance(config, PPOConfig)
+        assert (config.algorithm, config.reward) == (algorithm, reward)
+        check_minibatches(config)
+    values = load_preset(name, {"algorithm": "vdn"}, game).config
+    assert isinstance(values, VDNConfig)
+    assert values.buffer_size % values.steps_per_update == 0
+    assert values.learning_starts <= values.buffer_size
+
+
+# the paper's configurations, as SocialJax 9df972d has them; totals are those of the paper's table
+
+
+@pytest.mark.parametrize(
+    ("game", "envs", "steps", "minibatches", "rate"),
+    [
+        ("coins", 256, 1000, 64, 1e-3),
+        ("harvest_open", 256, 100, 4, 5e-4),
+        ("harvest_closed", 5, 100, 4, 5e-4),
+        ("harvest_partnership", 5, 100, 4, 5e-4),
+        ("clean_up", 4, 100, 4, 1e-3),
+        ("coop_mining", 7, 1000, 4, 5e-4),
+        ("mushrooms", 4, 100, 4, 1e-3),
+        ("gift_refinement", 4, 100, 4, 1e-3),
+        ("pd_arena", 4, 1000, 4, 1e-3),
+    ],
+)
+def test_mappo_as_in_the_paper(game: str, envs: int, steps: int, minibatches: int, rate: float) -> None:
+    config = load_preset("paper", {"algorithm": "mappo"}, game).config
+    assert isinstance(config, PPOConfig)
+    assert (config.num_envs, config.num_steps, config.num_minibatches, config.learning_rate) == (envs, steps, minibatches, rate)
+    assert (config.total_timesteps, config.scale_clip_epsilon, config.anneal_learning_rate, config.reward) == (3e8, True, True, "common")
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_ippo_as_in_the_paper(game: str) -> None:
+    config = load_preset("paper", {}, game).config
+    assert isinstance(config, PPOConfig)
+    assert (config.num_envs, config.num_steps, config.num_minibatches, config.num_epochs) == (256, 1000, 500, 2)
+    assert (config.learning_rate, config.anneal_learning_rate) == (1e-4 if game == "mushrooms" else 5e-4, True)
+    assert (config.gamma, config.gae_lambda, config.clip_epsilon, config.entropy_coefficient) == (0.99, 0.95, 0.2, 0.01)
+    assert (config.value_coefficient, config.max_gradient_norm, config.seed) == (0.5, 0.5, 30)
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_svo_as_in_the_paper(game: str) -> None:
+    config = load_preset("paper", {"reward": "svo"}, game).config
+    assert isinstance(config, PPOConfig)
+    assert (config.num_envs, config.num_minibatches, config.learning_rate, config.anneal_learning_rate) == (256, 500, 5e-4, False)
+    assert (config.total_timesteps, config.svo_angle, config.svo_weight) == (1e9 if game == "coins" else 3e8, (90.0,), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("game", "agents", "envs", "share", "anneals"),
+    [
+        ("coins", 2, 600, 0.6667, False),
+        ("harvest_open", 7, 200, 0.25, False),
+        ("harvest_closed", 7, 200, 0.25, True),
+        ("harvest_partnership", 7, 200, 0.25, True),
+        ("clean_up", 7, 200, 0.25, False),
+        ("coop_mining", 6, 200, 0.2857, False),
+        ("mushrooms", 5, 250, 0.3333, False),
+        ("gift_refinement", 5, 250, 0.3333, False),
+        ("pd_arena", 4, 250, 0.4, False),
+    ],
+)
+def test_reward_exchange_as_in_the_paper(game: str, agents: int, envs: int, share: float, anneals: bool) -> None:
+    config = load_preset("paper", {"reward": "exchange"}, game).config
+    assert isinstance(config, PPOConfig)
+    assert (config.num_envs, config.num_steps, config.learning_rate) == (envs, 1000, 5e-4)
+    assert (config.anneal_learning_rate, config.total_timesteps) == (anneals, 3e8)
+    assert kept_share(config.exchange_ratio, agents) == pytest.approx(share, abs=1e-4)
+
+
+def test_vdn_as_in_the_paper() -> None:
+    config = load_preset("paper", {"algorithm": "vdn"}, "clean_up").config
+    assert isinstance(config, VDNConfig)
+    assert (config.num_envs, config.num_steps, config.total_timesteps, config.num_updates) == (32, 1, 5e6, 156_250)
+    assert (config.buffer_size, config.batch_size, config.gradient_steps, config.learning_starts) == (100_000, 128, 4, 1000)
+    assert (config.learning_rate, config.max_gradient_norm, config.target_update_every, config.target_rate) == (7e-5, 1.0, 10, 1.0)
+    assert (config.epsilon_start, config.epsilon_end, config.epsilon_fraction, config.double_q) == (1.0, 0.05, 0.1, False)

@@ -1,0 +1,345 @@
+"""A run that was stopped, at whatever moment and by whatever, goes on to the end it would have had."""
+
+import dataclasses
+import errno
+import json
+import os
+import shutil
+import signal
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import jax
+import pytest
+from probes import matching
+from run_outcomes import SHORT, assert_same_end, compiled_once, copy_run, counting, read_lines, read_manifest
+
+from sjdsl.trainers import RunError, make_config, resume, run, run_folder, train
+from sjdsl.trainers.checkpoints import Checkpoints
+from sjdsl.trainers.recorder import Recorder
+
+
+@pytest.fixture(scope="module", autouse=True)
+def shared() -> Iterator[None]:
+    with compiled_once(), jax.debug_key_reuse(True):  # as in the tests: otherwise programs are traced again
+        yield
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that nothing stopped."""
+    return train(matching(), SHORT, tmp_path_factory.mktemp("runs") / "whole", "none").run_dir
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same run as it lies there when its process was killed in update 8: checkpoints of 4 and 6, metrics until 7."""
+    run_dir = tmp_path_factory.mktemp("runs") / "stopped"
+    _photograph(run_dir, run_dir.parent / "photographs", 7)
+    return run_dir.parent / "photographs" / "7"
+
+
+def _photograph(run_dir: Path, folder: Path, *updates: int) -> None:
+    """Trains, and copies the folder of the run as it is when the metrics of some updates have been written."""
+    append = Recorder.append
+
+    def append_and_copy(self: Recorder, row: dict[str, Any]) -> None:
+        append(self, row)
+        if row["update"] in updates:
+            copy_run(run_dir, folder / str(row["update"]))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Recorder, "append", append_and_copy)
+        train(matching(), SHORT, run_dir, "none")
+
+
+def test_what_is_stopped_is_on_disk(stopped: Path) -> None:
+    assert [row["update"] for row in read_lines(stopped / "metrics.jsonl")] == list(range(1, 8))
+    assert [row["update"] for row in read_lines(stopped / "evaluations.jsonl")] == [3, 6]
+    assert sorted(path.name for path in (stopped / "checkpoints").iterdir()) == ["4", "6"]
+    assert read_manifest(stopped)["status"] == "running"
+
+
+@pytest.mark.parametrize("evaluate_every", [3, pytest.param(0, marks=pytest.mark.slow)])
+def test_a_run_goes_on_from_every_moment(tmp_path: Path, evaluate_every: int) -> None:
+    """The folder is copied as it is around each of the writes from update 6 to 7, half-written files included."""
+    config = SHORT.model_copy(update={"evaluate_every": evaluate_every})
+    run_dir = tmp_path / "run"
+    moments: list[Path] = []
+
+    def copy_around(function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any, **named: Any) -> Any:
+            _copy()
+            result = function(*arguments, **named)
+            _copy()
+            return result
+
+        return call
+
+    def _copy() -> None:
+        lines = run_dir / "metrics.jsonl"
+        if lines.exists() and 5 < len(lines.read_text().splitlines()) < 7:
+            moments.append(copy_run(run_dir, tmp_path / f"moment_{len(moments)}"))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "replace", copy_around(os.replace))
+        patch.setattr(run_folder.Metrics, "append", copy_around(run_folder.Metrics.append))
+        patch.setattr(Checkpoints, "save", copy_around(Checkpoints.save))
+        patch.setattr(Recorder, "evaluate", copy_around(Recorder.evaluate))
+        train(matching(), config, run_dir, "none")
+    different = {_content(moment): moment for moment in moments}
+    assert len(different) > 8
+    for moment in different.values():
+        resume(matching(), moment, "none")
+        assert_same_end(moment, run_dir)
+    assert not list(moment.rglob("*.unfinished"))
+
+
+def _content(folder: Path) -> tuple[tuple[str, bytes], ...]:
+    return tuple((str(path.relative_to(folder)), path.read_bytes()) for path in sorted(folder.rglob("*")) if path.is_file())
+
+
+def test_lines_that_were_cut_off_are_written_again(stopped: Path, whole: Path, tmp_path: Path) -> None:
+    """Of what follows the last checkpoint: that waits for what went before to be on the disk."""
+    torn = copy_run(stopped, tmp_path / "torn")
+    for name in ("metrics.jsonl", "metrics.csv"):
+        (torn / name).write_bytes((torn / name).read_bytes()[:-20])
+    resume(matching(), torn, "none")
+    assert_same_end(torn, whole)
+
+
+@pytest.mark.slow
+def test_the_clock_goes_on(stopped: Path, tmp_path: Path) -> None:
+    again = copy_run(stopped, tmp_path / "run")
+    resume(matching(), again, "none")
+    seconds = [row["seconds"] for row in read_lines(again / "metrics.jsonl")]
+    assert seconds == sorted(seconds)
+    manifest = read_manifest(again)
+    assert manifest["status"] == "finished"
+    assert manifest["updates"] == 12
+    assert len(manifest["resumed"]) == 1
+
+
+def test_a_finished_run_stays_as_it_is(whole: Path, tmp_path: Path) -> None:
+    again = copy_run(whole, tmp_path / "run")
+    result = resume(matching(), again, "none")
+    assert len(result.rows) == 12
+    assert_same_end(again, whole)
+
+
+@pytest.mark.parametrize("pressed_in", [5, 6])
+def test_ctrl_c_ends_the_update_and_saves_it(tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch, pressed_in: int) -> None:
+    """In update 5, after which no checkpoint is due, and in 6, after which one is."""
+    check = run._check_finite
+
+    def press(rows: Any, *others: Any) -> None:
+        if rows[0]["update"] == pressed_in:
+            os.kill(os.getpid(), signal.SIGINT)
+        check(rows, *others)
+
+    monkeypatch.setattr(run, "_check_finite", press)
+    before = signal.getsignal(signal.SIGINT)
+    run_dir = tmp_path / "run"
+    with pytest.raises(KeyboardInterrupt):
+        train(matching(), SHORT, run_dir, "none")
+    assert signal.getsignal(signal.SIGINT) is before
+    assert read_manifest(run_dir)["status"] == "interrupted"
+    assert [row["update"] for row in read_lines(run_dir / "metrics.jsonl")] == list(range(1, pressed_in + 1))
+    assert (run_dir / "checkpoints" / str(pressed_in)).is_dir()
+    assert (run_dir / "learning_curve.png").exists()
+    monkeypatch.setattr(run, "_check_finite", check)
+    resume(matching(), run_dir, "none")
+    for extra in (run_dir / "policies").glob("00000005.*"):
+        extra.unlink()  # an update after which only the stopped run saved
+    assert_same_end(run_dir, whole)
+
+
+def _flip(checkpoint: Path) -> None:
+    """Changes a byte in the middle of each file of the arrays."""
+    for file in (checkpoint / "state").rglob("d/*"):
+        _flip_in(file)
+
+
+def _flip_in(file: Path) -> None:
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    file.write_bytes(content)
+
+
+def _delete_one(checkpoint: Path) -> None:
+    (checkpoint / "state" / "manifest.ocdbt").unlink()
+
+
+def _forget_what_was_known(checkpoint: Path) -> None:
+    shutil.rmtree(checkpoint / "known")
+
+
+def _empty(checkpoint: Path) -> None:
+    shutil.rmtree(checkpoint)
+    checkpoint.mkdir()
+
+
+DAMAGES = (_flip, _delete_one, _forget_what_was_known, _empty)
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda function: function.__name__)
+def test_a_damaged_checkpoint_is_told_of_and_passed_over(
+    stopped: Path, whole: Path, tmp_path: Path, damage: Callable[[Path], None]
+) -> None:
+    again = copy_run(stopped, tmp_path / "run")
+    damage(again / "checkpoints" / "6")
+    with pytest.warns(UserWarning, match=r"checkpoints/6 (is damaged|cannot be read).*going on from the one before"):
+        resume(matching(), again, "none")
+    assert_same_end(again, whole)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*going on from the one before")
+def test_no_flipped_byte_changes_the_end(stopped: Path, whole: Path, tmp_path: Path) -> None:
+    """In whichever file of a checkpoint: it is noticed, or it was of no account."""
+    files = [path.relative_to(stopped) for path in (stopped / "checkpoints" / "6").rglob("*") if path.is_file() and path.stat().st_size]
+    assert len(files) > 10
+    for number, file in enumerate(files):
+        again = copy_run(stopped, tmp_path / str(number))
+        _flip_in(again / file)
+        resume(matching(), again, "none")
+        assert_same_end(again, whole)
+
+
+def test_no_checkpoint_left_is_a_start_from_the_beginning(stopped: Path, whole: Path, tmp_path: Path) -> None:
+    again = copy_run(stopped, tmp_path / "run")
+    for name in ("4", "6"):
+        _flip(again / "checkpoints" / name)
+    with pytest.warns(UserWarning, match="going on from the one before") as told:
+        resume(matching(), again, "none")
+    assert sum("going on from the one before" in str(note.message) for note in told) == 2
+    assert_same_end(again, whole)
+
+
+def test_the_checkpoint_of_another_run_is_none_of_this_one(
+    stopped: Path, whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its arrays have other shapes: that is said, and nothing goes wrong later."""
+    other = tmp_path / "other"
+    monkeypatch.setattr(run, "compile_train", _compile)
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+    train(matching(), SHORT.model_copy(update={"evaluate_every": 0, "total_timesteps": 64 * 6}), other, "none")
+    monkeypatch.undo()
+    again = copy_run(stopped, tmp_path / "run")
+    shutil.rmtree(again / "checkpoints" / "6")
+    shutil.copytree(other / "checkpoints" / "6", again / "checkpoints" / "6")
+    with pytest.warns(UserWarning, match="going on from the one before"):
+        resume(matching(), again, "none")
+    assert_same_end(again, whole)
+
+
+def _compile(program: Any, config: Any) -> Any:
+    from sjdsl.trainers.compiled import compile_train
+
+    return compile_train(program, config)
+
+
+def _edit(run_dir: Path, **changes: Any) -> None:
+    (run_dir / "manifest.json").write_text(json.dumps(read_manifest(run_dir) | changes))
+
+
+def test_only_the_run_it_was_is_gone_on_with(stopped: Path, tmp_path: Path) -> None:
+    again = copy_run(stopped, tmp_path / "run")
+    before = _content(again)
+    with pytest.raises(RunError, match=r"rules probe, and they are changed now; go on with the file as it was, or start a new run"):
+        resume(dataclasses.replace(matching(), hash="changed"), again, "none")
+    with pytest.raises(RunError, match=r"other numbers of the game"):
+        resume(dataclasses.replace(matching(), params=(1.0,)), again, "none")
+    assert _content(again) == before, "a run that is refused is left as it was"
+    _edit(again, versions=read_manifest(again)["versions"] | {"jax": "0.1.2"})
+    with pytest.raises(RunError, match=rf"made with jax 0\.1\.2 \(here {jax.__version__}\).*install those, or start a new run"):
+        resume(matching(), again, "none")
+
+
+@pytest.mark.parametrize(
+    ("config", "named"),
+    [
+        ({"learning_rat": 1.0}, "learning_rat"),
+        ({"algorithm": "sarsa"}, "sarsa"),
+        ({"num_envs": -1}, "num_envs"),
+        (None, "no folder of a run"),
+    ],
+)
+def test_a_manifest_with_another_configuration_is_refused(stopped: Path, tmp_path: Path, config: Any, named: str) -> None:
+    again = copy_run(stopped, tmp_path / "run")
+    _edit(again, config=config)
+    with pytest.raises(RunError, match=named):
+        resume(matching(), again, "none")
+
+
+@pytest.mark.parametrize("text", [None, "", "{", "[]", "{}", '{"config": {}}', '{"game": 3, "config": {}, "versions": {}}'])
+def test_what_is_no_run_is_refused(tmp_path: Path, text: str | None) -> None:
+    if text is not None:
+        (tmp_path / "manifest.json").write_text(text)
+    with pytest.raises(RunError, match=r"is no folder of a run"):
+        resume(matching(), tmp_path, "none")
+
+
+def _full(*_: Any, **__: Any) -> None:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_disk_that_is_full_when_metrics_are_written(tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Linux has a file that is always full; in update 6 the metrics are led into it."""
+    append = run_folder.Metrics.append
+
+    def lead_astray(self: run_folder.Metrics, row: dict[str, Any]) -> None:
+        if row["update"] == 6:
+            full = os.open("/dev/full", os.O_WRONLY)
+            os.dup2(full, self.lines.fileno())
+            os.close(full)
+        append(self, row)
+
+    monkeypatch.setattr(run_folder.Metrics, "append", lead_astray)
+    run_dir = tmp_path / "run"
+    with pytest.raises(RunError, match=r"metrics\.jsonl could not be written: No space left on device.*make room, and resume"):
+        train(matching(), SHORT, run_dir, "none")
+    assert "No space left" in read_manifest(run_dir)["status"]
+    monkeypatch.setattr(run_folder.Metrics, "append", append)
+    resume(matching(), run_dir, "none")
+    assert_same_end(run_dir, whole)
+
+
+@pytest.mark.parametrize("writer", ["orbax", "policies"])
+def test_a_disk_that_is_full_when_a_checkpoint_is_written(
+    tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch, writer: str
+) -> None:
+    import orbax.checkpoint as ocp
+
+    from sjdsl.trainers import run_files
+
+    run_dir = tmp_path / "run"
+    save, sync = ocp.CheckpointManager.save, os.fsync
+
+    def save_or_not(self: Any, step: int, **named: Any) -> Any:
+        return _full() if step == 6 else save(self, step, **named)
+
+    def sync_or_not(number: int) -> None:
+        if "00000006" in os.readlink(f"/proc/self/fd/{number}"):
+            _full()
+        sync(number)
+
+    if writer == "orbax":
+        monkeypatch.setattr(ocp.CheckpointManager, "save", save_or_not)
+    else:
+        monkeypatch.setattr(run_files.os, "fsync", sync_or_not)
+    named = {"orbax": "checkpoints/6", "policies": "policies/00000006"}[writer]
+    with pytest.raises(RunError, match=rf"{named}.* could not be written: No space left on device"):
+        train(matching(), SHORT, run_dir, "none")
+    monkeypatch.undo()
+    with compiled_once():
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # the checkpoint before is whole
+            resume(matching(), run_dir, "none")
+        assert_same_end(run_dir, whole)
+
+
+def test_a_config_of_the_manifest_is_the_one_that_was_trained(stopped: Path) -> None:
+    assert make_config(read_manifest(stopped)["config"]) == SHORT

@@ -1,0 +1,158 @@
+"""Which agents share a network, and that sharing changes nothing else."""
+
+import dataclasses
+import re
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, quick, windows
+
+from sjdsl.trainers import ConfigError, PPOConfig, make_train
+from sjdsl.trainers.actor_critics import ActorCritics, make_actor_critics
+from sjdsl.trainers.teams import bundle_teams
+
+ROLES = (0, 0, 1)
+
+
+def three(**changes: Any) -> tuple[Probe, ActorCritics]:
+    """Returns a probe of three agents and its networks."""
+    env = dataclasses.replace(matching(), num_agents=3)
+    config = quick(**changes)
+    assert isinstance(config, PPOConfig)
+    return env, make_actor_critics(env, config)
+
+
+@pytest.mark.parametrize(
+    ("changes", "teams"),
+    [
+        ({}, [[(0, 1, 2)]]),
+        ({"sharing": "per_agent"}, [[(0,), (1,), (2,)]]),
+        ({"sharing": "by_role", "roles": (0, 0, 1)}, [[(2,)], [(0, 1)]]),
+        ({"sharing": "by_role", "roles": (1, 0, 1)}, [[(1,)], [(0, 2)]]),
+        ({"sharing": "by_role", "roles": (5, 5, 5)}, [[(0, 1, 2)]]),
+        ({"sharing": "by_role", "roles": (2, 7, 1)}, [[(2,), (0,), (1,)]]),
+        ({"sharing": "by_role", "roles": "0,1,0"}, [[(1,)], [(0, 2)]]),
+    ],
+)
+def test_teams_of_one_size_are_computed_together(changes: dict[str, Any], teams: list[list[tuple[int, ...]]]) -> None:
+    _, networks = three(**changes)
+    assert [list(bundle.agents) for bundle in networks.bundles] == teams
+
+
+def test_roles_are_the_games_unless_said() -> None:
+    env = dataclasses.replace(three()[0], roles=(1, 0, 0))
+    assert [bundle.agents for bundle in bundle_teams(env, PPOConfig(sharing="by_role"))] == [((0,),), ((1, 2),)]
+    assert [bundle.agents for bundle in bundle_teams(env, PPOConfig(sharing="by_role", roles=ROLES))] == [((2,),), ((0, 1),)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sharing": "by_role"}, "`matching` gives its agents no lasting roles; say them, one number an agent, such as roles=0,0,1,1"),
+        ({"sharing": "by_role", "roles": (0, 1)}, "`roles` must be a number for each of the 3 agents of `matching`, not 2 numbers"),
+        ({"roles": ROLES}, 'with sharing = "shared" leave them out'),
+        ({"sharing": "per_agent", "roles": ROLES}, 'with sharing = "per_agent" leave them out'),
+        ({"critic": "state"}, "ippo has none: choose algorithm mappo"),
+    ],
+)
+def test_what_does_not_fit_the_agents_is_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError, match=re.escape(message)):
+        three(**changes)
+
+
+class _Blind:
+    """A probe without a vector of its state."""
+
+    def __init__(self, probe: Probe) -> None:
+        self.probe = probe
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "state_vector":
+            raise AttributeError(name)
+        return getattr(self.probe, name)
+
+
+def test_a_critic_of_the_state_needs_one() -> None:
+    config = PPOConfig(algorithm="mappo", critic="state")
+    with pytest.raises(ConfigError, match='`matching` gives no state_vector for a critic of the state; choose critic = "observations"'):
+        make_train(_Blind(matching()), config)  # type: ignore[arg-type]
+
+
+# one agent
+
+
+def _alone(sharing: str) -> tuple[Probe, dict[str, Any]]:
+    return dataclasses.replace(matching(1), roles=(0,)), {"sharing": sharing}
+
+
+def test_one_agent_is_one_network_however_it_is_shared() -> None:
+    shared, *others = (make_actor_critics(env, quick(**changes)) for env, changes in map(_alone, ("shared", "per_agent", "by_role")))
+    assert [other == shared for other in others] == [True, True]
+
+
+@pytest.mark.slow
+def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
+    """Bit for bit."""
+    (shared, figures), *others = (learn(env, **changes) for env, changes in map(_alone, ("shared", "per_agent", "by_role")))
+    for state, told in others:
+        jax.tree.map(np.testing.assert_array_equal, shared.learner[0].params, state.learner[0].params)
+        jax.tree.map(np.testing.assert_array_equal, figures, told)
+
+
+# several networks
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"sharing": "per_agent"},
+        pytest.param({"sharing": "by_role", "roles": (0, 1, 0)}, marks=pytest.mark.slow),
+        pytest.param({"sharing": "by_role", "roles": (0, 1, 0), "algorithm": "mappo"}, marks=pytest.mark.slow),
+        {"sharing": "by_role", "roles": (0, 1, 0), "memory": "gru"},
+    ],
+    ids=["per agent", "by role", "mappo", "memory"],
+)
+def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]) -> None:
+    """Logits, values and memory of all agents at once are those of each team's network on its own."""
+    env, networks = three(**changes)
+    fresh = jnp.zeros((2, 4), bool)
+    seen = jnp.stack([jnp.stack([windows(env, [step, env_index % 2, 2]) for env_index in range(4)]) for step in (0, 1)])
+    joint = seen.reshape(2, 4, 3, 1, 1) if changes.get("algorithm") == "mappo" else None
+
+    def both(key: jax.Array) -> tuple[Any, Any]:
+        parameters = networks.init(key, env)
+        start = networks.start_memory(4)
+        _, logits, values = networks.apply(parameters, start, seen, None, fresh)
+        apart = []
+        for bundle, network, stacked in zip(networks.bundles, networks.networks, parameters, strict=True):
+            for index, agents in enumerate(bundle.agents):
+                own = jax.tree.map(lambda leaf: leaf[index], stacked)  # noqa: B023
+                _, says, worth = network.apply(own, network.start_memory(4), seen[:, :, np.asarray(agents)], joint, fresh)
+                apart += [(agent, says[:, :, place], worth[:, :, place]) for place, agent in enumerate(agents)]
+        order = [index for index, _ in sorted(enumerate(apart), key=lambda entry: entry[1][0])]
+        return (logits, values), tuple(jnp.stack([apart[index][part] for index in order], axis=2) for part in (1, 2))
+
+    together, apart = jax.jit(both, compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-6), together, apart)
+    differs = np.abs(np.asarray(together[1])[..., :, None] - np.asarray(together[1])[..., None, :])
+    assert differs[..., 0, 1].min() > 1e-6
+
+
+def test_networks_of_agents_start_different() -> None:
+    """Networks that have learnt nothing are those of the start."""
+    state, _ = learn(endless_riches(), sharing="per_agent")
+    kernels = [np.asarray(leaf) for leaf in jax.tree.leaves(state.learner[0].params) if leaf.ndim == 3]
+    assert len(kernels) == 5
+    for kernel in kernels:
+        assert np.abs(kernel[0] - kernel[1]).max() > 1e-3
+
+
+@pytest.mark.slow
+def test_teams_of_unequal_sizes_learn() -> None:
+    env = dataclasses.replace(matching(), num_agents=3)
+    state, metrics = learn(env, sharing="by_role", roles=ROLES)
+    assert [leaf.shape[0] for learner in state.learner for leaf in jax.tree.leaves(learner.params)[:1]] == [1, 1]
+    np.testing.assert_allclose(metrics["agent_return"][-1], 1.0, atol=0.1)

@@ -1,0 +1,153 @@
+"""The actor-critic networks of all agents of a game: which agents share one, and what their critics see."""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from sjdsl.runtime.planes import TokenPlane
+
+from .config import ConfigError, PPOConfig
+from .environment import Environment, abstract_key, reset_shapes
+from .networks import ActorCritic, Memory
+from .packing import Packing, make_packing
+from .teams import Bundle, bundle_teams, in_order, over_teams
+
+AGENTS_AXIS = 2  # of observations, logits and values `[L, M, N, ...]`
+
+
+@dataclass(frozen=True)
+class ActorCritics:
+    """Networks of teams of agents, bundle by bundle; parameters and memory are tuples with an entry a bundle."""
+
+    bundles: tuple[Bundle, ...]
+    networks: tuple[ActorCritic, ...]  # of a team, by bundle
+    joint_shape: tuple[int, ...] | None  # of what a central critic sees; None: critics are local
+    from_state: bool  # it is the world's state
+    packing: Packing  # of what a rollout keeps
+
+    def init(self, key: Array, env: Environment) -> tuple[Any, ...]:
+        """Returns the first parameters: leaves `[G, ...]`, each team's drawn with a key of its own."""
+        observation, _ = reset_shapes(env)
+        seen = jnp.zeros((1, 1, *observation.shape), observation.dtype)
+        joint = None if self.joint_shape is None else jnp.zeros((1, 1, *self.joint_shape), jnp.float32 if self.from_state else jnp.uint8)
+        fresh = jnp.ones((1, 1), bool)
+        parameters = []
+        for bundle, network, bundle_key in zip(self.bundles, self.networks, jax.random.split(key, len(self.bundles)), strict=True):
+            own = seen[:, :, : bundle.team_size]
+            memory = network.start_memory(1)
+            keys = jax.random.split(bundle_key, len(bundle.agents))
+            drawn = [network.init(team_key, memory, own, joint, fresh) for team_key in keys]
+            parameters.append(jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn))
+        return tuple(parameters)
+
+    def start_memory(self, num_envs: int) -> Memory:
+        """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
+
+        def of_teams(bundle: Bundle, network: ActorCritic) -> Memory:
+            one = network.start_memory(num_envs)
+            return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(bundle.agents), axis=1), one)
+
+        return tuple(of_teams(bundle, network) for bundle, network in zip(self.bundles, self.networks, strict=True))
+
+    def joint(self, observation: Array, from_state: Any) -> Array | None:
+        """Returns what central critics see: all windows `[..., N, P, V, V]`, plane after plane, or the world's state as it is."""
+        if self.joint_shape is None:
+            return None
+        if self.from_state:
+            return from_state
+        lead = observation.shape[:-4]
+        return observation.reshape(*lead, -1, *observation.shape[-2:])
+
+    def apply(self, parameters: Any, memory: Memory, observation: Array, from_state: Any, fresh: Array) -> tuple[Memory, Array, Array]:
+        """Reads L steps of M environments with all networks.
+
+        Args:
+          parameters: of `init`.
+          memory: of `start_memory` or the step before.
+          observation: `[L, M, N, P, V, V]` uint8.
+          from_state: `[L, M, K]` float32 for critics that see the state, else None.
+          fresh: `[L, M]` bool, the episode begins with this step.
+        Returns:
+          the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`.
+        """
+        joint = self.joint(observation, from_state)
+        memories, logits, values = [], [], []
+        for bundle, network, own, before in zip(self.bundles, self.networks, parameters, memory, strict=True):
+            teams_first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), before)
+            after, says, worth = over_teams(bundle, network.apply, AGENTS_AXIS)(own, teams_first, observation, joint, fresh)
+            memories.append(jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after))
+            logits.append(says)
+            values.append(worth)
+        ordered = partial(in_order, self.bundles, axis=AGENTS_AXIS)
+        return tuple(memories), ordered(logits), ordered(values)
+
+
+def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
+    """Returns the networks for the environment's observations and actions.
+
+    Raises:
+      ConfigError: the environment gives no token observations, no state vector though the critic sees the state, or no such teams.
+    """
+    planes = token_planes(env)
+    joint_planes: tuple[TokenPlane, ...] | None = None
+    joint_shape: tuple[int, ...] | None = None
+    from_state = config.algorithm == "mappo" and config.critic == "state"
+    if config.algorithm == "ippo" and config.critic != "observations":
+        raise ConfigError(f'`critic` = "{config.critic}" is what a central critic sees; ippo has none: choose algorithm mappo')
+    if from_state:
+        joint_planes, joint_shape = (), state_shape(env)
+    elif config.algorithm == "mappo":
+        observation, _ = reset_shapes(env)
+        joint_planes = planes * env.num_agents
+        joint_shape = (len(joint_planes), *observation.shape[2:])
+    bundles = bundle_teams(env, config)
+    networks = tuple(
+        ActorCritic(
+            num_actions=env.num_actions,
+            num_agents=bundle.team_size,
+            planes=planes,
+            joint_planes=joint_planes,
+            kind=config.network,
+            width=config.network_width,
+            recurrent=config.memory == "gru",
+            dtype=jnp.dtype(config.precision),
+        )
+        for bundle in bundles
+    )
+    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env))
+
+
+def token_planes(env: Environment) -> tuple[TokenPlane, ...]:
+    """Returns the environment's planes.
+
+    Raises:
+      ConfigError: it gives no token observations.
+    """
+    observation, _ = reset_shapes(env)
+    if observation.dtype != jnp.uint8 or observation.shape[1] != len(env.token_planes):
+        raise ConfigError(
+            f"trainers read token observations, uint8 with {len(env.token_planes)} planes, but `{env.name}` gives "
+            f'{observation.dtype} {observation.shape}; make it with observation="tokens"'
+        )
+    return tuple(env.token_planes)
+
+
+def packing_of(env: Environment) -> Packing:
+    """Returns how rollouts keep the environment's observations."""
+    observation, _ = reset_shapes(env)
+    return make_packing(token_planes(env), observation.shape[-2:])
+
+
+def state_shape(env: Environment) -> tuple[int, ...]:
+    """Returns the shape `(K,)` of an environment's state as a vector.
+
+    Raises:
+      ConfigError: it gives none.
+    """
+    if not hasattr(env, "state_vector"):
+        raise ConfigError(f'`{env.name}` gives no state_vector for a critic of the state; choose critic = "observations"')
+    return jax.eval_shape(lambda key: env.state_vector(env.reset(key)[1]), abstract_key()).shape

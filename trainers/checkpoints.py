@@ -1,0 +1,129 @@
+"""Checkpoints: the whole state of a run, by orbax, so that a run that was killed goes on as if nothing had been.
+
+A checkpoint is a folder that orbax names only when all of it is written. Beside the arrays it has their digest: what does not
+read back as it was written is not gone on from.
+"""
+
+import hashlib
+import os
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.tree_util import keystr, tree_flatten_with_path
+
+from .run_files import naming
+
+CHECKPOINTS = "checkpoints"
+KEPT = 2  # the last one, and the one before should the last be damaged
+
+
+class CheckpointError(Exception):
+    """A checkpoint cannot be read, or is none of this run."""
+
+
+class Checkpoints:
+    """The checkpoints of one run, in the folder `checkpoints` of its own."""
+
+    def __init__(self, run_dir: Path) -> None:
+        import orbax.checkpoint as ocp  # here: importing it takes a second
+
+        self._ocp = ocp
+        self.folder = (run_dir / CHECKPOINTS).resolve()
+        options = ocp.CheckpointManagerOptions(max_to_keep=KEPT, enable_async_checkpointing=False, cleanup_tmp_directories=True)
+        self._manager = ocp.CheckpointManager(self.folder, options=options)
+
+    def updates(self) -> list[int]:
+        """Returns after which updates there is a checkpoint, the last first."""
+        self._manager.reload()
+        return sorted(self._manager.all_steps(), reverse=True)
+
+    def save(self, update: int, state: Any, known: Mapping[str, Any]) -> None:
+        """Writes the state after an update, and what else is known, JSON values. Raises OSError when there is no room."""
+        arrays = _named_arrays(state)
+        known = {**known, "digest": _digest(arrays)}
+        parts = self._ocp.args.Composite(state=self._ocp.args.StandardSave(arrays), known=self._ocp.args.JsonSave(known))
+        try:
+            with naming(self.folder / str(update)):
+                self._manager.save(update, args=parts, force=True)
+        except ValueError as error:  # tensorstore has no class for what the system refuses, but says its number
+            said = re.search(r"os_error_code='(\d+)'", str(error))
+            if said is None:
+                raise
+            raise OSError(int(said[1]), os.strerror(int(said[1])), str(self.folder / str(update))) from None
+
+    def restore(self, update: int, like: Any) -> tuple[Any, dict[str, Any]]:
+        """Returns the state after an update, with the structure, dtypes and placement of `like`, and what else was known.
+
+        Raises:
+          CheckpointError: it is damaged, or of another run.
+        """
+        ocp = self._ocp
+        wanted = {name: ocp.utils.to_shape_dtype_struct(leaf) for name, leaf in _named_arrays(like).items()}
+        parts = ocp.args.Composite(state=ocp.args.StandardRestore(wanted), known=ocp.args.JsonRestore())
+        try:
+            found = self._manager.restore(update, args=parts)
+            arrays, known = found["state"], dict(found["known"])
+        except Exception as error:  # orbax and tensorstore have no common class of errors
+            raise CheckpointError(f"{self.folder / str(update)} cannot be read: {_first_line(error)}") from None
+        if _digest(arrays) != known.pop("digest", None):
+            raise CheckpointError(f"{self.folder / str(update)} is damaged: its arrays are not those that were written")
+        return _with_arrays(like, arrays), known
+
+    def drop(self, update: int) -> None:
+        """Removes a checkpoint that cannot be read, so that the run may write it anew."""
+        self.close()
+        shutil.rmtree(self.folder / str(update), ignore_errors=True)
+        self._manager = self._ocp.CheckpointManager(self.folder, options=self._manager._options)
+
+    def close(self) -> None:
+        self._manager.close()
+
+
+def _named_arrays(state: Any) -> dict[str, Any]:
+    """Returns the leaves of a state by their paths; keys as the words they are made of."""
+    leaves, _ = tree_flatten_with_path(state)
+    return {keystr(place): _words(leaf) for place, leaf in leaves}
+
+
+def _words(leaf: Any) -> Any:
+    return jax.random.key_data(leaf) if jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key) else leaf
+
+
+def _with_arrays(like: Any, arrays: Mapping[str, Any]) -> Any:
+    leaves, structure = tree_flatten_with_path(like)
+    return jax.tree.unflatten(structure, [_as(leaf, arrays[keystr(place)]) for place, leaf in leaves])
+
+
+def _as(leaf: Any, array: Any) -> Any:
+    if jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key):
+        return jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf))
+    return array
+
+
+def _digest(arrays: Mapping[str, Any]) -> str:
+    """Returns the SHA-256 of arrays, their names, dtypes and shapes."""
+    found = hashlib.sha256()
+    for name in sorted(arrays):
+        array = _gathered(arrays[name])
+        found.update(f"{name} {array.dtype} {array.shape}".encode())
+        found.update(np.ascontiguousarray(array).tobytes())
+    return found.hexdigest()
+
+
+def _gathered(array: Any) -> np.ndarray:
+    """Returns an array as NumPy has it; one that other processes hold parts of is fetched from them."""
+    if isinstance(array, jax.Array) and not array.is_fully_addressable:
+        from jax.experimental.multihost_utils import process_allgather
+
+        return np.asarray(process_allgather(array, tiled=True))
+    return np.asarray(array)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).strip().splitlines()[0][:300] if str(error).strip() else type(error).__name__

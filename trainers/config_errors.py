@@ -1,0 +1,45 @@
+"""What is wrong with a configuration, in the user's words."""
+
+import difflib
+from collections.abc import Mapping
+from typing import Any
+
+
+class ConfigError(Exception):
+    """A wrong key or value; the message has one line a fault."""
+
+
+def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Mapping[str, Mapping[str, Any]]) -> str:
+    """Returns one of pydantic's faults as a sentence; `known` has the configuration's keys, `keys_of` those of every algorithm."""
+    key = str(fault["loc"][0]) if fault["loc"] else "config"
+    match fault["type"]:
+        case "extra_forbidden":
+            owners = [algorithm for algorithm, keys in keys_of.items() if key in keys]
+            if owners:
+                return f"unknown key `{key}` here: it is one of {' and '.join(owners)}"
+            return f"unknown key `{key}`{nearest_key(key, known)}"
+        case "greater_than":
+            need = f"more than {fault['ctx']['gt']}"
+        case "greater_than_equal":
+            need = f"at least {fault['ctx']['ge']}"
+        case "less_than_equal":
+            need = f"at most {fault['ctx']['le']}"
+        case "literal_error":
+            need = fault["ctx"]["expected"]
+        case "int_parsing" | "int_type" | "int_from_float":
+            need = "a whole number"
+        case "float_parsing" | "float_type" | "finite_number":
+            need = "a finite number"
+        case "bool_parsing" | "bool_type":
+            need = "true or false"
+        case "too_short":
+            need = "one number or more"
+        case _:
+            need = fault["msg"]
+    return f"`{key}` must be {need}, not {fault['input']!r}"
+
+
+def nearest_key(key: str, known: Mapping[str, Any]) -> str:
+    """Returns `; did you mean …?`, or the list of known keys when none is near."""
+    near = difflib.get_close_matches(key, known, n=1)
+    return f"; did you mean `{near[0]}`?" if near else f"; known: {', '.join(known)}"

@@ -1,0 +1,18 @@
+"""What the processes of one run do together: the first alone writes for people to read, and all stop where one does."""
+
+import jax
+import numpy as np
+
+
+def is_first() -> bool:
+    """Whether this process writes metrics, policies and the manifest; checkpoints are written by all, each its part."""
+    return jax.process_index() == 0
+
+
+def any_says(value: bool) -> bool:
+    """Whether it is so in some process; they wait for each other."""
+    if jax.process_count() == 1:
+        return value
+    from jax.experimental.multihost_utils import process_allgather
+
+    return bool(np.any(process_allgather(np.asarray(value))))

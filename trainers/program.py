@@ -1,0 +1,70 @@
+"""A training run as pure functions, the same for every algorithm."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import flax
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from .config import Config, PPOConfig, VDNConfig
+from .environment import Environment
+from .rollout import Worlds
+
+Metrics = dict[str, Any]
+
+
+@flax.struct.dataclass
+class TrainState:
+    """All that one update hands to the next: what a checkpoint holds."""
+
+    key: Array  # [] typed key, consumed by the next update
+    learner: Any  # parameters, optimiser state, replayed steps: as the algorithm has it
+    worlds: Worlds  # the B environments
+    updates: Array  # [] int32, updates done
+
+
+@dataclass(frozen=True)
+class Train:
+    """A training run as pure functions: all can be jitted, and vmapped over seeds."""
+
+    init: Callable[[Array], TrainState]  # key -> state before the first update
+    collect: Callable[[TrainState], tuple[TrainState, Any]]  # plays; what was played goes to `learn`
+    learn: Callable[[TrainState, Any], tuple[TrainState, Metrics]]  # gradient steps on what was played
+    parameters: Callable[[TrainState], Any]  # of the agents' networks, from a state
+
+    def update(self, state: TrainState) -> tuple[TrainState, Metrics]:
+        """Plays and learns."""
+        return self.learn(*self.collect(state))
+
+
+def make_train(env: Environment, config: Config) -> Train:
+    """Returns the pure functions of a run; nothing is computed yet.
+
+    Args:
+      env: one environment.
+      config: `seed` and `seeds` are not read here: `init` takes the key.
+    Raises:
+      ConfigError: the rollout does not divide into minibatches, or something else does not fit the environment.
+    """
+    from .ppo import make_ppo
+    from .vdn import make_vdn
+
+    match config:
+        case PPOConfig():
+            return make_ppo(env, config)
+        case VDNConfig():
+            return make_vdn(env, config)
+    raise TypeError(f"no algorithm takes a {type(config).__name__}")
+
+
+def keep_if_finite(loss: Array, new: Any, old: Any) -> tuple[Any, Array]:
+    """Returns `new` and the loss; or, where the loss or an entry of `new` is not finite, `old` and NaN.
+
+    So the last good parameters outlive a run that diverges, though the memory of `old` may be reused.
+    """
+    numbers = [leaf for leaf in jax.tree.leaves(new) if jnp.issubdtype(leaf.dtype, jnp.floating)]
+    good = jnp.isfinite(loss) & jnp.stack([jnp.isfinite(leaf).all() for leaf in numbers]).all()
+    return jax.tree.map(lambda a, b: jnp.where(good, a, b), new, old), jnp.where(good, loss, jnp.nan)

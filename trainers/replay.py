@@ -1,0 +1,42 @@
+"""A replay buffer: the last steps of play, kept as bytes and drawn from with equal chances."""
+
+from typing import Any
+
+import flax
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+
+@flax.struct.dataclass
+class Replay:
+    """A ring of `capacity` entries."""
+
+    entries: Any  # leaves [capacity, ...]
+    filled: Array  # [] int32, entries ever written, at most capacity
+    place: Array  # [] int32, where the next are written
+
+
+def empty_replay(entry: Any, capacity: int) -> Replay:
+    """Returns a buffer without entries; `entry` is a tree of shapes and dtypes of one."""
+    entries = jax.tree.map(lambda leaf: jnp.zeros((capacity, *leaf.shape), leaf.dtype), entry)
+    return Replay(entries, jnp.int32(0), jnp.int32(0))
+
+
+def add_entries(replay: Replay, new: Any) -> Replay:
+    """Returns the buffer with entries `[M, ...]` in place of its oldest; M must divide its capacity."""
+    number = jax.tree.leaves(new)[0].shape[0]
+    capacity = jax.tree.leaves(replay.entries)[0].shape[0]
+
+    def write(kept: Array, leaf: Array) -> Array:
+        return jax.lax.dynamic_update_slice_in_dim(kept, leaf, replay.place, axis=0)
+
+    entries = jax.tree.map(write, replay.entries, new)
+    filled = jnp.minimum(replay.filled + number, capacity)
+    return Replay(entries, filled, (replay.place + number) % capacity)
+
+
+def draw_entries(replay: Replay, key: Array, number: int) -> Any:
+    """Returns `number` entries `[number, ...]`, each drawn from all that are filled."""
+    indices = jax.random.randint(key, (number,), 0, jnp.maximum(replay.filled, 1), jnp.int32)
+    return jax.tree.map(lambda leaf: leaf[indices], replay.entries)

@@ -1,0 +1,78 @@
+"""Where a stopped run goes on: only as the run it was, from the last of its checkpoints that can be read."""
+
+import json
+import warnings
+from pathlib import Path
+from typing import Any
+
+from .checkpoints import CheckpointError, Checkpoints
+from .compiled import Compiled
+from .config import ConfigError, make_config
+from .environment import Environment
+from .program import TrainState
+from .run_folder import MANIFEST, describe_game, versions
+
+PARTS = ("game", "config", "versions")  # of a manifest, without which nothing can be gone on with
+
+
+class RunError(Exception):
+    """A run cannot start, or cannot go on."""
+
+
+def read_manifest(run_dir: Path) -> dict[str, Any]:
+    """Returns the manifest of a run.
+
+    Raises:
+      RunError: there is none that can be read.
+    """
+    try:
+        manifest = json.loads((run_dir / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        manifest = None
+    if not isinstance(manifest, dict) or not all(isinstance(manifest.get(part), dict) for part in PARTS):
+        raise RunError(f"{run_dir} is no folder of a run: it has no {MANIFEST} that can be read")
+    return manifest
+
+
+def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
+    """Returns the manifest of a run that can be gone on with in `env`.
+
+    Raises:
+      RunError: there is no such run; its game had other rules or numbers; it was made by other versions, whose figures differ.
+    """
+    manifest = read_manifest(run_dir)
+    then, now = manifest["game"], describe_game(env)
+    if then.get("hash") != now["hash"]:
+        raise RunError(
+            f"{run_dir} is a run of {then.get('name')} with the rules {then.get('hash')}, and they are {now['hash']} now; "
+            "go on with the file as it was, or start a new run"
+        )
+    params = then.get("params", {})
+    if params != now["params"]:
+        changed = [name for name in now["params"] if params.get(name) != now["params"][name]]
+        raise RunError(f"{run_dir} is a run with other numbers of the game: {', '.join(changed) or 'some are gone'}")
+    known = versions()
+    other = {name: version for name, version in manifest["versions"].items() if known.get(name) != version}
+    if other:
+        listed = ", ".join(f"{name} {version} (here {known.get(name)})" for name, version in other.items())
+        raise RunError(f"{run_dir} was made with {listed}; its figures would not go on alike: install those, or start a new run")
+    try:
+        make_config(manifest["config"])
+    except (ConfigError, KeyError, TypeError) as error:
+        raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
+    return manifest
+
+
+def restore_last(checkpoints: Checkpoints, compiled: Compiled) -> tuple[TrainState, int]:
+    """Returns the state to go on from and the updates done until then: the first state where there is no checkpoint.
+
+    A checkpoint that cannot be read is told of and removed, for the run, which comes to the same figures again, to write it anew.
+    """
+    start = compiled.start()
+    for update in checkpoints.updates():
+        try:
+            return checkpoints.restore(update, start)[0], update
+        except CheckpointError as error:
+            warnings.warn(f"{error}; going on from the one before", stacklevel=2)
+            checkpoints.drop(update)
+    return start, 0

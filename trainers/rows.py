@@ -1,0 +1,43 @@
+"""Rows of metrics: nested arrays as one line of flat, named numbers."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .run_folder import Row
+
+
+def flatten_metrics(metrics: dict[str, Any]) -> Row:
+    """Returns metrics as flat numbers: `{"event": {"eaten": [3, 4]}}` becomes `event_eaten_agent_0` and `…_1`.
+
+    Raw and shaped returns are per agent; their means over agents are `return` and `shaped_return`.
+    """
+    row: Row = {}
+    for name, value in metrics.items():
+        match name:
+            case "agent_return" | "shaped_agent_return":
+                short = name.replace("agent_", "")
+                row[short] = float(np.mean(value))
+                row |= _per_agent(short, value)
+            case "event" | "mean" | "final" | "metric":
+                for inner, count in value.items():
+                    row |= _per_agent(f"{name}_{inner}", count)
+            case _:
+                row[name] = np.asarray(value).item()
+    return row
+
+
+def _per_agent(name: str, value: Any) -> Row:
+    if np.ndim(value) == 0:
+        return {name: np.asarray(value).item()}
+    return {f"{name}_agent_{index}": entry.item() for index, entry in enumerate(np.asarray(value))}
+
+
+def mean_row(rows: Sequence[Row]) -> Row:
+    """Returns the mean of the rows of several seeds, leaving out what a seed has not."""
+    means = {}
+    for name in rows[0]:
+        known = [row[name] for row in rows if row[name] == row[name]]
+        means[name] = sum(known) / len(known) if known else float("nan")
+    return means | {name: rows[0][name] for name in ("update", "env_steps")}

@@ -1,0 +1,50 @@
+"""Data-parallel training: the environments are spread over all devices, everything else is on each of them.
+
+JAX's partitioner does the rest: sums over a minibatch become sums over devices. The program is the same for any number of
+devices, random draws included, so that results differ by the order of float sums alone.
+"""
+
+from dataclasses import dataclass
+
+import jax
+import numpy as np
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
+
+from .config import Config, ConfigError
+from .program import TrainState
+
+ENVS = "envs"
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where the arrays of a run are."""
+
+    mesh: Mesh
+    seeds: int  # runs side by side: then their axis comes first
+
+    @property
+    def everywhere(self) -> NamedSharding:
+        return NamedSharding(self.mesh, PartitionSpec())
+
+    @property
+    def spread(self) -> NamedSharding:
+        """Environments, the first axis but for seeds, over devices."""
+        return NamedSharding(self.mesh, PartitionSpec(*([None] if self.seeds > 1 else []), ENVS))
+
+    def of_state(self, state: TrainState) -> TrainState:
+        """Returns the placement of every leaf of a state."""
+        placed = jax.tree.map(lambda _: self.everywhere, state)
+        return placed.replace(worlds=jax.tree.map(lambda _: self.spread, state.worlds))
+
+
+def make_placement(config: Config) -> Placement:
+    """Returns the placement on all devices of all processes.
+
+    Raises:
+      ConfigError: the environments do not divide into them.
+    """
+    devices = jax.devices()
+    if config.num_envs % len(devices):
+        raise ConfigError(f"num_envs = {config.num_envs} environments cannot be spread over {len(devices)} devices; choose a multiple")
+    return Placement(Mesh(np.asarray(devices), (ENVS,)), config.seeds)

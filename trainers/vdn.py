@@ -1,0 +1,213 @@
+"""Value decomposition networks: Q-learning of the team's reward, whose value is the sum of the agents' values.
+
+Source: Sunehag et al. 2018, "Value-decomposition networks for cooperative multi-agent learning".
+"""
+
+from typing import Any
+
+import flax
+import jax
+import jax.numpy as jnp
+import optax
+from flax.training.train_state import TrainState as Learner
+from jax import Array
+
+from .actor_critics import packing_of, token_planes
+from .config import ConfigError, VDNConfig
+from .environment import Environment, reset_shapes
+from .episodes import mean_episode
+from .networks import ActionValues
+from .packing import Packing
+from .program import Metrics, Train, TrainState, keep_if_finite
+from .replay import Replay, add_entries, draw_entries, empty_replay
+from .rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
+from .shaping import make_shaping
+
+
+@flax.struct.dataclass
+class Transition:
+    """One step of one environment, as it is replayed."""
+
+    observation: Array  # [N, bytes, V * V] uint8, acted on, packed
+    action: Array  # [N] int32
+    reward: Array  # [] float32, the team's
+    following: Array  # [N, bytes, V * V] uint8, packed, where the step led: before a reset
+    ended: Array  # [] bool, a true ending: nothing follows; a time limit is none
+
+
+@flax.struct.dataclass
+class ValueLearner:
+    """What is learnt and what it is learnt from."""
+
+    online: Learner  # parameters, optimiser state and `step`, the gradient steps taken
+    target: Any  # parameters of the target network
+    replay: Replay
+
+
+def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
+    """Returns the network, which all agents share.
+
+    Raises:
+      ConfigError: the environment gives no token observations.
+    """
+    return ActionValues(env.num_actions, token_planes(env), config.network, config.network_width, jnp.dtype(config.precision))
+
+
+def make_vdn(env: Environment, config: VDNConfig) -> Train:
+    """Returns the pure functions of a run.
+
+    Raises:
+      ConfigError: the configuration does not fit itself or the environment.
+    """
+    if config.buffer_size % config.steps_per_update:
+        raise ConfigError(
+            f"`buffer_size` must be a multiple of num_envs x num_steps = {config.num_envs} x {config.num_steps} = "
+            f"{config.steps_per_update}, not {config.buffer_size}"
+        )
+    network = make_action_values(env, config)
+    shaping = make_shaping(config, env.num_agents)
+    optimiser = make_optimiser(config)
+    packing = packing_of(env)
+
+    def init(key: Array) -> TrainState:
+        key, network_key, worlds_key = jax.random.split(key, 3)
+        worlds = start_worlds(env, config.num_envs, (), worlds_key)
+        parameters = network.init(network_key, worlds.observation[:1])
+        online = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(step=jnp.int32(0))
+        target = jax.tree.map(jnp.copy, parameters)
+        replay = empty_replay(_entry_shapes(env, packing), config.buffer_size)
+        return TrainState(key, ValueLearner(online, target, replay), worlds, jnp.int32(0))
+
+    def collect(state: TrainState) -> tuple[TrainState, Any]:
+        key, rollout_key = jax.random.split(state.key)
+        epsilon = exploration(config, state.updates)
+        actor = make_actor(env, network, packing, state.learner.online.params, epsilon)
+        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping)
+        replay = add_entries(state.learner.replay, _entries(rollout))
+        learner = state.learner.replace(replay=replay)
+        reward = rollout.reward.sum(axis=-1).mean()
+        return state.replace(key=key, worlds=worlds, learner=learner), (finished, measured, reward, epsilon)
+
+    def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
+        finished, measured, reward, epsilon = played
+        key, learn_key = jax.random.split(state.key)
+        before, target, replay = state.learner.online, state.learner.target, state.learner.replay
+        after, losses = take_gradient_steps(network, packing, before, target, replay, learn_key, config)
+        begun = replay.filled >= config.learning_starts
+        after, losses = jax.tree.map(lambda new, old: jnp.where(begun, new, old), (after, losses), (before, _no_losses(losses)))
+        after, losses["loss"] = keep_if_finite(losses["loss"], after, before)
+        updates = state.updates + 1
+        target = follow_target(target, after.params, updates, config)
+        metrics = {
+            **mean_episode(finished),
+            "reward_per_step": reward,
+            "metric": measured,
+            **losses,
+            "epsilon": epsilon,
+            "replayed": replay.filled,
+            "learning_rate": learning_rate_schedule(config)(after.step),
+        }
+        return TrainState(key, ValueLearner(after, target, replay), state.worlds, updates), metrics
+
+    return Train(init, collect, learn, lambda state: state.learner.online.params)
+
+
+def _entry_shapes(env: Environment, packing: Packing) -> Transition:
+    observation = jax.eval_shape(packing.pack, reset_shapes(env)[0])
+    return Transition(
+        observation=observation,
+        action=jax.ShapeDtypeStruct((env.num_agents,), jnp.int32),
+        reward=jax.ShapeDtypeStruct((), jnp.float32),
+        following=observation,
+        ended=jax.ShapeDtypeStruct((), jnp.bool_),
+    )
+
+
+def _entries(rollout: Rollout) -> Transition:
+    """Returns a rollout's T * B transitions."""
+    steps = Transition(
+        observation=rollout.observation,
+        action=rollout.action,
+        reward=rollout.shaped_reward[..., 0],  # the same for all agents
+        following=rollout.ending,
+        ended=rollout.done & ~rollout.truncated,
+    )
+    return jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), steps)
+
+
+def _no_losses(losses: Metrics) -> Metrics:
+    return jax.tree.map(jnp.zeros_like, losses)
+
+
+def make_actor(env: Environment, network: ActionValues, packing: Packing, parameters: Any, epsilon: Array) -> Actor:
+    """Returns agents that take their best action, or with probability `epsilon`, each on its own, any."""
+
+    def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Any, Array, None]:
+        del joint
+        explore_key, action_key = jax.random.split(key)
+        best = jnp.argmax(network.apply(parameters, worlds.observation), axis=-1).astype(jnp.int32)
+        explores = jax.random.bernoulli(explore_key, epsilon, best.shape)
+        return (), jnp.where(explores, jax.random.randint(action_key, best.shape, 0, env.num_actions, jnp.int32), best), None
+
+    return Actor(act, packing.pack, lambda _, __, info: packing.pack(info["terminal_observation"]))
+
+
+def exploration(config: VDNConfig, updates: Array) -> Array:
+    """Returns the probability of exploring in the rollout after so many updates: linear, then constant."""
+    gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)
+    return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(jnp.float32)
+
+
+def learning_rate_schedule(config: VDNConfig) -> optax.Schedule:
+    """Returns the learning rate as a function of the gradient steps taken."""
+    if not config.anneal_learning_rate:
+        return optax.constant_schedule(config.learning_rate)
+    return optax.linear_schedule(config.learning_rate, 0.0, config.num_updates * config.gradient_steps)
+
+
+def make_optimiser(config: VDNConfig) -> optax.GradientTransformation:
+    """Returns rectified Adam on gradients whose global norm is clipped. Source: SocialJax, VDN configuration."""
+    return optax.chain(optax.clip_by_global_norm(config.max_gradient_norm), optax.radam(learning_rate_schedule(config)))
+
+
+def take_gradient_steps(
+    network: ActionValues, packing: Packing, online: Learner, target: Any, replay: Replay, key: Array, config: VDNConfig
+) -> tuple[Learner, Metrics]:
+    """Takes `gradient_steps` steps, each on a batch of its own; losses are their means."""
+
+    def take_step(online: Learner, key: Array) -> tuple[Learner, Metrics]:
+        drawn = draw_entries(replay, key, config.batch_size)
+        batch = drawn.replace(observation=packing.unpack(drawn.observation), following=packing.unpack(drawn.following))
+        loss = jax.value_and_grad(vdn_loss, has_aux=True)
+        (_, losses), gradients = loss(online.params, target, network, batch, config)
+        losses["gradient_norm"] = optax.tree.norm(gradients)
+        return online.apply_gradients(grads=gradients), losses
+
+    online, losses = jax.lax.scan(take_step, online, jax.random.split(key, config.gradient_steps))
+    return online, jax.tree.map(jnp.mean, losses)
+
+
+def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transition, config: VDNConfig) -> tuple[Array, Metrics]:
+    """Returns the mean squared error of the team's value, and its parts.
+
+    y = r + gamma * sum over i of max_a Q'_i(s', a), nothing beyond r after a true ending; with `double_q` the action is the best
+    of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
+    """
+    values = network.apply(parameters, batch.observation)
+    taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0].sum(axis=-1)
+    next_values = network.apply(target, batch.following)
+    if config.double_q:
+        best = jnp.argmax(network.apply(parameters, batch.following), axis=-1)
+        following = jnp.take_along_axis(next_values, best[..., None], axis=-1)[..., 0]
+    else:
+        following = next_values.max(axis=-1)
+    wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, following.sum(axis=-1))
+    error = taken - jax.lax.stop_gradient(wanted)
+    loss = jnp.square(error).mean()
+    return loss, {"loss": loss, "team_value": taken.mean()}
+
+
+def follow_target(target: Any, online: Any, updates: Array, config: VDNConfig) -> Any:
+    """Returns the target's parameters: every `target_update_every` updates they go `target_rate` of the way to the online ones."""
+    rate = jnp.where(updates % config.target_update_every == 0, config.target_rate, 0.0)
+    return jax.tree.map(lambda kept, new: (1.0 - rate) * kept + rate * new, target, online)
