@@ -168,6 +168,15 @@ def _reduce_window(array: Any, start: Any, add: Any, size: tuple[int], step: tup
     return as_array(padded.reshape(-1, *size).sum(axis=1, dtype=padded.dtype))
 
 
+def _reduce(arrays: Any, start: Any, together: Callable[[Any, Any], Any], axes: tuple[int, ...]) -> Any:
+    """Returns the arrays with one axis folded from its first entry to its last, by a function of tuples."""
+    (axis,) = axes
+    result = start
+    for i in range(arrays[0].shape[axis]):
+        result = together(result, tuple(np.take(np.asarray(a), i, axis=axis) for a in arrays))
+    return tuple(as_array(r) for r in result)
+
+
 def _dynamic_slice(array: Any, starts: tuple[Any, ...], sizes: tuple[int, ...]) -> Array:
     begin = [min(max(int(s), 0), n - size) for s, n, size in zip(starts, array.shape, sizes, strict=True)]
     return as_array(np.asarray(array)[tuple(slice(b, b + size) for b, size in zip(begin, sizes, strict=True))])
@@ -195,6 +204,7 @@ LAX = SimpleNamespace(
     pad=_pad,
     add="add",
     dynamic_slice=_dynamic_slice,
+    reduce=_reduce,
     reduce_window=_reduce_window,
     dynamic_index_in_dim=_dynamic_index_in_dim,
     population_count=_wrapping(np.bitwise_count),

@@ -35,6 +35,7 @@ def parts(game: ir.Game, random: Random) -> str:
         keys = np.array([[random.getrandbits(32) for _ in range(2)] for _ in states], np.uint32)
         actions = np.array([some_actions(game, random) for _ in states], np.int32)
         seen, together, reward, done, info = jax.tree.map(np.asarray, batch(keys, together, actions))
+        info["terminal_state"] = vars(info["terminal_state"])
         for one, words in enumerate(keys.tolist()):
             wanted, state = _alone(alone, tuple(words), states[one], actions[one].tolist())
             got = jax.tree.map(lambda x: x[one], (seen, vars(together), reward, done, info))  # noqa: B023
@@ -49,7 +50,7 @@ def _alone(env: Any, words: tuple[int, int], state: Any, actions: list[int]) -> 
     with np.errstate(all="ignore"):  # what a guard protects is computed and not used
         ended, reward, done, info = env.advance(words, state, actions)
         after = env.begin(words) if done else ended
-        info["terminal_observation"] = env._observe(ended)
+        info |= {"terminal_observation": env._observe(ended), "terminal_state": vars(ended)}
         return (env._observe(after), vars(after), reward, done, info), after
 
 
