@@ -7,12 +7,13 @@ import jax
 import numpy as np
 
 from sjdsl.factory import make
+from sjdsl.games_folder import bundled
 from sjdsl.interop.missing import needs
 from sjdsl.render import make_painter, take_snapshot
 
 with needs("pettingzoo"):
     from gymnasium import spaces
-    from pettingzoo import ParallelEnv
+    from pettingzoo import ParallelEnv, register
 
 Figures = dict[str, dict[str, Any]]
 
@@ -148,6 +149,10 @@ class ParallelGame(ParallelEnv):
 def parallel_env(game: str, **arguments: Any) -> ParallelGame:
     """Returns `ParallelGame(game, …)`, the name PettingZoo's tools look for."""
     return ParallelGame(game, **arguments)
+
+
+for _name in bundled():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
+    register("parallel", f"sjdsl/{_name}-v0", f"{__name__}:parallel_env", kwargs={"game": _name})
 
 
 def _channels_last(observation: Any) -> np.ndarray:

@@ -5,6 +5,7 @@ from functools import partial
 
 import cloudpickle
 import numpy as np
+import pettingzoo
 import pytest
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
 from pettingzoo.test.state_test import state_test
@@ -44,6 +45,11 @@ def test_pettingzoos_own_tests() -> None:
     api_test(parallel_to_aec(coins()), num_cycles=60)
     seed_test(lambda: parallel_to_aec(coins()))
     state_test(parallel_to_aec(coins()), coins())
+
+
+def test_bundled_games_are_registered() -> None:
+    env = pettingzoo.make("parallel", "sjdsl/coins-v0", params={"length": 40})
+    assert_alike(course(env.unwrapped, 5, 60), course(coins(), 5, 60))
 
 
 def test_a_seed_is_a_course_of_500_steps() -> None:

@@ -1,0 +1,170 @@
+"""dm_env: a compiled game in the shape of a Melting Pot substrate."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax
+import numpy as np
+
+from sjdsl.compiler.declare import BUILT_IN_ACTIONS
+from sjdsl.factory import make
+from sjdsl.interop.missing import needs
+from sjdsl.render import take_snapshot
+from sjdsl.render.board import Tiles, draw_board
+from sjdsl.render.look import make_look
+from sjdsl.render.windows import draw_windows
+
+with needs("dm_env"):
+    import dm_env
+    from dm_env import specs
+
+Observation = dict[str, np.ndarray]
+ROLE = "default"
+TILE = 8  # pixels of a cell's side, as in Melting Pot
+
+
+class Substrate(dm_env.Environment):
+    """One environment of a game: actions, rewards and observations are lists, one entry a player.
+
+    Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; `READY_TO_SHOOT`, 1 where all of the game's own actions
+    are allowed, in games that have some; `COLLECTIVE_REWARD`, the sum of the step's rewards; `WORLD.RGB`, the whole board. Rewards are
+    raw. An episode's last step has discount 1 where it is cut off, 0 where the rules end it. A step after it, or before
+    `reset`, begins an episode, as dm_env has it.
+    """
+
+    def __init__(self, game: str, seed: int | None = None, tile: int = TILE, **arguments: Any) -> None:
+        """Makes the environment.
+
+        Args:
+          game, arguments: of `sjdsl.make`.
+          seed: of all episodes; another one each time by default.
+          tile: pixels of a cell's side.
+        """
+        self.env = make(game, **arguments)
+        number = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
+        self._key = jax.random.key(number)
+        self._look = replace(make_look(self.env), tile=tile)
+        self._tiles: Tiles = {}
+        self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN_ACTIONS]
+        self._state: Any = None
+        self._events: list[tuple[str, Any]] = []
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """What the numbers of `action_spec` mean."""
+        return self.env.action_names
+
+    def reset(self) -> dm_env.TimeStep:
+        """Begins an episode."""
+        self._key, key = jax.random.split(self._key)
+        _, self._state = self.env.reset(key)
+        self._events = []
+        nothing = np.zeros(self.env.num_agents)
+        return dm_env.TimeStep(dm_env.StepType.FIRST, list(nothing), 0.0, self._observe(nothing))
+
+    def step(self, action: Sequence[int]) -> dm_env.TimeStep:
+        """Plays one step; `action` has one number for each player."""
+        if self._state is None:
+            return self.reset()
+        chosen = [int(number) for number in action]
+        if len(chosen) != self.env.num_agents:
+            raise ValueError(f"{len(chosen)} actions for {self.env.num_agents} players")
+        for player, number in enumerate(chosen):
+            if not 0 <= number < self.env.num_actions:
+                raise ValueError(f"{number} is no action of player {player}: 0 .. {self.env.num_actions - 1}")
+        self._key, key = jax.random.split(self._key)
+        _, self._state, reward, done, info = self.env.step_env(key, self._state, np.array(chosen, np.int32))
+        rewards = np.asarray(reward, np.float64)
+        self._events = list(_events(info["events"]))
+        kind = dm_env.StepType.LAST if bool(done) else dm_env.StepType.MID
+        discount = 0.0 if bool(info["terminated"]) else 1.0
+        made = dm_env.TimeStep(kind, list(rewards), discount, self._observe(rewards))
+        if bool(done):
+            self._state = None
+        return made
+
+    def events(self) -> list[tuple[str, Any]]:
+        """Returns the events of the last step: names, each with the player's number (None for those of no player) and how often."""
+        return list(self._events)
+
+    def observation_spec(self) -> list[Mapping[str, specs.Array]]:  # type: ignore[override]
+        """Returns the specs of each player's observation."""
+        rows, cols = self.env.observation_shape[2:]
+        tile = self._look.tile
+        spec: dict[str, specs.Array] = {"RGB": specs.Array((rows * tile, cols * tile, 3), np.uint8, "RGB")}
+        if self._own_actions:
+            spec["READY_TO_SHOOT"] = specs.Array((), np.float64, "READY_TO_SHOOT")
+        spec["COLLECTIVE_REWARD"] = specs.Array((), np.float64, "COLLECTIVE_REWARD")
+        board = (self._look.height * tile, self._look.width * tile, 3)
+        spec["WORLD.RGB"] = specs.Array(board, np.uint8, "WORLD.RGB")
+        return [dict(spec) for _ in range(self.env.num_agents)]
+
+    def action_spec(self) -> list[specs.DiscreteArray]:  # type: ignore[override]
+        """Returns the spec of each player's action."""
+        return [specs.DiscreteArray(self.env.num_actions, np.int64, "action") for _ in range(self.env.num_agents)]
+
+    def reward_spec(self) -> list[specs.Array]:  # type: ignore[override]
+        """Returns the spec of each player's reward."""
+        return [specs.Array((), np.float64, "REWARD") for _ in range(self.env.num_agents)]
+
+    def discount_spec(self) -> specs.BoundedArray:
+        """Returns the spec of the discount."""
+        return specs.BoundedArray((), np.float64, 0.0, 1.0, "discount")
+
+    def close(self) -> None:
+        """Nothing is held open."""
+
+    def _observe(self, rewards: np.ndarray) -> list[Observation]:
+        snapshot = take_snapshot(self.env, self._state, rewards)
+        board = draw_board(self._look, snapshot, self._tiles)
+        windows = draw_windows(board, snapshot, self.env.game.window, self._look.tile)
+        ready = np.asarray(self.env.allowed_actions(self._state))[:, self._own_actions].all(axis=1)
+        collective = np.array(rewards.sum())
+        observations = []
+        for player, window in enumerate(windows):
+            seen = {"RGB": window, "COLLECTIVE_REWARD": collective, "WORLD.RGB": board}
+            if self._own_actions:
+                seen["READY_TO_SHOOT"] = np.array(float(ready[player]))
+            observations.append(seen)
+        return observations
+
+
+@dataclass(frozen=True)
+class Config:
+    """What there is to know of a game before it is built, by Melting Pot's names."""
+
+    default_player_roles: tuple[str, ...]
+    valid_roles: frozenset[str]
+    action_names: tuple[str, ...]
+    individual_observation_names: tuple[str, ...]
+    global_observation_names: tuple[str, ...]
+
+
+def get_config(game: str, **arguments: Any) -> Config:
+    """Returns the configuration of a game; every player has the role `default`."""
+    made = Substrate(game, **arguments)
+    names = tuple(name for name in made.observation_spec()[0] if name != "WORLD.RGB")
+    return Config((ROLE,) * made.env.num_agents, frozenset({ROLE}), made.action_names, names, ("WORLD.RGB",))
+
+
+def build(game: str, roles: Sequence[str], seed: int | None = None, tile: int = TILE, **arguments: Any) -> Substrate:
+    """Returns the game with one player for each role.
+
+    Raises:
+      ValueError: a role that is not `default`, or a number of players that the game does not allow.
+    """
+    unknown = sorted(set(roles) - {ROLE})
+    if unknown:
+        raise ValueError(f"there is no role `{unknown[0]}`; every player has the role `{ROLE}`")
+    if len(roles) != make(game, **arguments).num_agents:  # a game whose number of agents is fixed takes no other
+        arguments["num_agents"] = len(roles)
+    return Substrate(game, seed, tile, **arguments)
+
+
+def _events(counts: Mapping[str, Any]) -> Any:
+    for name, count in counts.items():
+        values = np.asarray(count)
+        for player, times in enumerate(values if values.ndim else [values]):
+            if times:
+                yield name, {"player": player if values.ndim else None, "times": int(times)}

@@ -1,0 +1,177 @@
+"""JaxMARL: a compiled game as a `MultiAgentEnv`."""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+from flax import struct
+from jax import Array
+
+from sjdsl.factory import make
+from sjdsl.interop.missing import needs
+
+with needs("jaxmarl"):
+    from jaxmarl.environments import spaces
+    from jaxmarl.environments.multi_agent_env import MultiAgentEnv, State
+
+ByAgent = dict[str, Array]
+
+
+@struct.dataclass
+class GameState(State):
+    """JaxMARL's `done` and `step`, and the state of the game."""
+
+    game: Any
+
+
+class JaxMARLGame(MultiAgentEnv):
+    """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all end together.
+
+    Rewards are raw. Every leaf of the infos has shape `(num_agents,)`, as JaxMARL's scripts need it: events and metrics of the
+    step by name, `truncated` and `terminated`. Actions may have shape `()` or `(1,)`.
+
+    Attributes:
+      env: the `sjdsl.Environment`; max_steps: the length of an episode.
+    """
+
+    def __init__(
+        self,
+        game: str,
+        observation: Literal["onehot", "tokens"] = "onehot",
+        flat: bool = True,
+        world_state: Literal["observations", "state"] | None = None,
+        common_reward: bool = False,
+        shaped_reward: bool = False,
+        terminal_observation: bool = False,
+        **arguments: Any,
+    ) -> None:
+        """Makes the environment.
+
+        Args:
+          game, observation, arguments: of `sjdsl.make`.
+          flat: observations are vectors, as scripts with dense or recurrent networks need; otherwise `[rows, cols, channels]`. float32.
+          world_state: adds `obs["world_state"]`, `[num_agents, size]`, for central critics: all observations, or the state's vector.
+          common_reward: every agent is paid the sum of all rewards.
+          shaped_reward: adds `info["shaped_reward"]`, zeros by agent, which scripts written for Overcooked take out.
+          terminal_observation: adds `info["terminal_observation"]`, `[num_agents, ...]`, which `step` would lose at an episode's end.
+        """
+        if world_state not in (None, "observations", "state"):
+            raise ValueError(f"world_state is None, `observations` or `state`, not {world_state!r}")
+        self.env = make(game, observation=observation, **arguments)
+        super().__init__(self.env.num_agents)
+        self.max_steps = self.env.episode_length
+        self._flat, self._world_state = flat, world_state
+        self._common_reward, self._shaped_reward, self._terminal_observation = common_reward, shaped_reward, terminal_observation
+        _, channels, rows, cols = self.env.observation_shape
+        shape = (rows * cols * channels,) if flat else (rows, cols, channels)
+        self.observation_spaces = dict.fromkeys(self.agents, spaces.Box(0.0, 255.0, shape, jnp.float32))
+        self.action_spaces = dict.fromkeys(self.agents, spaces.Discrete(self.env.num_actions))
+
+    @property
+    def name(self) -> str:
+        """The game's name."""
+        return self.env.name
+
+    @property
+    def agent_classes(self) -> dict[str, list[str]]:
+        """The agents of each role, or all of them under `agents`."""
+        roles = self.env.roles
+        if roles is None:
+            return {"agents": list(self.agents)}
+        return {f"role_{role}": [a for a, r in zip(self.agents, roles, strict=True) if r == role] for role in sorted(set(roles))}
+
+    def observation_space(self, agent: str | None = None) -> spaces.Box:
+        """Returns the space of an agent; they are all alike."""
+        return self.observation_spaces[self.agents[0] if agent is None else agent]
+
+    def action_space(self, agent: str | None = None) -> spaces.Discrete:
+        """Returns the space of an agent; they are all alike."""
+        return self.action_spaces[self.agents[0] if agent is None else agent]
+
+    def world_state_size(self) -> int:
+        """Returns how long a row of `obs["world_state"]` is."""
+        observations = jax.eval_shape(self.reset, jax.random.key(0))[0]
+        if "world_state" not in observations:
+            raise ValueError('there is no world state: make the environment with world_state="observations" or "state"')
+        return observations["world_state"].shape[1]
+
+    @partial(jax.jit, static_argnums=(0,))
+    def reset(self, key: Array) -> tuple[ByAgent, GameState]:
+        """Returns the first observations and state of an episode."""
+        observation, game = self.env.reset(key)
+        return self._observations(observation, game), _state(game, jnp.asarray(False))
+
+    @partial(jax.jit, static_argnums=(0,))
+    def step(
+        self, key: Array, state: GameState, actions: Mapping[str, Array], reset_state: GameState | None = None
+    ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
+        """One step; a finished episode is followed by the first state of the next, or by `reset_state`."""
+        if reset_state is not None:
+            return super().step(key, state, actions, reset_state)
+        # resets of the game are computed only where an environment of a batch is done; those of the base class in every step
+        observation, game, reward, done, info = self.env.step(key, _game(state), self._actions(actions))
+        return self._observations(observation, game), _state(game, jnp.asarray(False)), *self._results(reward, done, info)
+
+    @partial(jax.jit, static_argnums=(0,))
+    def step_env(
+        self, key: Array, state: GameState, actions: Mapping[str, Array]
+    ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
+        """As `step`, without what follows an episode."""
+        observation, game, reward, done, info = self.env.step_env(key, _game(state), self._actions(actions))
+        return self._observations(observation, game), _state(game, done), *self._results(reward, done, info)
+
+    @partial(jax.jit, static_argnums=(0,))
+    def get_obs(self, state: GameState) -> ByAgent:
+        """Returns the observations of a state."""
+        return self._observations(self.env.observe(state.game), state.game)
+
+    @partial(jax.jit, static_argnums=(0,))
+    def get_avail_actions(self, state: GameState) -> ByAgent:
+        """Returns which actions each agent may take, `[num_actions]` bool."""
+        return self._by_agent(self.env.allowed_actions(state.game))
+
+    def _actions(self, actions: Mapping[str, Array]) -> Array:
+        return jnp.stack([jnp.asarray(actions[agent]).reshape(()) for agent in self.agents])
+
+    def _by_agent(self, values: Array) -> ByAgent:
+        return {agent: values[index] for index, agent in enumerate(self.agents)}
+
+    def _windows(self, observation: Array) -> Array:
+        windows = jnp.moveaxis(observation, -3, -1).astype(jnp.float32)
+        return windows.reshape(self.num_agents, -1) if self._flat else windows
+
+    def _observations(self, observation: Array, game: Any) -> ByAgent:
+        windows = self._windows(observation)
+        observations = self._by_agent(windows)
+        if self._world_state is not None:
+            world = self.env.state_vector(game) if self._world_state == "state" else windows.reshape(-1)
+            observations["world_state"] = jnp.broadcast_to(world, (self.num_agents, world.size))
+        return observations
+
+    def _results(self, reward: Array, done: Array, info: dict[str, Any]) -> tuple[ByAgent, ByAgent, dict[str, Any]]:
+        """Returns rewards, dones and infos in JaxMARL's form."""
+        if self._common_reward:
+            reward = jnp.broadcast_to(reward.sum(), reward.shape)
+        counts = {**info["metrics"], **info["events"], "truncated": info["truncated"], "terminated": info["terminated"]}
+        infos: dict[str, Any] = {name: jnp.broadcast_to(count, (self.num_agents,)) for name, count in counts.items()}
+        if self._shaped_reward:
+            infos["shaped_reward"] = dict.fromkeys(self.agents, jnp.float32(0))
+        if self._terminal_observation:
+            infos["terminal_observation"] = self._windows(info["terminal_observation"])
+        return self._by_agent(reward), {**dict.fromkeys(self.agents, done), "__all__": done}, infos
+
+
+def _state(game: Any, done: Array) -> GameState:
+    return GameState(done=done, step=jnp.asarray(game.step, jnp.int32), game=game)
+
+
+def _game(state: GameState) -> Any:
+    """Returns the game's state at the step that JaxMARL's state says, which its users may set."""
+    return state.game.replace(step=jnp.asarray(state.step).astype(state.game.step.dtype))
+
+
+def make_env(game: str, **arguments: Any) -> JaxMARLGame:
+    """Returns `JaxMARLGame(game, …)`."""
+    return JaxMARLGame(game, **arguments)

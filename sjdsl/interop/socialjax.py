@@ -1,0 +1,201 @@
+"""SocialJax: compiled games under the released suite's names, with its calls, scales and orders."""
+
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from flax import struct
+from jax import Array
+
+from sjdsl.factory import make as make_game
+from sjdsl.interop import spaces
+from sjdsl.interop.socialjax_observation import make_channels
+from sjdsl.interop.socialjax_rewards import Mode, make_rewards
+from sjdsl.interop.socialjax_table import Entry, Figure, entries
+
+# its compass is turned round: its `left` is a larger column, its `up` a larger row
+ACTIONS = {"turned round": (0, 1, 3, 2, 5, 4), "as ours": (0, 1, 2, 3, 4, 5)}
+VARIANT = "socialjax"
+
+
+@struct.dataclass
+class State:
+    """The state of the game, and the suite's counters: steps in this episode, episodes so far."""
+
+    game: Any
+    inner_t: Array
+    outer_t: Array
+
+
+class SocialJaxGame:
+    """One environment: integer agents, `[N, rows, cols, channels]` float32 observations, rewards `[N]`, dones by "0", "1", … and "__all__".
+
+    Attributes:
+      agents: 0, 1, …; num_agents; env: the `sjdsl.Environment`; name.
+    """
+
+    def __init__(self, entry: Entry, mode: Mode, num_inner_steps: int, num_outer_steps: int, cnn: bool, **arguments: Any) -> None:
+        """Use `make`."""
+        self.env = make_game(entry.game, VARIANT, observation="onehot", **arguments)
+        self.num_agents = self.env.num_agents
+        self.agents = list(range(self.num_agents))
+        self.num_inner_steps, self.num_outer_steps = num_inner_steps, num_outer_steps
+        self._info, self._flat = entry.info, not cnn
+        depth, self._channels = make_channels(self.env, entry)
+        self._rewards = make_rewards(mode, self.num_agents)
+        moves = ACTIONS[entry.compass]
+        self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
+        rows, cols = self.env.observation_shape[2:]
+        self._shape = (rows * cols * depth,) if self._flat else (rows, cols, depth)
+
+    @property
+    def name(self) -> str:
+        """The game's name."""
+        return self.env.name
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """The names of the suite's action numbers, by what they do on our map."""
+        return tuple(self.env.action_names[number] for number in self._actions.tolist())
+
+    def observation_space(self) -> tuple[spaces.Box, tuple[int, ...]]:
+        """Returns the space of one agent and its shape, a pair as in the suite."""
+        return spaces.Box(0.0, 255.0, self._shape), self._shape
+
+    def action_space(self, agent: int | None = None) -> spaces.Discrete:
+        """Returns the space of an agent; they are all alike."""
+        del agent
+        return spaces.Discrete(self.env.num_actions)
+
+    @partial(jax.jit, static_argnums=(0,))
+    def reset(self, key: Array) -> tuple[Array, State]:
+        """Returns the first observations and state."""
+        observation, game = self.env.reset(key)
+        return self._observation(observation, game), State(game, jnp.int32(0), jnp.int32(0))
+
+    @partial(jax.jit, static_argnums=(0,))
+    def step(
+        self, key: Array, state: State, actions: Sequence[Array] | Array, timestep: Any = 0, reset_state: State | None = None
+    ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
+        """One step; after the last episode the next begins, or `reset_state`.
+
+        Args:
+          actions: N numbers or arrays of shape `()` or `(1,)`, in the order of `agents`.
+          timestep: of the training, for a schedule of reward exchange.
+        """
+        observation, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
+        made = self._after(state, game, ended)
+        over = made.outer_t >= self.num_outer_steps
+        made = made.replace(outer_t=jnp.where(over, 0, made.outer_t))
+        if reset_state is not None:
+            made = jax.tree.map(lambda new, old: jnp.where(over, new, old), reset_state, made)
+            observation = self.env.observe(made.game)
+        return self._observation(observation, made.game), made, *self._results(reward, over, info, actions, timestep)
+
+    @partial(jax.jit, static_argnums=(0,))
+    def step_env(
+        self, key: Array, state: State, actions: Sequence[Array] | Array, timestep: Any = 0
+    ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
+        """As `step`, but what the last episode ends with stays."""
+        _, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
+        made = self._after(state, game, ended)
+        over = made.outer_t >= self.num_outer_steps
+        made = made.replace(game=jax.tree.map(lambda last, new: jnp.where(over, last, new), info["terminal_state"], game))
+        return self._observation(self.env.observe(made.game), made.game), made, *self._results(reward, over, info, actions, timestep)
+
+    def get_obs(self, state: State) -> Array:
+        """Returns the observations of a state."""
+        return self._observation(self.env.observe(state.game), state.game)
+
+    def render(self, state: State) -> Any:
+        """Returns the board as a picture, `[height, width, 3]` uint8."""
+        import numpy as np
+
+        from sjdsl.render import take_snapshot
+        from sjdsl.render.board import draw_board
+        from sjdsl.render.look import make_look
+
+        return draw_board(make_look(self.env), take_snapshot(self.env, state.game, np.zeros(self.num_agents)), {})
+
+    def _ours(self, actions: Sequence[Array] | Array) -> Array:
+        """Returns our numbers of actions; numbers out of range mean nothing, as in the suite."""
+        given = _stacked(actions)
+        known = (given >= 0) & (given < self.env.num_actions)
+        return jnp.where(known, self._actions[jnp.where(known, given, 0)], -1)
+
+    def _after(self, state: State, game: Any, ended: Array) -> State:
+        return State(game, jnp.where(ended, 0, state.inner_t + 1), state.outer_t + ended.astype(jnp.int32))
+
+    def _observation(self, observation: Array, game: Any) -> Array:
+        channels = self._channels(observation, game)
+        return channels.reshape(self.num_agents, -1) if self._flat else channels
+
+    def _results(
+        self, raw: Array, done: Array, info: dict, actions: Any, timestep: Any
+    ) -> tuple[Array, dict[str, Array], dict[str, Array]]:
+        rewards, further = self._rewards(raw, timestep)
+        infos = {"original_rewards": raw, "shaped_rewards": rewards, **further}
+        infos |= {name: self._figure(figure, info, actions) for name, figure in self._info.items()}
+        return rewards, {**{str(agent): done for agent in self.agents}, "__all__": done}, infos
+
+    def _figure(self, figure: Figure, info: dict[str, Any], actions: Any) -> Array:
+        if figure.action is not None:
+            number = self.action_names.index(figure.action)
+            return (_stacked(actions) == number).astype(jnp.float32)
+        counts = {**info["metrics"], **info["events"]}
+        value = jnp.asarray(counts[figure.of], jnp.float32)
+        value = value.sum() if figure.sum else value
+        known = {"agents": self.num_agents, "steps": self.num_inner_steps}
+        for name in figure.times:
+            value = value * (known[name] if name in known else getattr(self.env.params, name))
+        return jnp.broadcast_to(value, (self.num_agents,))
+
+
+def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
+    """Returns a game by the suite's id, with its keyword arguments.
+
+    Args:
+      env_id: `registered_envs` has them.
+      kwargs: `num_agents`, `num_inner_steps` (1000), `num_outer_steps` (1), `cnn`, `jit`, `obs_size` (11), `map_ASCII`, those that
+        choose the reward (`socialjax_rewards.Mode`), and the game's own.
+    Raises:
+      ValueError: an id or a value that there is not. TypeError: a keyword that there is not; both say which there are.
+    """
+    if env_id not in entries():
+        raise ValueError(f"there is no `{env_id}`; the ids are {', '.join(entries())}")
+    entry, given = entries()[env_id], dict(kwargs)
+    modes = {field.name for field in fields(Mode)}
+    known = {*modes, *entry.kwargs, *COMMON} | ({"map_ASCII"} if entry.letters else set())
+    unknown = sorted(set(given) - known)
+    if unknown:
+        raise TypeError(f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}")
+    if given.get("obs_size", 11) != 11:
+        raise ValueError("obs_size is 11; another window is another game: change its `observe` line")
+    steps = int(given.get("num_inner_steps", 1000))
+    params = {ours: given[theirs] for theirs, ours in entry.kwargs.items() if theirs in given}
+    arguments: dict[str, Any] = {"params": {"length": steps, **params}}
+    if given.get("num_agents") is not None:
+        arguments["num_agents"] = given["num_agents"]
+    if given.get("map_ASCII") is not None:
+        arguments["map"] = _rows(given["map_ASCII"], entry)
+    mode = Mode(**{name: given[name] for name in modes & set(given)})
+    return SocialJaxGame(entry, mode, steps, int(given.get("num_outer_steps", 1)), bool(given.get("cnn", True)), **arguments)
+
+
+COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit", "obs_size")
+registered_envs = tuple(entries())
+
+
+def _stacked(actions: Sequence[Array] | Array) -> Array:
+    return jnp.stack([jnp.asarray(action, jnp.int32).reshape(()) for action in actions])
+
+
+def _rows(map_ascii: Sequence[str], entry: Entry) -> tuple[str, ...]:
+    """Returns a map of the suite in our letters."""
+    unknown = sorted(set("".join(map_ascii)) - set(entry.letters))
+    if unknown:
+        raise ValueError(f"`{unknown[0]}` is no letter of map_ASCII: {' '.join(repr(letter) for letter in entry.letters)}")
+    return tuple("".join(entry.letters[letter] for letter in row) for row in map_ascii)

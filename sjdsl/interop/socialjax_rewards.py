@@ -1,0 +1,73 @@
+"""The released suite's reward modes, at its scale: all but the common reward are multiplied by the number of agents."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+from jax import Array
+
+from sjdsl.trainers.shaping import common_sum, exchanged, inequity_averse, svo_deviation
+
+
+@dataclass(frozen=True)
+class Mode:
+    """Keyword arguments that choose the reward, with the suite's names and defaults; the first flag that holds decides, in this order."""
+
+    shared_rewards: bool = True
+    inequity_aversion: bool = False
+    svo: bool = False
+    interest: bool = False
+    inequity_aversion_alpha: float = 5.0
+    inequity_aversion_beta: float = 0.05
+    inequity_aversion_target_agents: Sequence[int] | None = None
+    svo_w: float = 0.5
+    svo_ideal_angle_degrees: float = 45.0
+    svo_target_agents: Sequence[int] | None = None
+    s_interest: float = 0.5
+    s_interest_schedule: Sequence[float] | None = None
+    s_interest_change_every: int = 30_000_000
+
+
+def make_rewards(mode: Mode, num_agents: int) -> Callable[[Array, Array], tuple[Array, dict[str, Array]]]:
+    """Returns the function `(raw [N], timestep) -> rewards [N], further infos`.
+
+    Where nobody is rewarded SVO deducts as the suite does, which takes the angle to be 0; inequity aversion deducts nothing, by its
+    formula.
+    """
+
+    def rewards(raw: Array, timestep: Array) -> tuple[Array, dict[str, Array]]:
+        scaled = num_agents * raw
+        if mode.shared_rewards:
+            return common_sum(raw), {}
+        if mode.inequity_aversion:
+            averse = inequity_averse(scaled, scaled, mode.inequity_aversion_alpha, mode.inequity_aversion_beta)
+            return jnp.where(_among(mode.inequity_aversion_target_agents, num_agents), averse, scaled), {}
+        if mode.svo:
+            away = svo_deviation(scaled, jnp.float32(math.radians(mode.svo_ideal_angle_degrees)), at_rest="selfish", quadrant=False)
+            sought = scaled - num_agents * mode.svo_w * away
+            return jnp.where(_among(mode.svo_target_agents, num_agents), sought, scaled), {"svo_theta": _angles(scaled)}
+        if mode.interest:
+            kept = _kept(mode, timestep)
+            return exchanged(scaled, kept), {"s_interest": jnp.broadcast_to(kept, raw.shape)}
+        return scaled, {}
+
+    return rewards
+
+
+def _kept(mode: Mode, timestep: Array) -> Array:
+    """Returns how much of its reward an agent keeps at a time step of the training."""
+    if mode.s_interest_schedule is None:
+        return jnp.float32(mode.s_interest)
+    schedule = jnp.asarray(mode.s_interest_schedule, jnp.float32)
+    return schedule[(jnp.asarray(timestep) // mode.s_interest_change_every) % len(schedule)]
+
+
+def _among(targets: Sequence[int] | None, num_agents: int) -> Array:
+    return jnp.asarray([targets is None or agent in targets for agent in range(num_agents)])
+
+
+def _angles(reward: Array) -> Array:
+    """Returns each agent's angle in radians, 0 where nobody is rewarded."""
+    others = (reward.sum() - reward) / max(reward.size - 1, 1)
+    return jnp.arctan2(others, reward)

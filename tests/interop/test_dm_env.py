@@ -1,0 +1,108 @@
+"""The dm_env adapter: what Melting Pot's checks of a substrate ask for, and pictures that show what is there."""
+
+import dm_env
+import numpy as np
+import pytest
+
+from sjdsl.interop.dm_env import Substrate, build, get_config
+
+LENGTH = 6
+SHORT = {"params": {"length": LENGTH}}
+
+
+def assert_fits(env: Substrate, step: dm_env.TimeStep) -> None:
+    """Discount, rewards and observations, key by key, as the specs say."""
+    env.discount_spec().validate(step.discount)
+    assert len(step.reward) == len(env.reward_spec()) == len(step.observation) == len(env.observation_spec())
+    for reward, spec in zip(step.reward, env.reward_spec(), strict=True):
+        spec.validate(reward)
+    for observation, spec in zip(step.observation, env.observation_spec(), strict=True):
+        assert set(observation) == set(spec)
+        for name in spec:
+            spec[name].validate(observation[name])
+
+
+@pytest.mark.parametrize("game", ["coins", "harvest_open", "pd_arena"])
+def test_steps_match_the_specs(game: str) -> None:
+    env = Substrate(game, seed=0, **SHORT)
+    assert_fits(env, env.reset())
+    step = env.step([spec.maximum for spec in env.action_spec()])
+    assert_fits(env, step)
+    assert ("READY_TO_SHOOT" in step.observation[0]) == (game != "coins")
+    assert step.observation[0]["RGB"].shape == (88, 88, 3)
+
+
+def test_an_episode_is_cut_off_and_another_begins() -> None:
+    env = Substrate("coins", seed=0, **SHORT)
+    first = env.step([0, 0])  # before reset
+    assert first.first() and first.reward == [0, 0]
+    steps = [env.step([step % 7, 1]) for step in range(LENGTH)]
+    assert [step.step_type for step in steps] == [dm_env.StepType.MID] * (LENGTH - 1) + [dm_env.StepType.LAST]
+    assert {step.discount for step in steps} == {1.0}
+    assert env.step([0, 0]).first()
+
+
+def test_a_seed_is_a_course() -> None:
+    def course(seed: int) -> list[np.ndarray]:
+        env = Substrate("coins", seed=seed, **SHORT)
+        return [env.step([step % 7, (2 * step) % 7]).observation[0]["WORLD.RGB"] for step in range(60)]
+
+    first, again, other = course(1), course(1), course(2)
+    assert all(map(np.array_equal, first, again))
+    assert not all(map(np.array_equal, first, other))
+
+
+def test_windows_are_turned_so_that_ahead_is_up() -> None:
+    """Each agent's own cell, and the cell before it, are the world's, turned; off the map all is dark."""
+    tile = 8
+    env = Substrate("harvest_open", seed=3)
+    observations = env.reset().observation
+    world = observations[0]["WORLD.RGB"]
+    height, width = world.shape[0] // tile, world.shape[1] // tile
+    padded = np.zeros(((height + 20) * tile, (width + 20) * tile, 3), np.uint8)
+    padded[10 * tile : -10 * tile, 10 * tile : -10 * tile] = world
+    row, col = (np.asarray(x) for x in env.env.cells(env._state))
+    headings = np.asarray(env._state.heading)
+    assert len(set(headings.tolist())) > 1
+    for player, observation in enumerate(observations):
+        top, left = row[player] + 10 - 9, col[player] + 10 - 9
+        square = padded[top * tile : (top + 19) * tile, left * tile : (left + 19) * tile]
+        upright = np.rot90(square, int(headings[player]))
+        np.testing.assert_array_equal(observation["RGB"], upright[: 11 * tile, 4 * tile : 15 * tile])
+
+
+def test_rewards_and_events_are_the_games() -> None:
+    env = Substrate("coins", seed=4)
+    env.reset()
+    coins = total = 0
+    for step in range(300):
+        made = env.step([(5 * step) % 7, (3 * step + step // 7) % 7])
+        assert float(made.observation[1]["COLLECTIVE_REWARD"]) == sum(made.reward)
+        for name, what in env.events():
+            assert name in ("own_coins", "other_coins")
+            assert what["player"] in (0, 1)
+            coins += what["times"]
+            total += what["times"] * (1 if name == "own_coins" else -1)
+        total -= sum(made.reward)
+    assert coins > 0
+    assert total == 0
+
+
+def test_configurations_and_roles() -> None:
+    config = get_config("harvest_open")
+    assert config.default_player_roles == ("default",) * 7
+    assert config.valid_roles == {"default"}
+    assert config.action_names[-1] == "zap"
+    assert config.individual_observation_names == ("RGB", "READY_TO_SHOOT", "COLLECTIVE_REWARD")
+    assert len(build("harvest_open", ["default"] * 4, seed=0).reset().observation) == 4
+    with pytest.raises(ValueError, match="there is no role `boss`"):
+        build("harvest_open", ["boss"])
+
+
+def test_wrong_actions_are_refused() -> None:
+    env = Substrate("coins", seed=0, **SHORT)
+    env.reset()
+    with pytest.raises(ValueError, match="1 actions for 2 players"):
+        env.step([0])
+    with pytest.raises(ValueError, match="9 is no action of player 1: 0 .. 6"):
+        env.step([0, 9])

@@ -1,0 +1,106 @@
+"""The Gymnasium adapter: spaces, autoreset in the same step, seeds over 500 steps; each against the game's own step."""
+
+import gymnasium
+import numpy as np
+import pytest
+
+from sjdsl.interop.gymnasium import VectorGame
+
+LENGTH = 10
+SHORT = {"params": {"length": LENGTH}}
+
+
+def actions_of(env: VectorGame, step: int) -> np.ndarray:
+    return (3 * step + np.arange(env.num_envs)) % env.env.num_actions
+
+
+def course(env: VectorGame, seed: int, steps: int) -> list[np.ndarray]:
+    seen = [env.reset(seed=seed)[0]]
+    for step in range(steps):
+        seen += env.step(actions_of(env, step))[:4]
+    return seen
+
+
+def alike(first: list[np.ndarray], second: list[np.ndarray]) -> bool:
+    return all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
+
+
+def test_slots_and_spaces() -> None:
+    env = VectorGame("coins", 3, **SHORT)
+    assert env.num_envs == 6
+    assert env.metadata["autoreset_mode"] == gymnasium.vector.AutoresetMode.SAME_STEP
+    observation, info = env.reset(seed=0)
+    assert info == {}
+    assert observation in env.observation_space
+    assert observation[0] in env.single_observation_space
+    observation, reward, terminated, truncated, _ = env.step(env.action_space.sample())
+    assert observation in env.observation_space
+    assert reward.dtype == np.float64
+    assert reward.shape == terminated.shape == truncated.shape == (6,)
+
+
+def test_last_observations_of_episodes() -> None:
+    env = VectorGame("coins", 2, **SHORT)
+    env.reset(seed=1)
+    for step in range(2 * LENGTH):
+        state, key = env._slots._state, env._slots._key
+        observation, _, terminated, truncated, info = env.step(actions_of(env, step))
+        ended = step % LENGTH == LENGTH - 1
+        assert truncated.tolist() == [ended] * 4 and not terminated.any()
+        assert ("final_obs" in info) == ended
+        if ended:
+            assert info["_final_obs"].all() and not info["_own_coins"].any()
+            again = env._slots._advance(key, state, actions_of(env, step).reshape(2, 2).astype(np.int32))
+            last = np.moveaxis(np.asarray(env._slots._look(again[4]["terminal_state"])), 2, -1).reshape(observation.shape)
+            np.testing.assert_array_equal(np.stack(list(info["final_obs"])), last)
+            assert not np.array_equal(last, observation)
+            np.testing.assert_array_equal(info["final_info"]["own_coins"], np.asarray(again[4]["events"]["own_coins"]).reshape(-1))
+
+
+def test_a_seed_is_a_course_of_500_steps() -> None:
+    env = VectorGame("coins", 2, **SHORT)
+    first = course(env, 5, 500)
+    assert alike(first, course(VectorGame("coins", 2, **SHORT), 5, 500))
+    assert not alike(first, course(env, 6, 500))
+
+
+def test_common_rewards_are_sums_of_an_environment() -> None:
+    own, common = VectorGame("coins", 8), VectorGame("coins", 8, common_reward=True)
+    own.reset(seed=2), common.reset(seed=2)
+    seen = False
+    for step in range(150):
+        raw = own.step(actions_of(own, step))[1].reshape(8, 2)
+        paid = common.step(actions_of(common, step))[1].reshape(8, 2)
+        np.testing.assert_array_equal(paid, np.repeat(raw.sum(axis=1, keepdims=True), 2, axis=1))
+        seen |= bool((raw[:, 0] != raw[:, 1]).any())
+    assert seen
+
+
+def test_its_wrappers_work() -> None:
+    """Returns by Gymnasium's own statistics, over episodes of one length."""
+    env = gymnasium.wrappers.vector.RecordEpisodeStatistics(VectorGame("coins", 2, **SHORT))
+    env.reset(seed=3)
+    total = np.zeros(4)
+    for step in range(LENGTH):
+        _, reward, _, _, info = env.step(actions_of(env.unwrapped, step))
+        total += reward
+    np.testing.assert_allclose(info["episode"]["r"], total)
+    assert info["episode"]["l"].tolist() == [LENGTH] * 4
+
+
+def test_wrong_calls_are_refused() -> None:
+    env = VectorGame("coins", 2, **SHORT)
+    with pytest.raises(RuntimeError, match="call reset before step"):
+        env.step(actions_of(env, 0))
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="7 is no action of slot 1: 0 .. 6"):
+        env.step(np.array([0, 7, 0, 0]))
+    with pytest.raises(ValueError, match=r"one for each slot is wanted: \(4,\)"):
+        env.step(np.zeros(2, int))
+    with pytest.raises(TypeError, match="the seed is one number"):
+        env.reset(seed=[1, 2, 3, 4])
+    with pytest.raises(ValueError, match="num_envs is at least 1"):
+        VectorGame("coins", 0)
+    env.close()
+    with pytest.raises(RuntimeError, match="the environment is closed"):
+        env.step(actions_of(env, 0))

@@ -1,0 +1,250 @@
+"""The SocialJax adapter: a client that makes the suite's calls, its compass, its channels cell by cell, its scales."""
+
+import math
+import re
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sjdsl.interop import socialjax
+from tests.interop.socialjax_client import run_update
+
+DEPTHS = {"coin_game": 14, "harvest_common_open": 15, "clean_up": 19, "coop_mining": 12, "mushrooms": 16, "gift": 13, "pd_arena": 22}
+LEFT, RIGHT, UP, DOWN, STAY = 2, 3, 4, 5, 6  # the suite's numbers
+COMPASS = {LEFT: (0, 1), RIGHT: (0, -1), UP: (1, 0), DOWN: (-1, 0)}
+COMPASS_OF_MINING = {2: (0, -1), 3: (0, 1), 4: (-1, 0), 5: (1, 0)}
+
+
+def resets(env: Any, seed: int) -> Any:
+    return env.reset(jax.random.key(seed))
+
+
+def with_agent(env: Any, state: Any, cells: list[tuple[int, int]], headings: list[int]) -> Any:
+    """Returns the state with the agents on these cells of the map."""
+    pad, cols = env.env.module.PAD, env.env.module.FRAME[1]
+    places = jnp.asarray([(r + pad) * cols + c + pad for r, c in cells], state.game.position.dtype)
+    return state.replace(game=state.game.replace(position=places, heading=jnp.asarray(headings, state.game.heading.dtype)))
+
+
+@pytest.mark.parametrize(("name", "depth"), DEPTHS.items())
+def test_every_id_has_the_suites_shapes(name: str, depth: int) -> None:
+    env = socialjax.make(name, num_inner_steps=20)
+    observation, state = resets(env, 0)
+    box, shape = env.observation_space()
+    assert box.shape == shape == (11, 11, depth)
+    assert observation.shape == (env.num_agents, 11, 11, depth)
+    assert observation.dtype == jnp.float32
+    assert env.agents == list(range(env.num_agents))
+    _, state, reward, done, info = env.step(jax.random.key(1), state, [jnp.array([STAY])] * env.num_agents)
+    assert reward.shape == (env.num_agents,)
+    assert list(done) == [*map(str, env.agents), "__all__"]
+    assert {leaf.shape for leaf in jax.tree.leaves(info)} == {(env.num_agents,)}
+    assert env.action_space().n == env.action_space(0).n == env.env.num_actions
+
+
+@pytest.mark.parametrize("sharing", [True, False])
+@pytest.mark.parametrize("name", ["coin_game", "harvest_common_open", "clean_up"])
+def test_a_training_script_runs(name: str, sharing: bool) -> None:
+    env = socialjax.make(name, num_inner_steps=8, num_outer_steps=1, shared_rewards=False, cnn=True, jit=True)
+    found = run_update(env, num_envs=4, num_steps=16, sharing=sharing)
+    assert int(found["ends"]) == 2 * 4 * env.num_agents
+    assert all(np.isfinite(x) for x in found.values())
+    assert float(found["shaped_rewards"]) == pytest.approx(env.num_agents * float(found["original_rewards"]))
+    assert float(found["reward"]) == pytest.approx(float(found["shaped_rewards"]))
+    assert float(found["moved"]) > 0 or float(found["reward"]) == 0
+
+
+@pytest.mark.parametrize(("name", "compass"), [("clean_up", COMPASS), ("mushrooms", COMPASS), ("coop_mining", COMPASS_OF_MINING)])
+def test_moves_follow_the_suites_compass(name: str, compass: dict[int, tuple[int, int]]) -> None:
+    """Whatever the heading; clean_up's cell (8, 8) and its neighbours, and those of the others, are free ground."""
+    env = socialjax.make(name)
+    _, state = resets(env, 2)
+    far = [(1, 1 + 2 * agent) for agent in range(1, env.num_agents)]
+    centre = (8, 12) if name == "coop_mining" else (8, 8)
+    for heading in range(4):
+        placed = with_agent(env, state, [centre, *far], [heading] * env.num_agents)
+        for action, (down, right) in compass.items():
+            _, after, *_ = env.step(jax.random.key(3), placed, [jnp.int32(action)] + [jnp.int32(STAY)] * (env.num_agents - 1))
+            row, col = (np.asarray(x) for x in env.env.cells(after.game))
+            assert (row[0] - centre[0], col[0] - centre[1]) == (down, right), (heading, action)
+
+
+def test_numbers_out_of_range_mean_nothing() -> None:
+    env = socialjax.make("coin_game")
+    _, state = resets(env, 4)
+    key = jax.random.key(5)
+    _, idle, *_ = env.step(key, state, [STAY, STAY])
+    _, wrong, *_ = env.step(key, state, [-1, 9])
+    assert jax.tree.all(jax.tree.map(jnp.array_equal, idle, wrong))
+
+
+def expected_harvest(env: Any, state: Any, agent: int) -> np.ndarray:
+    """The 15 channels of one agent by a loop over its window; agents hide what is beneath."""
+    rows = env.env.game.rows
+    ripe = {cell for cell, fruit in zip(soil_cells(rows), np.asarray(state.game.soil_fruit), strict=True) if fruit == 1}
+    walls = {(r, c) for r, row in enumerate(rows) for c, letter in enumerate(row) if letter == "#"}
+    row, col = (np.asarray(x) for x in env.env.cells(state.game))
+    headings = np.asarray(state.game.heading)  # ours: clockwise from north
+    steps = [(-1, 0), (0, 1), (1, 0), (0, -1)]
+    ahead, right = steps[headings[agent]], steps[(headings[agent] + 1) % 4]
+    seen = np.zeros((11, 11, 15))
+    for r in range(11):
+        for c in range(11):
+            cell = tuple(int((row[agent], col[agent])[i] + (9 - r) * ahead[i] + (c - 5) * right[i]) for i in (0, 1))
+            here = [other for other in range(env.num_agents) if (row[other], col[other]) == cell]
+            if here:
+                (other,) = here
+                if other == agent:
+                    seen[r, c, 5] = 1
+                else:
+                    seen[r, c, 6] = 1
+                    turned_left = (headings[agent] - headings[other]) % 4  # the suite counts headings the other way round
+                    seen[r, c, 7 + turned_left] = 1
+            elif not (0 <= cell[0] < len(rows) and 0 <= cell[1] < len(rows[0])) or cell in walls:
+                seen[r, c, 0] = 1
+            elif cell in ripe:
+                seen[r, c, 2] = 1
+    return seen
+
+
+def soil_cells(rows: tuple[str, ...]) -> list[tuple[int, int]]:
+    return [(r, c) for r, row in enumerate(rows) for c, letter in enumerate(row) if letter == "A"]
+
+
+@pytest.mark.parametrize("name", ["harvest_common_open", "harvest_common_closed"])
+def test_channels_cell_by_cell(name: str) -> None:
+    """Without beams: actions are turns and moves only."""
+    env = socialjax.make(name)
+    observation, state = resets(env, 6)
+    facing = set()
+    for number, key in enumerate(jax.random.split(jax.random.key(7), 12)):
+        for agent in range(env.num_agents):
+            wanted = expected_harvest(env, state, agent)
+            np.testing.assert_array_equal(np.asarray(observation[agent]), wanted)
+            facing |= set(np.nonzero(wanted[..., 7:11].any(axis=(0, 1)))[0].tolist())
+        observation, state, *_ = env.step(key, state, [(number * 5 + agent) % 7 for agent in env.agents])
+    assert facing == {0, 1, 2, 3}
+
+
+def test_the_arena_shows_all_bags() -> None:
+    env = socialjax.make("pd_arena")
+    _, state = resets(env, 8)
+    bags = jnp.asarray([[3, 0], [0, 4], [1, 2], [5, 6]], state.game.agent_bag.dtype)
+    seen = env.get_obs(state.replace(game=state.game.replace(agent_bag=bags)))
+    assert seen[2, 4, 4, 11:15].tolist() == [3, 0, 1, 5]
+    assert seen[0, 9, 0, 15:19].tolist() == [0, 4, 2, 6]
+
+
+def paid(raw: list[float], **mode: Any) -> np.ndarray:
+    """Returns what the agents of a mode are paid for these raw rewards, at time step 0 of the training."""
+    from sjdsl.interop.socialjax_rewards import Mode, make_rewards
+
+    given = {"shared_rewards": False, **mode}
+    return np.asarray(make_rewards(Mode(**given), len(raw))(jnp.asarray(raw, jnp.float32), jnp.int32(0))[0])
+
+
+def test_the_suites_scales() -> None:
+    """Figures of the released code: one eater among seven, and a step without any reward."""
+    eater = [1.0] + [0.0] * 6
+    np.testing.assert_allclose(paid(eater), [7, 0, 0, 0, 0, 0, 0])
+    np.testing.assert_allclose(paid(eater, shared_rewards=True, svo=True), [1] * 7)  # shared comes first
+    np.testing.assert_allclose(paid([0.0] * 7, svo=True, svo_w=0.5, svo_ideal_angle_degrees=90), [-5.4978] * 7, atol=1e-4)
+    np.testing.assert_allclose(paid([0.0] * 2, svo=True, svo_ideal_angle_degrees=90), [-1.5708] * 2, atol=1e-4)
+    np.testing.assert_allclose(paid([0.0] * 2, svo=True, svo_ideal_angle_degrees=90, svo_target_agents=[1]), [0, -1.5708], atol=1e-4)
+    np.testing.assert_allclose(paid([1.0, 1.0], svo=True, svo_ideal_angle_degrees=45), [2, 2], atol=1e-5)
+    away = math.atan2(0.5, 1)
+    np.testing.assert_allclose(paid([2.0, 1.0], svo=True, svo_ideal_angle_degrees=0)[0], 4 - 2 * 0.5 * away, atol=1e-5)
+    np.testing.assert_allclose(paid([1.0, 0.0], interest=True, s_interest=0.75), [1.5, 0.5])
+    np.testing.assert_allclose(paid([1.0, 0.0, 0.0], interest=True, s_interest_schedule=[1.0, 0.5]), [3, 0, 0])
+    averse = paid([1.0, 0.0, 0.0], inequity_aversion=True)
+    np.testing.assert_allclose(averse, [3 - 0.05 * 3, -5 * 3 / 2, -5 * 3 / 2], atol=1e-5)
+    np.testing.assert_allclose(paid([1.0, 0.0, 0.0], inequity_aversion=True, inequity_aversion_target_agents=[0])[1:], [0, 0])
+
+
+def test_exchange_follows_its_schedule() -> None:
+    from sjdsl.interop.socialjax_rewards import Mode, make_rewards
+
+    mode = Mode(shared_rewards=False, interest=True, s_interest_schedule=[1.0, 0.5], s_interest_change_every=100)
+    rewards = make_rewards(mode, 2)
+    kept = [float(rewards(jnp.asarray([1.0, 0.0]), jnp.int32(t))[1]["s_interest"][0]) for t in (0, 99, 100, 199, 200)]
+    assert kept == [1.0, 1.0, 0.5, 0.5, 1.0]
+
+
+def test_episodes_within_episodes() -> None:
+    """Two inner episodes make an outer one; its last step's reward is paid."""
+    env = socialjax.make("coin_game", num_inner_steps=3, num_outer_steps=2)
+    _, state = resets(env, 9)
+    seen = []
+    for key in jax.random.split(jax.random.key(10), 8):
+        _, state, _, done, _ = env.step(key, state, [STAY, STAY])
+        seen.append((int(state.inner_t), int(state.outer_t), bool(done["__all__"])))
+    assert seen == [(1, 0, False), (2, 0, False), (0, 1, False), (1, 1, False), (2, 1, False), (0, 0, True), (1, 0, False), (2, 0, False)]
+
+
+def test_step_env_and_chosen_states() -> None:
+    env = socialjax.make("coin_game", num_inner_steps=2)
+    _, state = resets(env, 11)
+    _, chosen = resets(env, 12)
+    key = jax.random.key(13)
+    _, middle, *_ = env.step(key, state, [STAY, STAY])
+    observation, after, _, done, _ = env.step(key, middle, [STAY, STAY], reset_state=chosen)
+    assert done["0"] and jax.tree.all(jax.tree.map(jnp.array_equal, after, chosen))
+    np.testing.assert_array_equal(observation, env.get_obs(chosen))
+    _, last, _, done, _ = env.step_env(key, middle, [STAY, STAY])
+    assert done["0"] and int(last.game.step) == 2
+
+
+def test_figures_that_scripts_log() -> None:
+    """Apples on the map, clean actions and coins, at the suite's scales."""
+    harvest = socialjax.make("harvest_common_open")
+    _, state = resets(harvest, 14)
+    *_, info = harvest.step(jax.random.key(15), state, [STAY] * 7)
+    assert info["AppleCount_info"].tolist() == [64.0] * 7
+    river = socialjax.make("clean_up")
+    _, state = resets(river, 16)
+    *_, info = river.step(jax.random.key(17), state, [8, 7, 6, 8, 0, 0, 0])
+    assert info["clean_action_info"].tolist() == [1, 0, 0, 1, 0, 0, 0]
+    assert 68 <= info["cleaned_water"][0] <= 68 + 8
+    coins = socialjax.make("coin_game", regrow_rate=0.5, shared_rewards=False)
+    _, state = resets(coins, 18)
+    own = 0
+    for number, key in enumerate(jax.random.split(jax.random.key(19), 12)):
+        _, state, reward, _, info = coins.step(key, state, [2 + number % 4, 2 + (number + 1) % 4])
+        own += info["eat_own_coins"].sum()
+        assert reward.tolist() == (2 * info["original_rewards"]).tolist()
+    assert own > 0 and own % 2 == 0
+
+
+def test_maps_in_the_suites_letters() -> None:
+    rows = ["W" * 12, "WQQ  AA    W", "W    AA    W", "WPPPPPPPPPPW", "W" * 12]
+    env = socialjax.make("harvest_common_open", map_ASCII=rows, num_agents=3)
+    assert env.env.game.rows[1] == "#QQ..AA....#"
+    assert resets(env, 20)[0].shape == (3, 11, 11, 15)
+    with pytest.raises(ValueError, match="`X` is no letter of map_ASCII"):
+        socialjax.make("harvest_common_open", map_ASCII=["XX"])
+
+
+@pytest.mark.parametrize(
+    ("name", "kwargs", "error", "message"),
+    [
+        ("harvest", {}, ValueError, "there is no `harvest`; the ids are coin_game, harvest_common_open"),
+        ("coin_game", {"svo_weight": 1}, TypeError, "`coin_game` has no keyword `svo_weight`; it has cnn, inequity_aversion"),
+        ("coin_game", {"map_ASCII": []}, TypeError, "has no keyword `map_ASCII`"),
+        ("coin_game", {"enable_smooth_rewards": True}, TypeError, "has no keyword `enable_smooth_rewards`"),
+        ("coin_game", {"obs_size": 5}, ValueError, "obs_size is 11"),
+    ],
+)
+def test_what_there_is_not(name: str, kwargs: dict[str, Any], error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=re.escape(message)):
+        socialjax.make(name, **kwargs)
+
+
+def test_flat_observations_and_pictures() -> None:
+    env = socialjax.make("coin_game", cnn=False)
+    observation, state = resets(env, 21)
+    assert observation.shape == (2, 11 * 11 * 14)
+    picture = env.render(state)
+    assert picture.dtype == np.uint8 and picture.ndim == 3
