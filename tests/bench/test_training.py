@@ -18,6 +18,7 @@ def training(meadow_env: Environment) -> Training:
     return measure_training([meadow_env], ["mlp"], ENVS, STEPS, repeats=2)
 
 
+@pytest.mark.slow
 def test_every_part_is_timed_in_every_round(training: Training) -> None:
     (split,) = training.splits
     for seconds in (split.update, split.environments, split.rollout, split.learning):
@@ -28,6 +29,7 @@ def test_every_part_is_timed_in_every_round(training: Training) -> None:
     assert json.loads(json.dumps(training.to_json()))["splits"][0]["network"] == "mlp"
 
 
+@pytest.mark.slow
 def test_operations_are_those_of_the_matrices(training: Training, meadow_env: Environment) -> None:
     """Forward: 2 operations an entry of each matrix and sample. A gradient step: forward, and twice that backward, but for the inputs."""
     inputs = len(meadow_env.channel_names) * 2 * 3
@@ -38,6 +40,7 @@ def test_operations_are_those_of_the_matrices(training: Training, meadow_env: En
     assert training.splits[0].flops == pytest.approx(forward + backward, rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_table_has_the_parts(training: Training) -> None:
     table = training_table(training)
     assert all(len(row) == len(table.headings) for row in table.rows)

@@ -83,6 +83,7 @@ def test_seeds_have_folders(trained: Path, sjdsl: Sjdsl) -> None:
     assert f"{trained}/" in shown.out
 
 
+@pytest.mark.slow
 def test_the_best_policy_is_evaluated_and_filmed(trained: Path, sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl("evaluate", trained / "seed_5", "--which", "best", "--episodes", "2", "--film", "x.gif")
     assert shown.status == 0, shown.text
@@ -90,15 +91,15 @@ def test_the_best_policy_is_evaluated_and_filmed(trained: Path, sjdsl: Sjdsl, fo
     assert (folder / "x.gif").read_bytes().startswith(b"GIF8")
 
 
-def test_a_film_without_its_package(trained: Path, sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
     import importlib.util
 
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    for call in (["evaluate", trained, "--film", "x.mp4"], ["render", "orchard.sj", "-o", "x.mp4"]):
+    for call in (["evaluate", folder, "--film", "x.mp4"], ["render", "orchard.sj", "-o", "x.mp4"]):
         shown = sjdsl(*call)
         assert shown.status == 1
         assert "pip install 'sjdsl[video]'" in shown.err
-    shown = sjdsl("evaluate", trained, "--film", "x.avi")
+    shown = sjdsl("evaluate", folder, "--film", "x.avi")
     assert shown.status == 2
     assert "no .gif, no .mp4" in shown.err
 

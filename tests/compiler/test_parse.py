@@ -391,7 +391,9 @@ def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Tok
     assert max(counts) <= 4
 
 
-@pytest.mark.parametrize("path", GAMES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [p if n % 2 else pytest.param(p, marks=pytest.mark.slow) for n, p in enumerate(GAMES)], ids=lambda path: path.stem
+)
 def test_truncated_games_give_one_message(path: Path) -> None:
     text = path.read_text("utf-8")
     for token in list(parser().lex(text))[::4]:

@@ -8,7 +8,7 @@ from tests.differential.compare import run
 
 # paper: every game of its table but Coins, which is for two, and PD Arena
 GAMES = ("harvest_open", "harvest_closed", "harvest_partnership", "clean_up", "coop_mining", "mushrooms", "gift_refinement")
-USUAL = ("harvest_open", "gift_refinement")  # the others only with all tests
+USUAL = ("harvest_open",)  # the others only with all tests
 
 
 @pytest.mark.parametrize("name", [name if name in USUAL else pytest.param(name, marks=pytest.mark.slow) for name in GAMES])

@@ -56,7 +56,7 @@ def near(cells: list[tuple[int, int]], fruit: np.ndarray) -> np.ndarray:
     return np.array([sum(int(f) for (r, c), f in zip(cells, fruit, strict=True) if 0 < (r - a) ** 2 + (c - b) ** 2 <= 4) for a, b in cells])
 
 
-@pytest.mark.parametrize("variant", [None, "meltingpot"])
+@pytest.mark.parametrize("variant", [None, pytest.param("meltingpot", marks=pytest.mark.slow)])
 def test_growth_for_each_number_of_apples_near(variant: str | None) -> None:
     """Random patches, most of them bare so that one apple near is the common case; told to 6, 6 and 2 parts in a hundred."""
     env = environment(GAME, variant)

@@ -36,7 +36,7 @@ VARIANTS = {
     "per agent": {"sharing": "per_agent"},
     "memory": {"memory": "gru"},
 }
-USUAL = ("ippo", "mappo", "per agent")  # the others only with all tests
+USUAL = ("ippo", "per agent")  # the others only with all tests
 ALL_VARIANTS = pytest.mark.parametrize(
     "changes", [pytest.param(v, id=name, marks=[] if name in USUAL else [pytest.mark.slow]) for name, v in VARIANTS.items()]
 )
@@ -137,7 +137,7 @@ def less_sure(parameters: Any) -> Any:
     [
         CENTRAL,
         {"sharing": "per_agent"},
-        {"memory": "gru"},
+        pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
         pytest.param({}, marks=pytest.mark.slow),
         pytest.param({**CENTRAL, "critic": "state"}, marks=pytest.mark.slow),
         pytest.param({**CENTRAL, "memory": "gru", "sharing": "per_agent"}, marks=pytest.mark.slow),
