@@ -8,7 +8,8 @@ PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   then echo $$p; break; fi; done)
 BIN := .venv/bin
 RUN := runs/first
-PYTEST := $(BIN)/python -m pytest -n 2
+# A file is one worker's: what its tests share is made once.
+PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 BENCH := $(BIN)/sjdsl bench
 ENVS ?= 1,128,1024,4096
 NINE := coins harvest_open harvest_closed harvest_partnership clean_up coop_mining gift_refinement mushrooms pd_arena

@@ -12,6 +12,7 @@ from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants,
 from sjdsl.compiler import build, compile_build
 from sjdsl.compiler.diagnostics import CompileError
 from sjdsl.compiler.read import read_source
+from sjdsl.compiler.standalone import standalone
 from sjdsl.games_folder import bundled
 
 FOLDER = Path("generated")
@@ -35,6 +36,7 @@ class Module:
 @click.option("--all", "everything", is_flag=True, help="All bundled games.")
 @click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date.")
+@click.option("--standalone", "alone", is_flag=True, help="One file that needs only jax and numpy: NAME_standalone.py.")
 @variant_option
 @map_option
 def command(
@@ -42,6 +44,7 @@ def command(
     everything: bool,
     output: str | None,
     only_check: bool,
+    alone: bool,
     variant: str | None,
     map_file: str | None,
 ) -> int:
@@ -53,8 +56,10 @@ def command(
         raise click.UsageError("name the games to compile, or say --all", click.get_current_context())
     if output and only_check:
         raise click.UsageError("-o and --check exclude each other", click.get_current_context())
+    if alone and only_check:
+        raise click.UsageError("--standalone and --check exclude each other", click.get_current_context())
     names = bundled() if everything else files
-    modules = compile_games(names, variant, map_file, output)
+    modules = compile_games(names, variant, map_file, output, alone)
     _refuse_clashes(modules)
     if only_check:
         return _report_differences(modules, strays_of(modules) if everything else [])
@@ -64,12 +69,12 @@ def command(
     return 0
 
 
-def compile_games(names: Iterable[str], variant: str | None, map_file: str | None, output: str | None) -> list[Module]:
+def compile_games(names: Iterable[str], variant: str | None, map_file: str | None, output: str | None, alone: bool = False) -> list[Module]:
     """Returns the modules of games. Raises CompileError with what is wrong with any of them."""
     modules, problems = [], []
     for name in names:
         try:
-            modules.append(compile_game(name, variant, map_file, output))
+            modules.append(compile_game(name, variant, map_file, output, alone))
         except CompileError as error:
             problems += error.diagnostics
     if problems:
@@ -77,16 +82,17 @@ def compile_games(names: Iterable[str], variant: str | None, map_file: str | Non
     return modules
 
 
-def compile_game(name: str, variant: str | None, map_file: str | None, output: str | None) -> Module:
+def compile_game(name: str, variant: str | None, map_file: str | None, output: str | None, alone: bool = False) -> Module:
     """Returns the module of a game; its warnings go to the terminal. Raises CompileError."""
     source = read_source(game_path(name))
     variants = split_variants(variant)
     made = build(source, variants, read_map(map_file, source))
     print_diagnostics(made.warnings, made.sources, err=True)
-    path = Path(output or FOLDER)
+    path = Path(output or ("." if alone else FOLDER))
     if path.suffix != ".py":
-        path = path / f"{'_'.join((made.game.name, *variants))}.py"
-    return Module(path, compile_build(made, source))
+        path = path / f"{'_'.join((made.game.name, *variants, *['standalone'] * alone))}.py"
+    text = compile_build(made, source)
+    return Module(path, standalone(text, made.game) if alone else text)
 
 
 def write_module(module: Module) -> None:

@@ -58,7 +58,7 @@ class VectorGame(VectorEnv):
         every = np.ones(self.num_envs, bool)
         ended = np.zeros(self.num_envs, bool)
         ended[list(made.final)] = True
-        going = {name: count for name, count in made.events.items()} | {f"_{name}": every & ~ended for name in made.events}
+        going = dict(made.events) | {f"_{name}": every & ~ended for name in made.events}
         if not made.final:
             return going
         last = np.full(self.num_envs, None, object)

@@ -73,10 +73,12 @@ class VecGame(VecEnv):
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
         """Slots are one program and have no attributes of their own."""
+        del value, indices
         raise AttributeError(f"`{attr_name}` cannot be set for a slot: make the environment with other arguments")
 
     def env_method(self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any) -> list[Any]:
         """Slots are one program and have no methods of their own."""
+        del method_args, indices, method_kwargs
         raise AttributeError(f"a slot has no method `{method_name}`")
 
     def env_is_wrapped(self, wrapper_class: type, indices: VecEnvIndices = None) -> list[bool]:

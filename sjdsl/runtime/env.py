@@ -1,17 +1,16 @@
 """The environment interface: one compiled game, arrays in and arrays out, ready for `jit`, `vmap` and `scan`."""
 
-from collections.abc import Callable
 from types import ModuleType
 from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
-from jax import Array, lax
-from jax.custom_batching import custom_vmap
+from jax import Array
 
 from sjdsl.compiler import ir
 from sjdsl.runtime.draws import key_words
 from sjdsl.runtime.planes import TokenPlane, channel_names
+from sjdsl.runtime.resetting import reset_where
 from sjdsl.runtime.state_vector import state_vector
 from sjdsl.runtime.tokens import to_channels
 
@@ -181,30 +180,3 @@ class Environment:
         _, cols = self.module.FRAME
         pad = self.module.PAD
         return state.position // cols - pad, state.position % cols - pad
-
-
-def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
-    """Returns the first state of an episode where `done`, else `state`.
-
-    For a batch the resets are computed only if some environment is done: a `select` in every step would cost more than most
-    phases. A second `vmap` around turns the choice back into a select; the values are the same.
-    """
-
-    @custom_vmap
-    def choose(done: Array, words: Array, params: Params, state: State) -> State:
-        return lax.cond(done, lambda: reset(params, words), lambda: state)
-
-    @choose.def_vmap
-    def batched(size: int, in_batched: Any, done: Array, words: Array, params: Params, state: State) -> tuple[State, Any]:
-        done_batched, words_batched, params_batched, state_batched = in_batched
-        state = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (size, *x.shape)), state, state_batched)
-        done = done if done_batched else jnp.broadcast_to(done, (size,))
-        axes = (jax.tree.map(lambda b: 0 if b else None, params_batched), 0 if words_batched else None)
-
-        def fresh() -> State:
-            new = jax.vmap(reset, in_axes=axes, axis_size=size)(params, words)
-            return jax.tree.map(lambda n, o: jnp.where(done.reshape((size,) + (1,) * (o.ndim - 1)), n, o), new, state)
-
-        return lax.cond(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
-
-    return choose(done, words, params, state)

@@ -86,6 +86,7 @@ def test_values_as_arguments_play_as_constants_do(env: Environment) -> None:
     assert together(own, own, own, own) < together(own, own, dear, own) < together(dear, dear, dear, dear)
 
 
+@pytest.mark.slow
 def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
     sweep = measure_sweep(game_task(env), "apple", swept_params(env, "apple", 4), 2, repeats=3, num_steps=2, apart=2)
     assert (sweep.name, sweep.param, sweep.num_values, sweep.num_envs) == ("orchard", "apple", 4, 2)

@@ -79,6 +79,7 @@ def test_sentences_about_an_absent_kind(rule: str, reward: list[float], tmp_path
         ("pd_arena", ("......", "PPPPPP")),
     ],
 )
+@pytest.mark.slow
 def test_bundled_games_on_bare_maps(game: str, rows: tuple[str, ...]) -> None:
     env = make(game, map=rows)
     _, state = env.reset(jax.random.key(0))

@@ -56,7 +56,10 @@ def raised(iron: float, gold: float) -> Any:
     return environment("coop_mining", None).params.replace(spawn_iron=jnp.float32(iron), spawn_gold=jnp.float32(gold))
 
 
-@pytest.mark.parametrize(("variant", "rounds", "within"), [(None, 24, 0.06), ("socialjax", 12, 0.12), ("meltingpot", 12, 0.12)])
+@pytest.mark.parametrize(
+    ("variant", "rounds", "within"),
+    [(None, 24, 0.06), *(pytest.param(variant, 12, 0.12, marks=pytest.mark.slow) for variant in ("socialjax", "meltingpot"))],
+)
 def test_iron_and_gold_come_so_often(variant: str | None, rounds: int, within: float, counted: Any) -> None:
     """Of each cell and step without ore; half as often in the variants."""
     env, (iron, gold) = environment("coop_mining", variant), RATES[variant]

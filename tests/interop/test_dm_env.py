@@ -104,5 +104,5 @@ def test_wrong_actions_are_refused() -> None:
     env.reset()
     with pytest.raises(ValueError, match="1 actions for 2 players"):
         env.step([0])
-    with pytest.raises(ValueError, match="9 is no action of player 1: 0 .. 6"):
+    with pytest.raises(ValueError, match=r"9 is no action of player 1: 0 \.\. 6"):
         env.step([0, 9])

@@ -93,7 +93,7 @@ def test_wrong_calls_are_refused() -> None:
     with pytest.raises(RuntimeError, match="call reset before step"):
         env.step(actions_of(env, 0))
     env.reset(seed=0)
-    with pytest.raises(ValueError, match="7 is no action of slot 1: 0 .. 6"):
+    with pytest.raises(ValueError, match=r"7 is no action of slot 1: 0 \.\. 6"):
         env.step(np.array([0, 7, 0, 0]))
     with pytest.raises(ValueError, match=r"one for each slot is wanted: \(4,\)"):
         env.step(np.zeros(2, int))

@@ -119,7 +119,7 @@ def rest(name: str, seed: int, steps: int, folder: Path) -> View:
     return view
 
 
-@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES, one_of=3)
+@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES, one_of=4)
 def test_compiled_example_equals_the_interpreted(example, folder):
     for block in example.said("result"):
         script = read_script(block)

@@ -10,7 +10,9 @@ from probes import constant, cued, delayed, different, dilemma, hidden, judge, l
 TOLERANCE = 0.1
 CENTRAL = {"algorithm": "mappo"}
 OF_STATE = {"algorithm": "mappo", "critic": "state"}
-CRITICS = pytest.mark.parametrize("changes", [{}, CENTRAL, OF_STATE], ids=["own window", "all windows", "state"])
+CRITICS = pytest.mark.parametrize(
+    "changes", [{}, pytest.param(CENTRAL, marks=pytest.mark.slow), OF_STATE], ids=["own window", "all windows", "state"]
+)
 
 
 def test_value_of_a_constant_reward() -> None:

@@ -1,0 +1,85 @@
+"""An episode taken one step at a time: the same seed and actions give the same episode."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from sjdsl.render.snapshot import Snapshot, take_snapshot
+from sjdsl.replay.recording import Recording, RecordingError
+from sjdsl.runtime.env import Environment
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One moment. snapshot: what a picture shows; reward: `[N]` of the last step; events: its counts that are not zero; done."""
+
+    snapshot: Snapshot
+    reward: np.ndarray
+    events: dict[str, np.ndarray]
+    done: bool
+
+
+class Course:
+    """One episode of an environment.
+
+    Attributes:
+      observation, state: of the moment; actions: of every step so far; returns: `[N]`; done.
+    """
+
+    def __init__(self, env: Environment, seed: int) -> None:
+        """Begins the episode of a seed."""
+        self.env, self.seed = env, seed
+        self._key = jax.random.key(seed)
+        self.observation, self.state = env.reset(jax.random.fold_in(self._key, 0))
+        self.actions: list[list[int]] = []
+        self.returns = np.zeros(env.num_agents)
+        self.done = False
+
+    def now(self) -> Moment:
+        """Returns the moment, as after a step in which nothing was paid."""
+        return Moment(take_snapshot(self.env, self.state, self.returns), np.zeros(self.env.num_agents), {}, self.done)
+
+    def step(self, actions: Sequence[int]) -> Moment:
+        """Takes one step.
+
+        Raises:
+          ValueError: the episode is over, or the actions are not one number of the game for each agent.
+        """
+        chosen = [int(action) for action in actions]
+        if self.done:
+            raise ValueError("the episode is over")
+        if len(chosen) != self.env.num_agents or not all(0 <= action < self.env.num_actions for action in chosen):
+            raise ValueError(f"{chosen} are not {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}")
+        key = jax.random.fold_in(self._key, len(self.actions) + 1)
+        self.observation, self.state, reward, done, info = self.env.step_env(key, self.state, np.array(chosen, np.int32))
+        self.actions.append(chosen)
+        self.returns = self.returns + np.asarray(reward)
+        self.done = bool(done)
+        events = {name: np.asarray(count) for name, count in info["events"].items() if np.any(count)}
+        return Moment(take_snapshot(self.env, self.state, self.returns), np.asarray(reward), events, self.done)
+
+    def recording(self, environment: Mapping[str, Any]) -> Recording:
+        """Returns the episode so far. `environment`: the arguments of `sjdsl.make`."""
+        returns = [float(value) for value in self.returns]
+        return Recording(environment=dict(environment), hash=self.env.hash, seed=self.seed, actions=self.actions, returns=returns)
+
+
+def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
+    """Yields the moments of a recorded episode, the first one included.
+
+    Raises:
+      RecordingError: the environment has other rules, or the actions come to other returns than were recorded.
+    """
+    if env.hash != recording.hash:
+        raise RecordingError(
+            f"the episode was recorded under other rules: their hash was {recording.hash}, that of {env.name} is {env.hash}"
+        )
+    course = Course(env, recording.seed)
+    yield course.now()
+    for actions in recording.actions:
+        yield course.step(actions)
+    if not np.allclose(course.returns, recording.returns, rtol=1e-5, atol=1e-5):
+        raise RecordingError(f"the episode came to returns {course.returns.tolist()}, but {recording.returns} were recorded")

@@ -1,0 +1,51 @@
+"""The file of an episode: which game, which seed, what everybody did."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+
+class RecordingError(Exception):
+    """A file that holds no episode, or one of another game than it says."""
+
+
+class Recording(BaseModel):
+    """One episode; JSON with these names.
+
+    environment: the arguments of `sjdsl.make`; hash: of the rules, so that an episode of other rules is not shown as one of these.
+    seed: of the episode; actions: one list a step, one number for each agent; returns: of each agent, what the actions must come to.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    format: Literal["sjdsl-episode-1"] = "sjdsl-episode-1"
+    environment: dict[str, Any]
+    hash: str
+    seed: int
+    actions: list[list[int]]
+    returns: list[float]
+
+
+def save_recording(recording: Recording, path: Path) -> None:
+    """Writes a file whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = path.with_name(f"{path.name}.{os.getpid()}")
+    unfinished.write_text(json.dumps(recording.model_dump()) + "\n", encoding="utf-8")
+    os.replace(unfinished, path)
+
+
+def load_recording(path: Path) -> Recording:
+    """Returns the episode of a file.
+
+    Raises:
+      RecordingError: there is no such file, or it holds something else.
+    """
+    try:
+        return Recording.model_validate_json(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
+    except (ValidationError, UnicodeDecodeError):
+        raise RecordingError(f"{path} is no recorded episode; `sjdsl play GAME --record {path.name}` writes one") from None

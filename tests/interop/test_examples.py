@@ -1,0 +1,23 @@
+"""The scripts in `examples/` run as they are, and what they return is a number of the games."""
+
+import math
+import runpy
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_it_runs(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = runpy.run_path(str(path))["main"]()
+    assert math.isfinite(result)
+    assert capsys.readouterr().out.strip()
+
+
+def test_every_adapter_has_one() -> None:
+    adapters = {"jaxmarl", "socialjax", "pettingzoo", "gymnasium", "stable_baselines3", "dm_env"}
+    assert {adapter for adapter in adapters for path in EXAMPLES if path.stem.startswith(adapter)} == adapters
+    docs = Path(__file__).parents[2] / "docs/interop"
+    assert {path.stem for path in docs.glob("*.md")} >= adapters
