@@ -1,6 +1,7 @@
 """The command `sjdsl`: one module a subcommand, imported when it is called, so that `check` never waits for JAX."""
 
 import gc
+import os
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -83,6 +84,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 def main() -> NoReturn:
     """Runs the command line of this process; what JAX compiles in it is kept for the next."""
     gc.set_threshold(FEW_COLLECTIONS)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses: a tenth of a second
     keep_programs()
     status = run()
     gc.freeze()
