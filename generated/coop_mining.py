@@ -11,7 +11,7 @@ from sjdsl.runtime.counting import occupied, size_of_set, times_in
 from sjdsl.runtime.draws import below, next_threshold, threshold, words
 from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
-from sjdsl.runtime.placing import pick_of_set, place
+from sjdsl.runtime.placing import pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
@@ -207,9 +207,10 @@ def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 def settle(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `settle`."""
     active = (state.rock_miners != 0) & (state.rock_ore == 1)  # coop_mining.sj:50
-    winner, found = pick_of_set(state.rock_miners, words(key, 0x23bf2029, 538, 1)[:, 0])  # coop_mining.sj:51
+    winner, found = pick_of_sets(jnp.where(active, state.rock_miners, 0), key, lambda key: words(key, 0x23bf2029, 538, 1)[:, 0])  # coop_mining.sj:51
+    winner_2 = winner.astype(jnp.int32)  # coop_mining.sj:51
     active_2 = active & found  # coop_mining.sj:51
-    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner.astype(jnp.uint8), 0), 6)  # coop_mining.sj:51
+    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner_2.astype(jnp.uint8), 0), 6)  # coop_mining.sj:51
     reward = out.reward + (times.astype(jnp.float32) * params.iron_pays)  # coop_mining.sj:51
     event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:51
     rock_ore = jnp.where(active, 0, state.rock_ore)  # coop_mining.sj:52

@@ -24,7 +24,7 @@ KERNELS = {
         "values_of",
     ),
     "sjdsl.runtime.movement": ("resolve",),
-    "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "place"),
+    "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place"),
     "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
     "sjdsl.runtime.view": ("fill", "paint", "planes_of", "windows"),
 }

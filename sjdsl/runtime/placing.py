@@ -1,8 +1,11 @@
 """Members picked at random, agents sent to free cells, agents paired."""
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 from jax import Array, lax
+from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime import bits
 from sjdsl.runtime.counting import size_of_set
@@ -29,6 +32,47 @@ def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
     return bits.nth_bit(members, below(word, number)), number > 0
 
 
+def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """Returns one agent of each of many sets, as `pick_of_set` does; words are drawn only if some set has several members.
+
+    Who is alone in a set needs no luck: floor(word * 1 / 2^32) is 0. For a batch, words are drawn if one of its environments needs
+    some; a second `vmap` around turns that choice back into a select. The agents are the same.
+
+    Args:
+      members: `[S]` unsigned, the sets as bits.
+      key: two uint32 words.
+      draw: the key to the words, `[S]` uint32.
+    Returns:
+      `[S]` uint8 the agent's number, anything where there is none, and `[S]` bool whether there is one.
+    """
+
+    def chosen(members: Array, key: Array) -> Array:
+        return pick_of_set(members, draw(key))[0].astype(jnp.uint8)
+
+    @custom_vmap
+    def picked(members: Array, key: Array) -> Array:
+        return lax.cond(_several(members), lambda: chosen(members, key), lambda: _only(members))
+
+    @picked.def_vmap
+    def batched(size: int, in_batched: list[bool], members: Array, key: Array) -> tuple[Array, bool]:
+        axes = tuple(0 if batched else None for batched in in_batched)
+        each = jax.vmap(chosen, in_axes=axes, axis_size=size)
+        only = jax.vmap(lambda members, _: _only(members), in_axes=axes, axis_size=size)
+        return lax.cond(_several(members), lambda: each(members, key), lambda: only(members, key)), True
+
+    return picked(members, key), members != 0
+
+
+def _several(members: Array) -> Array:
+    """Returns whether some set has more than one member."""
+    return jnp.any((members & (members - 1)) != 0)
+
+
+def _only(members: Array) -> Array:
+    """Returns the number of the lowest member, uint8."""
+    return lax.population_count((members & -members) - 1).astype(jnp.uint8)
+
+
 @jax.jit  # one function of the program for each shape, however many rules pick
 def choose(member: Array, words: Array, number: Array) -> Array:
     """Returns which members are picked when so many are, one after the other, none twice.
@@ -43,18 +87,17 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
     packed = bits.pack(member)
+    total = bits.count(packed)
+    wanted = jnp.minimum(number, total)  # a turn takes one: after `turn` of them, total - turn are left
 
     def more(state: tuple[Array, Array]) -> Array:
-        turn, left = state
-        return jnp.any((turn < number) & (bits.count(left) > 0))
+        return jnp.any(state[0] < wanted)
 
     def take(state: tuple[Array, Array]) -> tuple[Array, Array]:
         turn, left = state
-        remaining = bits.count(left)
         word = lax.dynamic_index_in_dim(words, turn, axis=-1, keepdims=False)
-        taken = bits.without(left, bits.nth(left, below(word, remaining)))
-        goes_on = (turn < number) & (remaining > 0)
-        return turn + 1, jnp.where(goes_on[..., None], taken, left)
+        taken = bits.without(left, bits.nth(left, below(word, total - turn)))
+        return turn + 1, jnp.where((turn < wanted)[..., None], taken, left)
 
     left = lax.while_loop(more, take, (jnp.int32(0), packed))[1]
     return bits.unpack(packed & ~left, member.shape[-1])

@@ -157,6 +157,19 @@ def _fori_loop(low: int, high: int, body: Callable[[int, Any], Any], state: Any)
     return state
 
 
+class _CustomVmap:
+    """A function that says how it is batched; nothing is batched here."""
+
+    def __init__(self, function: Callable[..., Any]):
+        self.function = function
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.function(*arguments)
+
+    def def_vmap(self, rule: Callable[..., Any]) -> Callable[..., Any]:
+        return rule
+
+
 def _pad(array: Any, value: Any, edges: list[tuple[int, int, int]]) -> Array:
     return as_array(np.pad(np.asarray(array), [(low, high) for low, high, _ in edges], constant_values=np.asarray(value)))
 
@@ -199,6 +212,7 @@ def _dataclass(cls: type) -> type:
 
 JNP = _namespace()
 LAX = SimpleNamespace(
+    cond=lambda test, yes, no: yes() if bool(test) else no(),
     while_loop=_while_loop,
     fori_loop=_fori_loop,
     pad=_pad,
@@ -211,7 +225,12 @@ LAX = SimpleNamespace(
     bitcast_convert_type=lambda x, dtype: as_array(np.ascontiguousarray(np.asarray(x)[..., None]).view(dtype)),
 )
 JAX = SimpleNamespace(numpy=JNP, lax=LAX, jit=lambda f, **_: f, vmap=_vmap, Array=Array, dtypes=SimpleNamespace(), random=SimpleNamespace())
-STANDING_IN = {"jax": JAX, "jax.numpy": JNP, "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass))}
+STANDING_IN = {
+    "jax": JAX,
+    "jax.numpy": JNP,
+    "jax.custom_batching": SimpleNamespace(custom_vmap=_CustomVmap),
+    "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass)),
+}
 
 
 def _import(name: str, names: Any = None, local: Any = None, fromlist: Any = (), level: int = 0) -> Any:

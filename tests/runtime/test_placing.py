@@ -5,7 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, place
+from sjdsl.runtime.draws import words
+from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, pick_of_sets, place
 
 from . import references
 
@@ -73,6 +74,37 @@ def test_pick_of_set(dtype: jnp.dtype) -> None:
     expected, there = pick(jnp.asarray((sets[:, None] >> np.arange(size)) & 1 != 0), word)
     assert found.tolist() == there.tolist()
     assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
+
+
+@pytest.mark.parametrize("batched", ["no", "sets", "keys", "both", "twice"])
+@pytest.mark.parametrize("several", [False, True])
+def test_pick_of_many_sets(several: bool, batched: str) -> None:
+    """As one set at a time with its word, whether words are drawn or not, whatever of a batch differs."""
+    size = 70
+    random = np.random.default_rng(size)
+    sets = random.choice([0, 1, 2, 4, 128], (3, size))
+    sets[1, 5] = 0b1011 if several else 8
+    keys = jnp.asarray(random.integers(0, 2**32, (3, 2)), jnp.uint32)
+    draw = lambda key: words(key, 0x1234, size)  # noqa: E731
+    picked = lambda members, key: pick_of_sets(members, key, draw)  # noqa: E731
+    sets = jnp.asarray(sets, jnp.uint8)
+    axes = {"sets": (0, None), "keys": (None, 0), "both": (0, 0), "twice": (0, 0)}.get(batched)
+    function = picked if axes is None else jax.vmap(picked, in_axes=axes)
+    function = jax.vmap(function) if batched == "twice" else function
+    given_sets = sets if axes and axes[0] == 0 else sets[1]
+    given_keys = keys if axes and axes[1] == 0 else keys[1]
+    if batched == "twice":
+        given_sets, given_keys = given_sets[None], given_keys[None]
+    number, found = (np.asarray(x).reshape(-1, size) for x in jax.jit(function)(given_sets, given_keys))
+    for row in range(len(number)):
+        mine, key = (
+            given_sets.reshape(-1, size)[row % given_sets.reshape(-1, size).shape[0]],
+            given_keys.reshape(-1, 2)[row % given_keys.reshape(-1, 2).shape[0]],
+        )
+        expected, there = pick_of_set(mine, draw(key))
+        assert found[row].tolist() == there.tolist()
+        assert number[row][found[row]].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
+    assert number.dtype == np.uint8
 
 
 @pytest.mark.parametrize(("members", "turns"), [(1, 1), (2, 5), (6, 3), (40, 8), (100, 20)])

@@ -1,6 +1,7 @@
 """Quantifiers that choose: `pick`, `first`, `match`."""
 
 from dataclasses import replace
+from math import prod
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from sjdsl.compiler.lower.domains import _has_inner_blocks, enter, is_empty, sit
 from sjdsl.compiler.lower.draws import words
 from sjdsl.compiler.lower.expressions import lower
 from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped
+
+MANY_SETS = 64  # from so many sets on it pays to draw words only if some set has several members
 
 
 def _members(inner: Frame, outer: Frame) -> tuple[Axis, ...]:
@@ -53,9 +56,16 @@ def pick(s: ir.Pick, frame: Frame, w: Writer) -> tuple[Frame, Value]:
         lead = ":, " * (len(word.axes) - 1)
         single = Value(f"{word.text}[{lead}0]", "u32", word.axes[:-1])
         kernel, source = ("pick_of_set", aligned(members, outer_axes)) if members else ("pick", _mask_over(inner, axes).text)
-        best = Value(w.names.fresh(s.domain.var.name), "i32", outer_axes)
+        drawn = _spread(single, outer_axes)
+        many = members is not None and members.axes == outer_axes and prod(a.size for a in outer_axes) >= MANY_SETS
+        best = Value(w.names.fresh(s.domain.var.name), "u8" if many and single.text.startswith("words(") else "i32", outer_axes)
         found = Value(w.names.fresh("found"), "bool", outer_axes)
-        w.line(f"{best.text}, {found.text} = {kernel}({source}, {_spread(single, outer_axes)})")
+        if best.dtype == "u8":  # the words depend on the key alone: most steps need none of them
+            source = source if frame.mask is None else f"jnp.where({aligned(frame.mask, outer_axes)}, {source}, 0)"
+            w.line(f"{best.text}, {found.text} = pick_of_sets({source}, key, lambda key: {drawn})")
+            best = w.keep(s.domain.var.name, Value(f"{best.text}.astype(jnp.int32)", "i32", outer_axes))
+        else:
+            w.line(f"{best.text}, {found.text} = {kernel}({source}, {drawn})")
         chosen = _chosen_variable(member_var, axis, best)
         variables = {**frame.variables, s.domain.var.name: chosen}
         variables |= _under(s.domain, chosen, w)
