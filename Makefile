@@ -34,7 +34,7 @@ test-all: .venv/ready
 # The adapters for other libraries, which are installed for it.
 test-interop: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-interop.txt
-	$(BIN)/python -m pytest -o addopts=-q tests/interop
+	$(PYTEST) -o addopts=-q tests/interop
 
 check: .venv/ready
 	$(BIN)/ruff format --check .

@@ -44,3 +44,10 @@ def test_the_python_lines_of_training(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.chdir(tmp_path)
     exec(block("python", "docs/training.md"), {})
     assert "Estimate(mean=" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_python_lines_of_playing() -> None:
+    names: dict = {}
+    exec(block("python", "docs/playing.md"), names)
+    assert len(names["course"].actions) == 1000

@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,7 @@ KEYS = {
     ".": "step_right",
     " ": "stay",
 }
-NAMES = {"\x1b[A": "up", "\x1b[B": "down", "\x1b[D": "left", "\x1b[C": "right", " ": "space"}
+NAMES = {"\x1b[A": "up", "\x1b[B": "down", "\x1b[D": "left", "\x1b[C": "right", " ": "space", "\r": "enter"}
 QUIT = ("q", "\x03", "\x04")
 Show = Callable[["Moment", str], None]
 
@@ -58,7 +58,7 @@ def command(
     course = Course(env, seed)
     keys = None if watch else own_keys(env)
     show = make_show(env, speed) if sys.stdout.isatty() else _show_nothing
-    legend = "" if keys is None else f"agent {agent}: {describe_keys(keys)}, q to stop"
+    legend = "" if keys is None else f"agent {agent}: {describe_keys(keys, env.action_names)}  q stops"
     try:
         for moment in moments(course, choose_policy(others, env), agent, keys, click.getchar, steps or sys.maxsize):
             show(moment, legend)
@@ -79,8 +79,9 @@ def own_keys(env: "Environment") -> dict[str, int]:
     return keys | {str(digit): names.index(name) for digit, name in enumerate(own[:9], 1)} | ({"\r": names.index(own[0])} if own else {})
 
 
-def describe_keys(keys: dict[str, int]) -> str:
-    return " ".join(NAMES.get(key, key) for key in keys if key != "\r")
+def describe_keys(keys: dict[str, int], action_names: Sequence[str]) -> str:
+    """Returns `up forward  left turn_left  1 zap` and so on."""
+    return "  ".join(f"{NAMES.get(key, key)} {action_names[number]}" for key, number in keys.items())
 
 
 def moments(

@@ -12,9 +12,12 @@ from jax import Array
 
 from sjdsl.factory import make as make_game
 from sjdsl.interop import spaces
+from sjdsl.interop.socialjax_log import LogWrapper, SVOLogWrapper
 from sjdsl.interop.socialjax_observation import make_channels
 from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 from sjdsl.interop.socialjax_table import Entry, Figure, entries
+
+__all__ = ["LogWrapper", "SVOLogWrapper", "SocialJaxGame", "State", "make", "registered_envs"]
 
 # its compass is turned round: its `left` is a larger column, its `up` a larger row
 ACTIONS = {"turned round": (0, 1, 3, 2, 5, 4), "as ours": (0, 1, 2, 3, 4, 5)}

@@ -197,6 +197,28 @@ def test_step_env_and_chosen_states() -> None:
     assert done["0"] and int(last.game.step) == 2
 
 
+@pytest.mark.parametrize("wrapper", [socialjax.LogWrapper, socialjax.SVOLogWrapper])
+def test_log_wrappers_add_up_returns(wrapper: Any) -> None:
+    env = wrapper(socialjax.make("coin_game", num_inner_steps=30, shared_rewards=False, regrow_rate=0.5))
+    _, state = env.reset(jax.random.key(22))
+    total, seen = np.zeros(2), []
+    for number, key in enumerate(jax.random.split(jax.random.key(23), 61)):
+        _, state, reward, done, info = env.step(key, state, [2 + number % 4, 3 - number % 2], number)
+        total += np.asarray(reward)
+        assert info["returned_episode"].tolist() == [bool(done["__all__"])] * 2 == [number % 30 == 29] * 2
+        if done["__all__"]:
+            seen.append(total.tolist())
+            total[:] = 0
+            assert info["returned_episode_returns"].tolist() == seen[-1]
+            assert info["returned_episode_lengths"].tolist() == [30, 30]
+            if wrapper is socialjax.SVOLogWrapper:
+                assert (2 * info["returned_episode_original_returns"]).tolist() == seen[-1]
+    assert info["returned_episode_returns"].tolist() == seen[1] != [0, 0]
+    assert env.num_agents == 2
+    assert "eat_own_coins" in info
+    assert set(wrapper(env._env, replace_info=True).step(key, state, [6, 6])[4]) <= set(info) - {"eat_own_coins"}
+
+
 def test_figures_that_scripts_log() -> None:
     """Apples on the map, clean actions and coins, at the suite's scales."""
     harvest = socialjax.make("harvest_common_open")

@@ -15,7 +15,8 @@ import jax
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.parse import parse
 from sjdsl.factory import load_module
-from tests.laws.corpus import NINE, game_of, random_text, source_of
+from tests.games.environments import NINE
+from tests.laws.corpus import game_of, random_text, source_of
 from tests.laws.extremes import first_parting
 from tests.laws.obeyed import Tried, obeyed
 from tests.laws.symmetry import renamed, turns

@@ -22,17 +22,6 @@ from tests.fuzz.programs import program
 from tests.fuzz.together import interpret, on_numpy, random_play, run
 from tests.laws.symmetry import STEPS
 
-NINE = (
-    "coins",
-    "harvest_open",
-    "harvest_closed",
-    "harvest_partnership",
-    "clean_up",
-    "coop_mining",
-    "mushrooms",
-    "gift_refinement",
-    "pd_arena",
-)
 FEW = 12  # random programs in a test; `python -m tests.laws.campaign` tries more
 
 

@@ -4,7 +4,8 @@ from random import Random
 
 import pytest
 
-from tests.laws.corpus import FEW, NINE, game_of, random_games
+from tests.games.environments import NINE
+from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.extremes import first_parting
 
 

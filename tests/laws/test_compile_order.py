@@ -11,7 +11,8 @@ from sjdsl.compiler import compile_source
 from sjdsl.compiler.diagnostics import CompileError
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
-from tests.laws.corpus import NINE, source_of
+from tests.games.environments import NINE
+from tests.laws.corpus import source_of
 
 RANDOM = range(12)
 VARIANTS = ("", "meltingpot")

@@ -5,7 +5,8 @@ Left out by the manual: who stays when free cells run out (`otherwise stay`: low
 
 import pytest
 
-from tests.laws.corpus import FEW, NINE, game_of, random_games
+from tests.games.environments import NINE
+from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import renamed
 

@@ -14,8 +14,9 @@ from sjdsl.games_folder import find_game
 from sjdsl.interpreter.state import default_params
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
+from tests.games.environments import NINE
 from tests.laws.added import with_rules
-from tests.laws.corpus import FEW, NINE, game_of, random_games
+from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.course import course, parting, start_of
 from tests.laws.streams import streams
 

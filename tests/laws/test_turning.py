@@ -6,7 +6,8 @@ from random import Random
 import pytest
 
 from sjdsl.compiler import ir
-from tests.laws.corpus import FEW, NINE, game_of, random_games
+from tests.games.environments import NINE
+from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import Symmetry, turns
 

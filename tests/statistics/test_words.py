@@ -10,7 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.runtime.draws import words, words_at
-from tests.laws.corpus import NINE, game_of
+from tests.games.environments import NINE
+from tests.laws.corpus import game_of
 from tests.laws.streams import streams
 
 FALSE_ALARM = 1e-6

@@ -8,18 +8,8 @@ import pytest
 from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config
 from sjdsl.trainers.ppo import check_minibatches
 from sjdsl.trainers.shaping import kept_share
+from tests.games.environments import NINE
 
-GAMES = (
-    "coins",
-    "harvest_open",
-    "harvest_closed",
-    "harvest_partnership",
-    "clean_up",
-    "coop_mining",
-    "mushrooms",
-    "gift_refinement",
-    "pd_arena",
-)
 PPO = tuple((algorithm, reward) for algorithm in ("ippo", "mappo") for reward in ("individual", "common", "svo", "exchange", "inequity"))
 
 
@@ -149,7 +139,7 @@ def test_a_preset_made_for_some_games_refuses_others() -> None:
 
 
 @pytest.mark.parametrize("name", ["paper", "two_cores"])
-@pytest.mark.parametrize("game", GAMES)
+@pytest.mark.parametrize("game", NINE)
 def test_every_algorithm_and_reward_has_a_valid_configuration(name: str, game: str) -> None:
     for algorithm, reward in PPO:
         config = load_preset(name, {"algorithm": algorithm, "reward": reward}, game).config
@@ -186,7 +176,7 @@ def test_mappo_as_in_the_paper(game: str, envs: int, steps: int, minibatches: in
     assert (config.total_timesteps, config.scale_clip_epsilon, config.anneal_learning_rate, config.reward) == (3e8, True, True, "common")
 
 
-@pytest.mark.parametrize("game", GAMES)
+@pytest.mark.parametrize("game", NINE)
 def test_ippo_as_in_the_paper(game: str) -> None:
     config = load_preset("paper", {}, game).config
     assert isinstance(config, PPOConfig)
@@ -196,7 +186,7 @@ def test_ippo_as_in_the_paper(game: str) -> None:
     assert (config.value_coefficient, config.max_gradient_norm, config.seed) == (0.5, 0.5, 30)
 
 
-@pytest.mark.parametrize("game", GAMES)
+@pytest.mark.parametrize("game", NINE)
 def test_svo_as_in_the_paper(game: str) -> None:
     config = load_preset("paper", {"reward": "svo"}, game).config
     assert isinstance(config, PPOConfig)
