@@ -65,6 +65,7 @@ def command(
     yardstick, taken round by round, does not.
     """
     import jax
+    from jax.experimental.compilation_cache import compilation_cache
 
     from sjdsl.bench import Report, measure, measure_sweep, measure_training
     from sjdsl.bench.loop import steps_for
@@ -73,6 +74,7 @@ def command(
     from sjdsl.cli.bench_output import print_tables, require_marks, section_name, telling, write_json, write_page
 
     jax.config.update("jax_enable_compilation_cache", False)  # seconds of compiling are measured, too
+    compilation_cache.reset_cache()  # JAX decides at the first program of a process, which may be made by an import
     seen = tuple(dict.fromkeys(word for words in observations for word in words)) or ("tokens",)
     numbers = envs or (SWEPT if sweep else TRAINED if networks else RACED)
     if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):

@@ -10,6 +10,8 @@ from sjdsl.factory import make
 from sjdsl.games_folder import bundled
 from sjdsl.interop.missing import needs
 from sjdsl.render import make_painter, take_snapshot
+from sjdsl.render.look import make_look
+from sjdsl.render.terminal import board_letters
 
 with needs("pettingzoo"):
     from gymnasium import spaces
@@ -26,17 +28,17 @@ class ParallelGame(ParallelEnv):
     It can be pickled: what comes back starts where this one stands.
     """
 
-    metadata = {"name": "sjdsl_v0", "render_modes": ["rgb_array"], "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
+    metadata = {"name": "sjdsl_v0", "render_modes": ["human", "ansi", "rgb_array"], "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
 
     def __init__(self, game: str, render_mode: str | None = None, observation: str = "onehot", **arguments: Any) -> None:
         """Makes the environment.
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          render_mode: None or `rgb_array`.
+          render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as a text; `rgb_array`, a picture.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
-            raise ValueError(f"render_mode is None or rgb_array, not {render_mode!r}")
+            raise ValueError(f"render_mode is None, {', '.join(self.metadata['render_modes'])}, not {render_mode!r}")
         self._arguments = {"game": str(game), "render_mode": render_mode, "observation": observation, **arguments}
         self.env = make(game, observation=observation, **arguments)
         self.metadata = {**type(self).metadata, "name": f"{self.env.name}_v0"}
@@ -54,6 +56,8 @@ class ParallelGame(ParallelEnv):
         self._state: Any = None
         self._returns = np.zeros(self.env.num_agents)
         self._painter: Any = None
+        self._look: Any = None
+        self._tiles: dict = {}
 
     def observation_space(self, agent: str) -> spaces.Space:
         """Returns the same object at each call."""
@@ -74,6 +78,8 @@ class ParallelGame(ParallelEnv):
         observation, self._state = self.env.reset(reset_key)
         self._returns = np.zeros(self.env.num_agents)
         self.agents = self.possible_agents[:]
+        if self.render_mode == "human":
+            self.render()
         return self._of_each(_channels_last(observation)), {agent: {} for agent in self.agents}
 
     def step(self, actions: Mapping[str, int]) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], Figures]:
@@ -100,6 +106,8 @@ class ParallelGame(ParallelEnv):
         )
         if bool(done):
             self.agents = []
+        if self.render_mode == "human":
+            self.render()
         return results
 
     def state(self) -> np.ndarray:
@@ -108,14 +116,22 @@ class ParallelGame(ParallelEnv):
             raise RuntimeError("call reset before state")
         return np.asarray(self._vector(self._state))
 
-    def render(self) -> np.ndarray | None:
-        """Returns the picture `[height, width, 3]` uint8 of the state, or None without a render mode."""
+    def render(self) -> np.ndarray | str | None:
+        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; shows it and returns None where the mode is `human`."""
         if self.render_mode is None:
             return None
         if self._state is None:
             raise RuntimeError("call reset before render")
-        self._painter = self._painter or make_painter(self.env)
-        return np.asarray(self._painter.draw(take_snapshot(self.env, self._state, self._returns)))
+        snapshot = take_snapshot(self.env, self._state, self._returns)
+        if self.render_mode == "rgb_array":
+            self._painter = self._painter or make_painter(self.env)
+            return np.asarray(self._painter.draw(snapshot))
+        self._look = self._look or make_look(self.env)
+        text = board_letters(self._look, snapshot, self._tiles)
+        if self.render_mode == "ansi":
+            return text
+        print(text, flush=True)
+        return None
 
     def close(self) -> None:
         """Nothing is held open."""

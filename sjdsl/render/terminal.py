@@ -1,7 +1,9 @@
 """Boards in a terminal: two letters a cell, coloured as in pictures, with arrows for agents."""
 
 from dataclasses import replace
+from io import StringIO
 
+from rich.console import Console
 from rich.style import Style
 from rich.text import Text
 
@@ -30,6 +32,14 @@ def board_text(look: Look, snapshot: Snapshot, tiles: Tiles) -> Text:
                 text.append("▀", Style(color=_name(tuple(above)), bgcolor=_name(tuple(below))))
         text.append("\n")
     return text
+
+
+def board_letters(look: Look, snapshot: Snapshot, tiles: Tiles) -> str:
+    """Returns the same with the codes that colour it in any terminal of many colours."""
+    console = Console(file=StringIO(), force_terminal=True, color_system="truecolor", width=PIXELS * look.width + 1)
+    with console.capture() as shown:
+        console.print(board_text(look, snapshot, tiles), end="", no_wrap=True)
+    return shown.get()
 
 
 def _agents(look: Look, snapshot: Snapshot) -> dict[tuple[int, int], tuple[str, Colour]]:

@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import pytest
 from jax import Array
+from jax.experimental.compilation_cache import compilation_cache
 
 from sjdsl.bench import Report, Task, game_task, measure, yardstick_task
 from sjdsl.bench.compilation import compile_step
@@ -116,6 +117,29 @@ def test_the_command_prints_and_stores_a_table(capsys: pytest.CaptureFixture[str
     for part in ("yardstick", "meadow", "2 envs", "x1.00"):
         assert part in shown
     assert json.loads(Path("out.json").read_text())["repeats"] == 1
+
+
+@pytest.fixture
+def keeping(tmp_path: Path) -> Iterator[Path]:
+    """A folder in which JAX keeps every program, and has begun to."""
+    names = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs", "jax_enable_compilation_cache")
+    before = {name: getattr(jax.config, name) for name in names}
+    for name, value in zip(names, (str(tmp_path / "kept"), 0, True), strict=True):
+        jax.config.update(name, value)
+    compilation_cache.reset_cache()
+    jax.jit(lambda x: x + 1)(1.0)
+    yield tmp_path / "kept"
+    for name, value in before.items():
+        jax.config.update(name, value)
+    compilation_cache.reset_cache()
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_the_command_compiles_is_neither_kept_nor_found(keeping: Path) -> None:
+    kept = sorted(keeping.iterdir())
+    assert kept
+    assert run(["bench", "meadow.sj", "--envs", "2", "--steps", "2", "--repeats", "1"]) == 0
+    assert sorted(keeping.iterdir()) == kept
 
 
 @pytest.mark.usefixtures("folder")

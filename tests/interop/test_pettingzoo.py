@@ -7,7 +7,7 @@ import cloudpickle
 import numpy as np
 import pettingzoo
 import pytest
-from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, render_test, seed_test
 from pettingzoo.test.state_test import state_test
 from pettingzoo.utils import parallel_to_aec
 
@@ -45,6 +45,7 @@ def test_pettingzoos_own_tests() -> None:
     api_test(parallel_to_aec(coins()), num_cycles=60)
     seed_test(lambda: parallel_to_aec(coins()))
     state_test(parallel_to_aec(coins()), coins())
+    render_test(lambda render_mode=None: parallel_to_aec(coins(render_mode=render_mode)))
 
 
 def test_bundled_games_are_registered() -> None:
@@ -112,6 +113,23 @@ def test_pictures() -> None:
     assert picture.ndim == 3
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 5
     assert coins().render() is None
+
+
+def test_boards_in_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    text = coins(render_mode="ansi")
+    text.reset(seed=0)
+    shown = text.render()
+    assert shown.count("\n") == 16
+    assert "\x1b[" in shown
+    assert capsys.readouterr().out == ""
+    seen = coins(render_mode="human")
+    seen.reset(seed=0)
+    assert capsys.readouterr().out == shown + "\n"
+    seen.step(actions_of(seen, 0))
+    assert capsys.readouterr().out.count("\n") == 17
+    assert seen.render() is None
+    with pytest.raises(ValueError, match="render_mode is None, human, ansi, rgb_array, not 'video'"):
+        coins(render_mode="video")
 
 
 def test_calls_before_reset_are_refused() -> None:
