@@ -51,6 +51,7 @@ fuzz: .venv/ready
 # Writes the tables and plots of docs/performance.md again; they are worth something on a machine with nothing else to do.
 bench: .venv/ready
 	$(BENCH) $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json --plots docs/plots $(PAGE)
+	$(BENCH) $(NINE) --training mlp --repeats 3 $(PAGE)
 	$(BENCH) coins clean_up harvest_open --training mlp,cnn --repeats 3 $(PAGE)
 	$(BENCH) harvest_open --sweep regrow_3 --values 64 $(PAGE)
 	$(BENCH) pd_arena --sweep payoff --values 64 $(PAGE)

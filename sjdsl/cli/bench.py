@@ -86,7 +86,7 @@ def command(
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
     if not tasks:
         raise click.ClickException("; ".join(refused))
-    section = section_name(f"sweep {tasks[0].name} {sweep}" if sweep else "training" if networks else "speed")
+    section = section_name(f"sweep {tasks[0].name} {sweep}" if sweep else f"training {','.join(networks)}" if networks else "speed")
     if page:
         require_marks(Path(page), section)
     with telling() as tell:
