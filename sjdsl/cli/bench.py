@@ -77,12 +77,7 @@ def command(
     compilation_cache.reset_cache()  # JAX decides at the first program of a process, which may be made by an import
     seen = tuple(dict.fromkeys(word for words in observations for word in words)) or ("tokens",)
     numbers = envs or (SWEPT if sweep else TRAINED if networks else RACED)
-    if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):
-        raise click.UsageError("a sweep is of one game, one observation, one number of agents and of environments, without plots", context)
-    if networks and sweep:
-        raise click.UsageError("--sweep and --training are measured one at a time", context)
-    if networks and (seen != ("tokens",) or len(numbers) > 1 or plots):
-        raise click.UsageError("training is measured with tokens, at one number of environments, without plots", context)
+    _refuse_mixtures(context, games, seen, agents, numbers, sweep, networks, plots)
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
     if not tasks:
         raise click.ClickException("; ".join(refused))
@@ -105,6 +100,25 @@ def command(
     if page:
         said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
         write_page(Path(page), section, said, found.machine, notes, tables, pictures)
+
+
+def _refuse_mixtures(
+    context: click.Context,
+    games: tuple[str, ...],
+    seen: tuple[str, ...],
+    agents: tuple[int | None, ...],
+    numbers: tuple[int, ...],
+    sweep: str | None,
+    networks: tuple[Any, ...],
+    plots: str | None,
+) -> None:
+    """Raises UsageError for options that are not measured together."""
+    if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):
+        raise click.UsageError("a sweep is of one game, one observation, one number of agents and of environments, without plots", context)
+    if networks and sweep:
+        raise click.UsageError("--sweep and --training are measured one at a time", context)
+    if networks and (seen != ("tokens",) or len(numbers) > 1 or plots):
+        raise click.UsageError("training is measured with tokens, at one number of environments, without plots", context)
 
 
 def _swept(task: "Task", param: str, number: int) -> "list[Any]":

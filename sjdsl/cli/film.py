@@ -1,11 +1,13 @@
 """Films of episodes, as commands write them."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
+    from sjdsl.render import Snapshot
     from sjdsl.runtime.env import Environment
 
 SPEED = 8.0  # frames a second
@@ -24,10 +26,17 @@ def check_film(path: Path) -> None:
 
 def save_film(env: "Environment", policy: Any, path: Path, steps: int, seed: int, every: int = 1, speed: float = SPEED) -> str:
     """Plays, draws and writes a film; returns what there is to say about it."""
-    from sjdsl.render import make_painter, play, save_gif, save_mp4
+    from sjdsl.render import play
+
+    return write_film(env, play(env, policy, steps, seed, every), path, speed)
+
+
+def write_film(env: "Environment", shots: Iterable["Snapshot"], path: Path, speed: float = SPEED) -> str:
+    """Draws and writes a film of some moments; returns what there is to say about it."""
+    from sjdsl.render import make_painter, save_gif, save_mp4
 
     painter = make_painter(env)
-    frames = [painter.draw(shot) for shot in play(env, policy, steps, seed, every)]
+    frames = [painter.draw(shot) for shot in shots]
     path.parent.mkdir(parents=True, exist_ok=True)
     save = save_mp4 if path.suffix == ".mp4" else save_gif
     save(frames, path, round(1000 / speed))

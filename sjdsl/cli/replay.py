@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.environment import make_environment
-from sjdsl.cli.film import SPEED, check_film
+from sjdsl.cli.film import SPEED, check_film, write_film
 from sjdsl.cli.play import make_show
 
 
@@ -29,14 +29,7 @@ def command(file: str, output: str | None, speed: float) -> int:
             for moment in moments:
                 show(moment, "")
             return 0
-        from sjdsl.render import make_painter, save_gif, save_mp4
-
-        painter, path = make_painter(env), Path(output)
-        frames = [painter.draw(moment.snapshot) for moment in moments]
+        click.echo(write_film(env, (moment.snapshot for moment in moments), Path(output), speed))
     except RecordingError as error:
         raise click.ClickException(str(error)) from None
-    path.parent.mkdir(parents=True, exist_ok=True)
-    save = save_mp4 if path.suffix == ".mp4" else save_gif
-    save(frames, path, round(1000 / speed))
-    click.echo(f"{path}  {len(frames)} frames")
     return 0

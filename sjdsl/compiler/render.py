@@ -22,8 +22,9 @@ FORBIDDING = (
 
 
 @cache
-def _template() -> jinja2.Template:
-    text = files("sjdsl.compiler").joinpath("templates/module.py.j2").read_text(encoding="utf-8")
+def template(name: str) -> jinja2.Template:
+    """Returns one of the templates of generated files."""
+    text = files("sjdsl.compiler").joinpath(f"templates/{name}").read_text(encoding="utf-8")
     environment = jinja2.Environment(
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -54,7 +55,7 @@ def render(program: Program, game: ir.Game) -> str:
     turns = next(value for name, value in program.facts if name == "SCHEDULE").split(", ")
     marks = [a.name for a in program.state if a.name.startswith("mark_")]
     cleared = [f"state = state.replace({', '.join(f'{m}=jnp.zeros_like(state.{m})' for m in marks)})"] if marks else []
-    return _template().render(
+    return template("module.py.j2").render(
         program=program,
         headline=f"{_escaped(program.title or program.name)}: State, Params, reset, one function a phase, step, observe.",
         version=__version__,

@@ -4,10 +4,9 @@ import ast
 from functools import cache
 from importlib.resources import files
 
-import jinja2
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.identifiers import param_attribute
+from sjdsl.compiler.render import template
 
 RUNTIME = "sjdsl.runtime"
 ALWAYS = ("draws", "planes", "resetting", "tokens")  # what the environment at the end of the file calls
@@ -23,7 +22,7 @@ def standalone(text: str, game: ir.Game) -> str:
     """
     lines, called = _without_kernels(text)
     docstring, rest = _split_docstring(lines)
-    return _template().render(
+    return template("standalone.py.j2").render(
         docstring=docstring,
         kernels=[(name, _kernel(name)) for name in _in_order((*called, *ALWAYS))],
         names=[(module, name) for module, names in called.items() for name in names],
@@ -31,15 +30,6 @@ def standalone(text: str, game: ir.Game) -> str:
         events=_events(game),
         window=(game.window.ahead + 1 + game.window.behind, game.window.left + 1 + game.window.right),
     )
-
-
-@cache
-def _template() -> jinja2.Template:
-    text = files("sjdsl.compiler").joinpath("templates/standalone.py.j2").read_text(encoding="utf-8")
-    environment = jinja2.Environment(
-        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False
-    )
-    return environment.from_string(text)
 
 
 def _without_kernels(text: str) -> tuple[list[str], dict[str, list[str]]]:

@@ -170,8 +170,3 @@ def _state(game: Any, done: Array) -> GameState:
 def _game(state: GameState) -> Any:
     """Returns the game's state at the step that JaxMARL's state says, which its users may set."""
     return state.game.replace(step=jnp.asarray(state.step).astype(state.game.step.dtype))
-
-
-def make_env(game: str, **arguments: Any) -> JaxMARLGame:
-    """Returns `JaxMARLGame(game, …)`."""
-    return JaxMARLGame(game, **arguments)

@@ -104,12 +104,12 @@ class Slots:
         return {int(slot): observations[slot] for slot in np.nonzero(np.repeat(ended, self.num_agents))[0]}
 
     def _reset(self, key: Any) -> tuple[Any, Any, Any]:
-        key, *keys = jax.random.split(key, self.num_envs + 1)
-        return key, *jax.vmap(self.env.reset)(jnp.stack(keys))
+        key, resets = jax.random.split(key)
+        return key, *jax.vmap(self.env.reset)(jax.random.split(resets, self.num_envs))
 
     def _step(self, key: Any, state: Any, actions: Any) -> tuple[Any, Any, Any, Any, Any]:
-        key, *keys = jax.random.split(key, self.num_envs + 1)
-        observation, state, reward, _, info = jax.vmap(self.env.step)(jnp.stack(keys), state, actions)
+        key, steps = jax.random.split(key)
+        observation, state, reward, _, info = jax.vmap(self.env.step)(jax.random.split(steps, self.num_envs), state, actions)
         if self._common_reward:
             reward = jnp.broadcast_to(reward.sum(axis=-1, keepdims=True), reward.shape)
         shape = (self.num_envs, self.num_agents)

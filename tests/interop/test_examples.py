@@ -10,10 +10,9 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_it_runs(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_it_runs(path: Path) -> None:
     result = runpy.run_path(str(path))["main"]()
     assert math.isfinite(result)
-    assert capsys.readouterr().out.strip()
 
 
 def test_every_adapter_has_one() -> None:

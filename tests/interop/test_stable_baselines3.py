@@ -43,17 +43,18 @@ def test_a_seed_holds_for_one_reset() -> None:
     assert not np.array_equal(starts[0], np.concatenate([env.step(actions_of(env, step))[0] for step in range(3 * LENGTH)]))
 
 
-def test_ppo_learns_to_take_coins() -> None:
-    """A few thousand steps, as in the example; the returns that its own monitor sees are those of the game."""
-    env = VecMonitor(VecGame("coins", 4, common_reward=True, params={"length": 50, "spawn": 0.05}))
-    model = PPO("MlpPolicy", env, n_steps=64, batch_size=128, n_epochs=4, learning_rate=1e-3, seed=0)
-    model.learn(64 * 8 * 2)
+def test_ppo_learns_to_eat() -> None:
+    """Apples that come back fast: of four seeds each came to 1.6 to 7 times its first returns. Returns are counted by its own monitor."""
+    plenty = {"length": 50, "regrow_1": 0.2, "regrow_2": 0.2, "regrow_3": 0.2}
+    env = VecMonitor(VecGame("harvest_open", 2, params=plenty))
+    model = PPO("MlpPolicy", env, n_steps=50, batch_size=140, n_epochs=6, learning_rate=1e-3, seed=1)
+    model.learn(50 * 14 * 2)
     early = np.mean([episode["r"] for episode in model.ep_info_buffer])
-    model.learn(64 * 8 * 12, reset_num_timesteps=False)
+    model.learn(50 * 14 * 14, reset_num_timesteps=False)
     assert all(episode["l"] == 50 for episode in model.ep_info_buffer)
-    late = np.mean([episode["r"] for episode in list(model.ep_info_buffer)[-32:]])
-    assert late > early
-    assert model.predict(env.reset(), deterministic=True)[0].shape == (8,)
+    late = np.mean([episode["r"] for episode in list(model.ep_info_buffer)[-28:]])
+    assert late > 1.3 * early
+    assert model.predict(env.reset(), deterministic=True)[0].shape == (14,)
 
 
 def test_what_slots_do_not_have() -> None:
