@@ -3,9 +3,9 @@ game allelopathic_harvest "Allelopathic Harvest" {
   cite "Koester et al. 2020; Agapiou et al. 2022"
   about summary "Berries of three colours ripen, each the faster the more bushes of its colour there are. A field of one colour feeds"
                 "everybody best; but half of the players like red and half like green, and who replants does not eat meanwhile."
-  about paradigm "commons"      # ours: replanting costs the planter and serves all
-  about long_term_impact "yes"  # ours: what is planted now ripens much later
-  about multi_task "yes"  about difficulty "not measured"  # ours: planting, eating, sanctioning; nobody has trained it yet
+  about our_paradigm "commons"      # ours: replanting costs the planter and serves all
+  about our_long_term_impact "yes"  # ours: what is planted now ripens much later
+  about our_multi_task "yes"        # ours: planting, eating, sanctioning
 
   size players : count = 16 in 2 .. 64                   # Melting Pot
   size strikes : count = 2                               # Melting Pot: hits within `recovery` that send away

@@ -3,8 +3,8 @@ game chicken "Chicken in the matrix: Arena" extends "pd_arena.sj" {
   cite "Agapiou et al. 2022"
   about summary "Players gather two resources, dove and hawk, and meet by beam: a game of chicken is played with the mixture each"
                 "carries. A hawk takes most from a dove, but two hawks get nothing: one does best not to be what the others are."
-  about paradigm "chicken"         # Melting Pot
-  about difficulty "not measured"  # ours: nobody has trained it yet
+  drop paradigm  drop long_term_impact  drop multi_task  drop difficulty  drop our_difficulty  # those of the other payoff
+  about our_paradigm "chicken"  # Melting Pot
 
   param payoff : reward = { dove: { dove: 3, hawk: 2 }, hawk: { dove: 5, hawk: 0 } }  # Melting Pot
   kind patch "C" {  # on the arena's map `C` is a dove, `D` a hawk

@@ -3,9 +3,9 @@ game predator_prey "Predator and Prey: Open" {
   cite "Agapiou et al. 2022"
   about summary "Prey gather apples and acorns, predators eat prey. Prey that stand together are safe if there are more of them than"
                 "predators around; but who strays alone finds more food. Tall grass keeps predators out."
-  about paradigm "stag hunt"                               # ours: safety needs company, food tempts away from it
-  about long_term_impact "no"                              # ours: the field grows back, whatever was done
-  about multi_task "yes"  about difficulty "not measured"  # ours: gathering and guarding; nobody has trained it yet
+  about our_paradigm "stag hunt"   # ours: safety needs company, food tempts away from it
+  about our_long_term_impact "no"  # ours: the field grows back, whatever was done
+  about our_multi_task "yes"       # ours: gathering and guarding
 
   size  players : count       = 13 in 2 .. 34  # Melting Pot
   size  hunters : count       = 3 in 1 .. 33   # Melting Pot: the first agents are predators

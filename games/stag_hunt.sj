@@ -3,8 +3,8 @@ game stag_hunt "Stag Hunt in the matrix: Arena" extends "pd_arena.sj" {
   cite "Agapiou et al. 2022"
   about summary "Players gather two resources, stag and hare, and meet by beam: a stag hunt is played with the mixture each carries."
                 "Two who hunt stag earn most, but who hunts stag alone earns nothing; hare pays a little, whoever one meets."
-  about paradigm "stag hunt"       # Melting Pot
-  about difficulty "not measured"  # ours: nobody has trained it yet
+  drop paradigm  drop long_term_impact  drop multi_task  drop difficulty  drop our_difficulty  # those of the other payoff
+  about our_paradigm "stag hunt"  # Melting Pot
 
   param payoff : reward = { stag: { stag: 4, hare: 0 }, hare: { stag: 2, hare: 2 } }  # Melting Pot
   kind patch "C" {  # on the arena's map `C` is a stag, `D` a hare

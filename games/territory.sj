@@ -3,9 +3,9 @@ game territory "Territory: Rooms" {
   cite "Agapiou et al. 2022"
   about summary "Everybody begins in a room of precious bricks: who touches one or paints it owns it, and later it pays. A zap"
                 "breaks walls for ever and throws players out: a plain partition can be kept, or fought over until nothing is left."
-  about paradigm "commons"      # ours: a partition without force is best for all, a raid pays the raider
-  about long_term_impact "yes"  # ours: what is broken never pays again
-  about multi_task "yes"  about difficulty "not measured"  # ours: claiming, guarding, raiding; nobody has trained it yet
+  about our_paradigm "commons"      # ours: a partition without force is best for all, a raid pays the raider
+  about our_long_term_impact "yes"  # ours: what is broken never pays again
+  about our_multi_task "yes"        # ours: claiming, guarding, raiding
 
   size players : count = 9 in 2 .. 9           # Melting Pot: one for each room
   size strikes : count = 2                     # Melting Pot: hits that break a brick, or throw a player out

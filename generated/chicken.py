@@ -168,78 +168,78 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
-    sent = jnp.full(4, True)  # pd_arena.sj:41
-    position, placed = place(CELLS_GATE, jnp.full(64, True), words(key, 0xa452ab5d, 4), state.position, sent)  # pd_arena.sj:41
-    heading = jnp.where(placed, below(words(key, 0xcb7943f8, 4), 4), state.heading)  # pd_arena.sj:41
+    sent = jnp.full(4, True)  # pd_arena.sj:42
+    position, placed = place(CELLS_GATE, jnp.full(64, True), words(key, 0xa452ab5d, 4), state.position, sent)  # pd_arena.sj:42
+    heading = jnp.where(placed, below(words(key, 0xcb7943f8, 4), 4), state.heading)  # pd_arena.sj:42
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `grow`."""
-    patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:45
-    covered = occupied(patch_under, 12)  # pd_arena.sj:45
-    happens = (words(key, 0x57b54aff, 12) >> 1) < threshold(params.regrow)  # pd_arena.sj:45
-    patch_stock = jnp.where(((state.patch_stock == 0) & ~covered) & happens, 1, state.patch_stock)  # pd_arena.sj:45
+    patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:46
+    covered = occupied(patch_under, 12)  # pd_arena.sj:46
+    happens = (words(key, 0x57b54aff, 12) >> 1) < threshold(params.regrow)  # pd_arena.sj:46
+    patch_stock = jnp.where(((state.patch_stock == 0) & ~covered) & happens, 1, state.patch_stock)  # pd_arena.sj:46
     return state.replace(patch_stock=patch_stock), out
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one; agents whose time away is over return."""
-    agent_resting = state.agent_resting - (state.agent_resting > 0).astype(state.agent_resting.dtype)  # pd_arena.sj:35
+    agent_resting = state.agent_resting - (state.agent_resting > 0).astype(state.agent_resting.dtype)  # pd_arena.sj:36
     return state.replace(agent_resting=agent_resting), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `walk`."""
-    heading = (state.heading + TURN[actions]) & 3  # pd_arena.sj:46
-    stride = STEP_BY[actions]  # pd_arena.sj:46
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # pd_arena.sj:46
-    position = resolve(state.position, target, words(key, 0xbcc46097, 4))  # pd_arena.sj:46
+    heading = (state.heading + TURN[actions]) & 3  # pd_arena.sj:47
+    stride = STEP_BY[actions]  # pd_arena.sj:47
+    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # pd_arena.sj:47
+    position = resolve(state.position, target, words(key, 0xbcc46097, 4))  # pd_arena.sj:47
     return state.replace(heading=heading, position=position), out
 
 
 def collect(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `collect`."""
-    patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:48
-    active = (patch_under < 12) & (state.patch_stock[patch_under] == 1)  # pd_arena.sj:48
-    patch_stock = state.patch_stock.at[jnp.where(active, patch_under, 12)].set(0, mode="drop")  # pd_arena.sj:49
-    agent_bag_added = jnp.where(state.patch_class[patch_under][..., None] == jnp.arange(2, dtype=jnp.uint8)[None, :], (jnp.where(active, jnp.int32(1), jnp.int32(0)))[..., None], jnp.int32(0))  # pd_arena.sj:50
-    event_collected = out.event_collected + (jnp.where(active[:, None] & (state.patch_class[patch_under][:, None] == jnp.arange(2, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # pd_arena.sj:50
+    patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:49
+    active = (patch_under < 12) & (state.patch_stock[patch_under] == 1)  # pd_arena.sj:49
+    patch_stock = state.patch_stock.at[jnp.where(active, patch_under, 12)].set(0, mode="drop")  # pd_arena.sj:50
+    agent_bag_added = jnp.where(state.patch_class[patch_under][..., None] == jnp.arange(2, dtype=jnp.uint8)[None, :], (jnp.where(active, jnp.int32(1), jnp.int32(0)))[..., None], jnp.int32(0))  # pd_arena.sj:51
+    event_collected = out.event_collected + (jnp.where(active[:, None] & (state.patch_class[patch_under][:, None] == jnp.arange(2, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # pd_arena.sj:51
     agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 100)).astype(jnp.uint8)
     return state.replace(patch_stock=patch_stock, agent_bag=agent_bag), out.replace(event_collected=event_collected)
 
 
 def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `meet`."""
-    reach_cells = state.position[:, None] + REACH_OFFSETS[state.heading]  # pd_arena.sj:54
-    marked = (jnp.where(((actions == 7)[:, None]) & INSIDE[reach_cells], reach_cells, 0)).reshape(-1)  # pd_arena.sj:54
-    in_reach = jnp.any(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:55
-    order = ranks(words(key, 0x9bef4160, 4, 4), (in_reach & ((((actions == 7) & (((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0) & (state.agent_resting.astype(jnp.int32) == 0)))[:, None]) & ((((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0) & (state.agent_resting.astype(jnp.int32) == 0))[None, :]))) & ~jnp.eye(4, dtype=bool))  # pd_arena.sj:55
-    column = pair(order, alike=True)  # pd_arena.sj:55
-    matched = column < 4  # pd_arena.sj:55
-    reward = out.reward + (jnp.where(matched, jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * jnp.sum((mix(state.agent_bag.astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32), 0.0))  # pd_arena.sj:56
-    reward = reward + (jnp.sum(jnp.where(matched[:, None] & (column[:, None] == jnp.arange(4, dtype=jnp.int32)[None, :]), ((jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * jnp.sum((mix(state.agent_bag[column].astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32))[:, None]), 0.0), axis=0, dtype=jnp.float32))  # pd_arena.sj:57
-    one = jnp.stack([jnp.broadcast_to(jnp.arange(4, dtype=jnp.int32), (4,)), jnp.broadcast_to(column, (4,))], axis=1)  # pd_arena.sj:58
-    active = matched[:, None] & (~((((jnp.arange(2) == 1))[None, :]) & ((column == jnp.arange(4, dtype=jnp.int32))[:, None])))  # pd_arena.sj:58
-    rest = (below(words_at(key, 0x048272b2, (((jnp.arange(4, dtype=jnp.int32) * 4)[:, None]) + one).astype(jnp.uint32)), (params.rest_hi - params.rest_lo) + 1)) + params.rest_lo  # pd_arena.sj:59
-    agent_resting = state.agent_resting.at[jnp.where(active, one, 4)].set(rest.astype(jnp.uint8), mode="drop")  # pd_arena.sj:60
-    agent_bag = state.agent_bag.at[jnp.where(active, one, 4)].set(0, mode="drop")  # pd_arena.sj:60
-    sent = jnp.zeros(4, bool).at[jnp.where(active, one, 4)].set(True, mode="drop")  # pd_arena.sj:60
-    times = jnp.sum(active[:, :, None] & (one[:, :, None] == jnp.arange(4, dtype=jnp.int32)[None, None, :]), axis=(0, 1), dtype=jnp.int32)  # pd_arena.sj:60
-    event_met = out.event_met + times  # pd_arena.sj:60
-    gate_under = SITE_OF_GATE[state.position]  # pd_arena.sj:60
-    others = jnp.where(sent, 64, gate_under)  # pd_arena.sj:60
-    free = ~occupied(others, 64)  # pd_arena.sj:60
-    position, placed = place(CELLS_GATE, free, words(key, 0xc3ad4b03, 4), state.position, sent)  # pd_arena.sj:60
-    heading = jnp.where(placed, below(words(key, 0xc2abf391, 4), 4), state.heading)  # pd_arena.sj:60
+    reach_cells = state.position[:, None] + REACH_OFFSETS[state.heading]  # pd_arena.sj:55
+    marked = (jnp.where(((actions == 7)[:, None]) & INSIDE[reach_cells], reach_cells, 0)).reshape(-1)  # pd_arena.sj:55
+    in_reach = jnp.any(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
+    order = ranks(words(key, 0x9bef4160, 4, 4), (in_reach & ((((actions == 7) & (((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0) & (state.agent_resting.astype(jnp.int32) == 0)))[:, None]) & ((((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0) & (state.agent_resting.astype(jnp.int32) == 0))[None, :]))) & ~jnp.eye(4, dtype=bool))  # pd_arena.sj:56
+    column = pair(order, alike=True)  # pd_arena.sj:56
+    matched = column < 4  # pd_arena.sj:56
+    reward = out.reward + (jnp.where(matched, jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * jnp.sum((mix(state.agent_bag.astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32), 0.0))  # pd_arena.sj:57
+    reward = reward + (jnp.sum(jnp.where(matched[:, None] & (column[:, None] == jnp.arange(4, dtype=jnp.int32)[None, :]), ((jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * jnp.sum((mix(state.agent_bag[column].astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32))[:, None]), 0.0), axis=0, dtype=jnp.float32))  # pd_arena.sj:58
+    one = jnp.stack([jnp.broadcast_to(jnp.arange(4, dtype=jnp.int32), (4,)), jnp.broadcast_to(column, (4,))], axis=1)  # pd_arena.sj:59
+    active = matched[:, None] & (~((((jnp.arange(2) == 1))[None, :]) & ((column == jnp.arange(4, dtype=jnp.int32))[:, None])))  # pd_arena.sj:59
+    rest = (below(words_at(key, 0x048272b2, (((jnp.arange(4, dtype=jnp.int32) * 4)[:, None]) + one).astype(jnp.uint32)), (params.rest_hi - params.rest_lo) + 1)) + params.rest_lo  # pd_arena.sj:60
+    agent_resting = state.agent_resting.at[jnp.where(active, one, 4)].set(rest.astype(jnp.uint8), mode="drop")  # pd_arena.sj:61
+    agent_bag = state.agent_bag.at[jnp.where(active, one, 4)].set(0, mode="drop")  # pd_arena.sj:61
+    sent = jnp.zeros(4, bool).at[jnp.where(active, one, 4)].set(True, mode="drop")  # pd_arena.sj:61
+    times = jnp.sum(active[:, :, None] & (one[:, :, None] == jnp.arange(4, dtype=jnp.int32)[None, None, :]), axis=(0, 1), dtype=jnp.int32)  # pd_arena.sj:61
+    event_met = out.event_met + times  # pd_arena.sj:61
+    gate_under = SITE_OF_GATE[state.position]  # pd_arena.sj:61
+    others = jnp.where(sent, 64, gate_under)  # pd_arena.sj:61
+    free = ~occupied(others, 64)  # pd_arena.sj:61
+    position, placed = place(CELLS_GATE, free, words(key, 0xc3ad4b03, 4), state.position, sent)  # pd_arena.sj:61
+    heading = jnp.where(placed, below(words(key, 0xc2abf391, 4), 4), state.heading)  # pd_arena.sj:61
     return state.replace(agent_resting=agent_resting, agent_bag=agent_bag, position=position, heading=heading, mark_meet=marked), out.replace(reward=reward, event_met=event_met)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
     allowed = jnp.ones((4, 8), bool)
-    forbidden = state.agent_resting.astype(jnp.int32) > 0  # pd_arena.sj:35
-    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # pd_arena.sj:35
+    forbidden = state.agent_resting.astype(jnp.int32) > 0  # pd_arena.sj:36
+    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # pd_arena.sj:36
     return allowed
 
 
@@ -250,18 +250,18 @@ def measures(state: State, params: Params) -> dict[str, Array]:
 
 def episode_length(params: Params) -> Array:
     """Returns the steps until truncation: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # pd_arena.sj:20
+    return jnp.asarray(params.length, jnp.int32)  # pd_arena.sj:21
 
 
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
     plane_0 = fill(plane_0, CELLS_PATCH, ((state.patch_class) * 2 + state.patch_stock + 3))  # chicken.sj:10
-    plane_0 = paint(plane_0, state.mark_meet, 64)  # pd_arena.sj:53
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # pd_arena.sj:31
-    seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:66
-    agent = (seen_0 >> 3) & 7  # pd_arena.sj:66
-    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:67
-    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:67
-    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, jnp.uint8(0), jnp.uint8(1))).astype(jnp.uint8)  # pd_arena.sj:67
+    plane_0 = paint(plane_0, state.mark_meet, 64)  # pd_arena.sj:54
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # pd_arena.sj:32
+    seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:67
+    agent = (seen_0 >> 3) & 7  # pd_arena.sj:67
+    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:68
+    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:68
+    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, jnp.uint8(0), jnp.uint8(1))).astype(jnp.uint8)  # pd_arena.sj:68
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (4, 121)), jnp.broadcast_to(shown_bag_2[:, None], (4, 121)), jnp.broadcast_to(shown_resting[:, None], (4, 121)))

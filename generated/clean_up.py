@@ -165,30 +165,30 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
-    sent = jnp.full(7, True)  # clean_up.sj:41
-    position, placed = place(CELLS_GATE, jnp.full(19, True), words(key, 0xa452ab5d, 7), state.position, sent)  # clean_up.sj:41
-    heading = jnp.where(placed, below(words(key, 0xcb7943f8, 7), 4), state.heading)  # clean_up.sj:41
+    sent = jnp.full(7, True)  # clean_up.sj:42
+    position, placed = place(CELLS_GATE, jnp.full(19, True), words(key, 0xa452ab5d, 7), state.position, sent)  # clean_up.sj:42
+    heading = jnp.where(placed, below(words(key, 0xcb7943f8, 7), 4), state.heading)  # clean_up.sj:42
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `grow`."""
-    orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:46
-    covered = occupied(orchard_under, 122)  # clean_up.sj:46
-    num_water = jnp.sum(state.water_state == 1, dtype=jnp.int32)  # clean_up.sj:46
-    dirt = num_water.astype(jnp.float32) / 167.0  # clean_up.sj:46
-    growth = params.best_rate * ramp(dirt, params.spoiled_at, params.perfect_at)  # clean_up.sj:46
-    happens = (words(key, 0x3679110a, 122) >> 1) < threshold(growth)  # clean_up.sj:46
-    orchard_fruit = jnp.where(((state.orchard_fruit == 0) & ~covered) & happens, 1, state.orchard_fruit)  # clean_up.sj:46
+    orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:47
+    covered = occupied(orchard_under, 122)  # clean_up.sj:47
+    num_water = jnp.sum(state.water_state == 1, dtype=jnp.int32)  # clean_up.sj:47
+    dirt = num_water.astype(jnp.float32) / 167.0  # clean_up.sj:47
+    growth = params.best_rate * ramp(dirt, params.spoiled_at, params.perfect_at)  # clean_up.sj:47
+    happens = (words(key, 0x3679110a, 122) >> 1) < threshold(growth)  # clean_up.sj:47
+    orchard_fruit = jnp.where(((state.orchard_fruit == 0) & ~covered) & happens, 1, state.orchard_fruit)  # clean_up.sj:47
     return state.replace(orchard_fruit=orchard_fruit), out
 
 
 def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `pollute`."""
-    happens = (words(key, 0x259c5149) >> 1) < threshold(params.pollution)  # clean_up.sj:50
-    active = (state.step >= params.grace) & happens  # clean_up.sj:50
-    water, found = pick(state.water_state == 0, words(key, 0xa026049f, 1)[0])  # clean_up.sj:50
-    water_state = state.water_state.at[jnp.where(active & found, water, 147)].set(1, mode="drop")  # clean_up.sj:50
+    happens = (words(key, 0x259c5149) >> 1) < threshold(params.pollution)  # clean_up.sj:51
+    active = (state.step >= params.grace) & happens  # clean_up.sj:51
+    water, found = pick(state.water_state == 0, words(key, 0xa026049f, 1)[0])  # clean_up.sj:51
+    water_state = state.water_state.at[jnp.where(active & found, water, 147)].set(1, mode="drop")  # clean_up.sj:51
     return state.replace(water_state=water_state), out
 
 
@@ -199,51 +199,51 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `walk`."""
-    heading = (state.heading + TURN[actions]) & 3  # clean_up.sj:53
-    stride = STEP_BY[actions]  # clean_up.sj:53
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # clean_up.sj:53
-    position = resolve(state.position, target, words(key, 0xbcc46097, 7))  # clean_up.sj:53
+    heading = (state.heading + TURN[actions]) & 3  # clean_up.sj:54
+    stride = STEP_BY[actions]  # clean_up.sj:54
+    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # clean_up.sj:54
+    position = resolve(state.position, target, words(key, 0xbcc46097, 7))  # clean_up.sj:54
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `eat`."""
-    orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:55
-    active = (orchard_under < 122) & (state.orchard_fruit[orchard_under] == 1)  # clean_up.sj:55
-    orchard_fruit = state.orchard_fruit.at[jnp.where(active, orchard_under, 122)].set(0, mode="drop")  # clean_up.sj:55
-    reward = out.reward + jnp.where(active, params.apple, 0.0)  # clean_up.sj:55
-    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # clean_up.sj:55
+    orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:56
+    active = (orchard_under < 122) & (state.orchard_fruit[orchard_under] == 1)  # clean_up.sj:56
+    orchard_fruit = state.orchard_fruit.at[jnp.where(active, orchard_under, 122)].set(0, mode="drop")  # clean_up.sj:56
+    reward = out.reward + jnp.where(active, params.apple, 0.0)  # clean_up.sj:56
+    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # clean_up.sj:56
     return state.replace(orchard_fruit=orchard_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
 def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `scrub`."""
-    active = actions == 8  # clean_up.sj:58
-    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:59
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:59
-    beam_water = SITE_OF_WATER[beam_cells]  # clean_up.sj:60
-    active_2 = (active[:, None] & (beam_water < 147)) & (state.water_state[beam_water] == 1)  # clean_up.sj:60
-    water_state = state.water_state.at[jnp.where(active_2, beam_water, 147)].set(0, mode="drop")  # clean_up.sj:60
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:60
-    event_cleaned = out.event_cleaned + times  # clean_up.sj:60
+    active = actions == 8  # clean_up.sj:59
+    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:60
+    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:60
+    beam_water = SITE_OF_WATER[beam_cells]  # clean_up.sj:61
+    active_2 = (active[:, None] & (beam_water < 147)) & (state.water_state[beam_water] == 1)  # clean_up.sj:61
+    water_state = state.water_state.at[jnp.where(active_2, beam_water, 147)].set(0, mode="drop")  # clean_up.sj:61
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:61
+    event_cleaned = out.event_cleaned + times  # clean_up.sj:61
     return state.replace(water_state=water_state, mark_scrub=marked), out.replace(event_cleaned=event_cleaned)
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `fire`."""
-    active = actions == 7  # clean_up.sj:64
-    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:65
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:65
-    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:66
-    active_2 = active[:, None] & in_beam  # clean_up.sj:66
-    sent = jnp.any(active_2, axis=0)  # clean_up.sj:66
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:66
-    event_hits = out.event_hits + times  # clean_up.sj:66
-    gate_under = SITE_OF_GATE[state.position]  # clean_up.sj:66
-    others = jnp.where(sent, 19, gate_under)  # clean_up.sj:66
-    free = ~occupied(others, 19)  # clean_up.sj:66
-    position, placed = place(CELLS_GATE, free, words(key, 0x586408f2, 7), state.position, sent)  # clean_up.sj:66
-    heading = jnp.where(placed, below(words(key, 0xba266f0d, 7), 4), state.heading)  # clean_up.sj:66
+    active = actions == 7  # clean_up.sj:65
+    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:66
+    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:66
+    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:67
+    active_2 = active[:, None] & in_beam  # clean_up.sj:67
+    sent = jnp.any(active_2, axis=0)  # clean_up.sj:67
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:67
+    event_hits = out.event_hits + times  # clean_up.sj:67
+    gate_under = SITE_OF_GATE[state.position]  # clean_up.sj:67
+    others = jnp.where(sent, 19, gate_under)  # clean_up.sj:67
+    free = ~occupied(others, 19)  # clean_up.sj:67
+    position, placed = place(CELLS_GATE, free, words(key, 0x586408f2, 7), state.position, sent)  # clean_up.sj:67
+    heading = jnp.where(placed, below(words(key, 0xba266f0d, 7), 4), state.heading)  # clean_up.sj:67
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
@@ -255,25 +255,25 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_water = jnp.sum(state.water_state == 0, dtype=jnp.int32)  # clean_up.sj:71
+    num_water = jnp.sum(state.water_state == 0, dtype=jnp.int32)  # clean_up.sj:72
     return {'clean_water': num_water.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
     """Returns the steps until truncation: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # clean_up.sj:20
+    return jnp.asarray(params.length, jnp.int32)  # clean_up.sj:21
 
 
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_WATER, (state.water_state + 2))  # clean_up.sj:24
-    plane_0 = fill(plane_0, CELLS_ORCHARD, (state.orchard_fruit + 5))  # clean_up.sj:26
-    plane_0 = paint(plane_0, state.mark_scrub, 64)  # clean_up.sj:57
-    plane_0 = paint(plane_0, state.mark_fire, 128)  # clean_up.sj:63
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # clean_up.sj:31
-    seen_0 = windows(plane_0.reshape(37, 46), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # clean_up.sj:70
-    raw = seen_0 & 7  # clean_up.sj:70
-    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # clean_up.sj:70
-    agent = (seen_0 >> 3) & 7  # clean_up.sj:70
+    plane_0 = fill(plane_0, CELLS_WATER, (state.water_state + 2))  # clean_up.sj:25
+    plane_0 = fill(plane_0, CELLS_ORCHARD, (state.orchard_fruit + 5))  # clean_up.sj:27
+    plane_0 = paint(plane_0, state.mark_scrub, 64)  # clean_up.sj:58
+    plane_0 = paint(plane_0, state.mark_fire, 128)  # clean_up.sj:64
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # clean_up.sj:32
+    seen_0 = windows(plane_0.reshape(37, 46), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # clean_up.sj:71
+    raw = seen_0 & 7  # clean_up.sj:71
+    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # clean_up.sj:71
+    agent = (seen_0 >> 3) & 7  # clean_up.sj:71
     return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 3)

@@ -137,45 +137,45 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
-    sent = jnp.full(2, True)  # coins.sj:30
-    agent_colour = jnp.where(jnp.arange(2, dtype=jnp.int32) == 1, 1, state.agent_colour)  # coins.sj:31
-    position, placed = place(CELLS_CORNER, jnp.full(2, True), words(key, 0x98bd07c2, 2), state.position, sent)  # coins.sj:30
-    heading = jnp.where(placed, below(words(key, 0x0bf964bf, 2), 4), state.heading)  # coins.sj:30
+    sent = jnp.full(2, True)  # coins.sj:31
+    agent_colour = jnp.where(jnp.arange(2, dtype=jnp.int32) == 1, 1, state.agent_colour)  # coins.sj:32
+    position, placed = place(CELLS_CORNER, jnp.full(2, True), words(key, 0x98bd07c2, 2), state.position, sent)  # coins.sj:31
+    heading = jnp.where(placed, below(words(key, 0x0bf964bf, 2), 4), state.heading)  # coins.sj:31
     return state.replace(agent_colour=agent_colour, position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `grow`."""
-    tile_under = SITE_OF_TILE[state.position]  # coins.sj:38
-    covered = occupied(tile_under, 174)  # coins.sj:38
-    happens = (words(key, 0x4d3a9d5a, 174) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:39
-    active = ((state.tile_coin == 0) & ~covered) & happens  # coins.sj:39
-    colour = below(words(key, 0x79aa7760, 174), 2).astype(jnp.uint8)  # coins.sj:40
-    tile_coin = jnp.where(active, colour + 1, state.tile_coin)  # coins.sj:41
+    tile_under = SITE_OF_TILE[state.position]  # coins.sj:39
+    covered = occupied(tile_under, 174)  # coins.sj:39
+    happens = (words(key, 0x4d3a9d5a, 174) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:40
+    active = ((state.tile_coin == 0) & ~covered) & happens  # coins.sj:40
+    colour = below(words(key, 0x79aa7760, 174), 2).astype(jnp.uint8)  # coins.sj:41
+    tile_coin = jnp.where(active, colour + 1, state.tile_coin)  # coins.sj:42
     return state.replace(tile_coin=tile_coin), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `walk`."""
-    heading = (state.heading + TURN[actions]) & 3  # coins.sj:45
-    stride = STEP_BY[actions]  # coins.sj:45
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # coins.sj:45
-    position = resolve(state.position, target, words(key, 0xbcc46097, 2))  # coins.sj:45
+    heading = (state.heading + TURN[actions]) & 3  # coins.sj:46
+    stride = STEP_BY[actions]  # coins.sj:46
+    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # coins.sj:46
+    position = resolve(state.position, target, words(key, 0xbcc46097, 2))  # coins.sj:46
     return state.replace(heading=heading, position=position), out
 
 
 def take(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `take`."""
-    tile_under = SITE_OF_TILE[state.position]  # coins.sj:47
-    active = (tile_under < 174) & (state.tile_coin[tile_under] != 0)  # coins.sj:47
-    reward = out.reward + jnp.where(active, params.coin, 0.0)  # coins.sj:48
-    tile_coin = state.tile_coin.at[jnp.where(active, tile_under, 174)].set(0, mode="drop")  # coins.sj:49
-    holds = state.tile_coin[tile_under] == (state.agent_colour + 1)  # coins.sj:50
-    event_own_coins = out.event_own_coins + (jnp.where(active & holds, jnp.int32(1), jnp.int32(0)))  # coins.sj:50
-    active_2 = active & ~holds  # coins.sj:50
-    event_other_coins = out.event_other_coins + (jnp.where(active_2, jnp.int32(1), jnp.int32(0)))  # coins.sj:52
-    times = jnp.sum(active_2[:, None] & (state.agent_colour[None, :] == ((jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]])[:, None])), axis=0, dtype=jnp.int32)  # coins.sj:53
-    reward = reward + (times.astype(jnp.float32) * params.harm)  # coins.sj:53
+    tile_under = SITE_OF_TILE[state.position]  # coins.sj:48
+    active = (tile_under < 174) & (state.tile_coin[tile_under] != 0)  # coins.sj:48
+    reward = out.reward + jnp.where(active, params.coin, 0.0)  # coins.sj:49
+    tile_coin = state.tile_coin.at[jnp.where(active, tile_under, 174)].set(0, mode="drop")  # coins.sj:50
+    holds = state.tile_coin[tile_under] == (state.agent_colour + 1)  # coins.sj:51
+    event_own_coins = out.event_own_coins + (jnp.where(active & holds, jnp.int32(1), jnp.int32(0)))  # coins.sj:51
+    active_2 = active & ~holds  # coins.sj:51
+    event_other_coins = out.event_other_coins + (jnp.where(active_2, jnp.int32(1), jnp.int32(0)))  # coins.sj:53
+    times = jnp.sum(active_2[:, None] & (state.agent_colour[None, :] == ((jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]])[:, None])), axis=0, dtype=jnp.int32)  # coins.sj:54
+    reward = reward + (times.astype(jnp.float32) * params.harm)  # coins.sj:54
     return state.replace(tile_coin=tile_coin), out.replace(reward=reward, event_own_coins=event_own_coins, event_other_coins=event_other_coins)
 
 
@@ -192,18 +192,18 @@ def measures(state: State, params: Params) -> dict[str, Array]:
 
 def episode_length(params: Params) -> Array:
     """Returns the steps until truncation: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # coins.sj:16
+    return jnp.asarray(params.length, jnp.int32)  # coins.sj:17
 
 
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 2, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_TILE, (state.tile_coin + 1))  # coins.sj:18
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coins.sj:22
-    seen_0 = windows(plane_0.reshape(34, 29), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coins.sj:59
-    raw = seen_0 & 7  # coins.sj:59
-    is_tile = (raw >= 1) & (raw < 4)  # coins.sj:59
-    tile_coin = (raw - 1)  # coins.sj:59
-    content = jnp.where(is_tile, ((jnp.where(tile_coin == ((state.agent_colour + 1)[:, None]), 0, jnp.where(tile_coin != 0, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8)) + 1, raw)  # coins.sj:59
-    agent = (seen_0 >> 3) & 7  # coins.sj:59
+    plane_0 = fill(plane_0, CELLS_TILE, (state.tile_coin + 1))  # coins.sj:19
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coins.sj:23
+    seen_0 = windows(plane_0.reshape(34, 29), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coins.sj:60
+    raw = seen_0 & 7  # coins.sj:60
+    is_tile = (raw >= 1) & (raw < 4)  # coins.sj:60
+    tile_coin = (raw - 1)  # coins.sj:60
+    content = jnp.where(is_tile, ((jnp.where(tile_coin == ((state.agent_colour + 1)[:, None]), 0, jnp.where(tile_coin != 0, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8)) + 1, raw)  # coins.sj:60
+    agent = (seen_0 >> 3) & 7  # coins.sj:60
     return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8))

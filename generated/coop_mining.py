@@ -171,96 +171,96 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
-    sent = jnp.full(6, True)  # coop_mining.sj:38
-    position, placed = place(CELLS_CAMP, jnp.full(18, True), words(key, 0x85f9092c, 6), state.position, sent)  # coop_mining.sj:38
-    heading = jnp.where(placed, below(words(key, 0xf7e7fa1d, 6), 4), state.heading)  # coop_mining.sj:38
+    sent = jnp.full(6, True)  # coop_mining.sj:39
+    position, placed = place(CELLS_CAMP, jnp.full(18, True), words(key, 0x85f9092c, 6), state.position, sent)  # coop_mining.sj:39
+    heading = jnp.where(placed, below(words(key, 0xf7e7fa1d, 6), 4), state.heading)  # coop_mining.sj:39
     return state.replace(position=position, heading=heading), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `walk`."""
-    heading = (state.heading + TURN[actions]) & 3  # coop_mining.sj:42
-    stride = STEP_BY[actions]  # coop_mining.sj:42
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # coop_mining.sj:42
-    position = resolve(state.position, target, words(key, 0xbcc46097, 6))  # coop_mining.sj:42
+    heading = (state.heading + TURN[actions]) & 3  # coop_mining.sj:43
+    stride = STEP_BY[actions]  # coop_mining.sj:43
+    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # coop_mining.sj:43
+    position = resolve(state.position, target, words(key, 0xbcc46097, 6))  # coop_mining.sj:43
     return state.replace(heading=heading, position=position), out
 
 
 def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `mine`."""
-    active = actions == 7  # coop_mining.sj:44
-    ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # coop_mining.sj:45
-    ray_reached = ((RAY_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(3, dtype=jnp.uint8)[None, :]) & 1) != 0  # coop_mining.sj:45
-    marked = jnp.where(active[:, None] & ray_reached, ray_cells, 0).reshape(-1)  # coop_mining.sj:45
-    ray_rock = SITE_OF_ROCK[ray_cells]  # coop_mining.sj:46
-    ok = ((ray_rock < 538) & ray_reached) & (state.rock_ore[ray_rock] != 0)  # coop_mining.sj:46
-    in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_RAY]  # coop_mining.sj:46
-    nearest = jnp.argmax(in_lane, axis=-1)  # coop_mining.sj:46
-    found = jnp.any(in_lane, axis=-1)  # coop_mining.sj:46
-    place_2 = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # coop_mining.sj:46
-    rock = jnp.take_along_axis(ray_rock, jnp.minimum(place_2, 2), axis=1)  # coop_mining.sj:46
-    rock_miners_joined = jnp.zeros((538,), jnp.uint8).at[jnp.where(active[:, None] & found, rock, 538)].add(((jnp.uint8(1) << jnp.arange(6, dtype=jnp.uint8)))[:, None], mode="drop")  # coop_mining.sj:46
+    active = actions == 7  # coop_mining.sj:45
+    ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # coop_mining.sj:46
+    ray_reached = ((RAY_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(3, dtype=jnp.uint8)[None, :]) & 1) != 0  # coop_mining.sj:46
+    marked = jnp.where(active[:, None] & ray_reached, ray_cells, 0).reshape(-1)  # coop_mining.sj:46
+    ray_rock = SITE_OF_ROCK[ray_cells]  # coop_mining.sj:47
+    ok = ((ray_rock < 538) & ray_reached) & (state.rock_ore[ray_rock] != 0)  # coop_mining.sj:47
+    in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_RAY]  # coop_mining.sj:47
+    nearest = jnp.argmax(in_lane, axis=-1)  # coop_mining.sj:47
+    found = jnp.any(in_lane, axis=-1)  # coop_mining.sj:47
+    place_2 = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # coop_mining.sj:47
+    rock = jnp.take_along_axis(ray_rock, jnp.minimum(place_2, 2), axis=1)  # coop_mining.sj:47
+    rock_miners_joined = jnp.zeros((538,), jnp.uint8).at[jnp.where(active[:, None] & found, rock, 538)].add(((jnp.uint8(1) << jnp.arange(6, dtype=jnp.uint8)))[:, None], mode="drop")  # coop_mining.sj:47
     rock_miners = state.rock_miners | rock_miners_joined
     return state.replace(rock_miners=rock_miners, mark_mine=marked), out
 
 
 def settle(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `settle`."""
-    active = (state.rock_miners != 0) & (state.rock_ore == 1)  # coop_mining.sj:50
-    winner, found = pick_of_sets(jnp.where(active, state.rock_miners, 0), key, lambda key: words(key, 0x23bf2029, 538, 1)[:, 0])  # coop_mining.sj:51
-    winner_2 = winner.astype(jnp.int32)  # coop_mining.sj:51
-    active_2 = active & found  # coop_mining.sj:51
-    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner_2.astype(jnp.uint8), 0), 6)  # coop_mining.sj:51
-    reward = out.reward + (times.astype(jnp.float32) * params.iron_pays)  # coop_mining.sj:51
-    event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:51
-    rock_ore = jnp.where(active, 0, state.rock_ore)  # coop_mining.sj:52
-    rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:53
-    active_3 = (state.rock_miners != 0) & (state.rock_ore != 1)  # coop_mining.sj:55
-    num_agent = size_of_set(state.rock_miners)  # coop_mining.sj:56
-    holds = (num_agent < params.fewest) & (state.rock_ore == 2)  # coop_mining.sj:57
-    active_4 = active_3 & holds  # coop_mining.sj:57
-    rock_ore = jnp.where(active_4, 3, rock_ore)  # coop_mining.sj:57
-    rock_left = jnp.where(active_4, params.patience.astype(jnp.uint8), state.rock_left)  # coop_mining.sj:57
-    holds_2 = num_agent >= params.fewest  # coop_mining.sj:57
-    active_5 = (active_3 & ~holds) & holds_2  # coop_mining.sj:57
-    active_6 = active_5 & (num_agent <= params.most)  # coop_mining.sj:59
-    times_2 = times_in(jnp.where(active_6, state.rock_miners, 0), 6)  # coop_mining.sj:60
-    reward = reward + (times_2.astype(jnp.float32) * params.gold_pays)  # coop_mining.sj:60
-    event_gold_mined = out.event_gold_mined + times_2  # coop_mining.sj:61
-    times_3 = jnp.sum(active_6, dtype=jnp.int32)  # coop_mining.sj:62
-    event_ores_shared = out.event_ores_shared + times_3  # coop_mining.sj:62
-    subject = num_agent <= params.most  # coop_mining.sj:64
-    rock_ore = jnp.where(active_5, jnp.asarray([0, 2], jnp.uint8)[jnp.where(subject, jnp.uint8(0), jnp.uint8(1))], rock_ore)  # coop_mining.sj:64
-    rock_miners = jnp.where(active_5, 0, rock_miners)  # coop_mining.sj:65
-    rock_left = jnp.where(active_5, 0, rock_left)  # coop_mining.sj:66
+    active = (state.rock_miners != 0) & (state.rock_ore == 1)  # coop_mining.sj:51
+    winner, found = pick_of_sets(jnp.where(active, state.rock_miners, 0), key, lambda key: words(key, 0x23bf2029, 538, 1)[:, 0])  # coop_mining.sj:52
+    winner_2 = winner.astype(jnp.int32)  # coop_mining.sj:52
+    active_2 = active & found  # coop_mining.sj:52
+    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner_2.astype(jnp.uint8), 0), 6)  # coop_mining.sj:52
+    reward = out.reward + (times.astype(jnp.float32) * params.iron_pays)  # coop_mining.sj:52
+    event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:52
+    rock_ore = jnp.where(active, 0, state.rock_ore)  # coop_mining.sj:53
+    rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:54
+    active_3 = (state.rock_miners != 0) & (state.rock_ore != 1)  # coop_mining.sj:56
+    num_agent = size_of_set(state.rock_miners)  # coop_mining.sj:57
+    holds = (num_agent < params.fewest) & (state.rock_ore == 2)  # coop_mining.sj:58
+    active_4 = active_3 & holds  # coop_mining.sj:58
+    rock_ore = jnp.where(active_4, 3, rock_ore)  # coop_mining.sj:58
+    rock_left = jnp.where(active_4, params.patience.astype(jnp.uint8), state.rock_left)  # coop_mining.sj:58
+    holds_2 = num_agent >= params.fewest  # coop_mining.sj:58
+    active_5 = (active_3 & ~holds) & holds_2  # coop_mining.sj:58
+    active_6 = active_5 & (num_agent <= params.most)  # coop_mining.sj:60
+    times_2 = times_in(jnp.where(active_6, state.rock_miners, 0), 6)  # coop_mining.sj:61
+    reward = reward + (times_2.astype(jnp.float32) * params.gold_pays)  # coop_mining.sj:61
+    event_gold_mined = out.event_gold_mined + times_2  # coop_mining.sj:62
+    times_3 = jnp.sum(active_6, dtype=jnp.int32)  # coop_mining.sj:63
+    event_ores_shared = out.event_ores_shared + times_3  # coop_mining.sj:63
+    subject = num_agent <= params.most  # coop_mining.sj:65
+    rock_ore = jnp.where(active_5, jnp.asarray([0, 2], jnp.uint8)[jnp.where(subject, jnp.uint8(0), jnp.uint8(1))], rock_ore)  # coop_mining.sj:65
+    rock_miners = jnp.where(active_5, 0, rock_miners)  # coop_mining.sj:66
+    rock_left = jnp.where(active_5, 0, rock_left)  # coop_mining.sj:67
     return state.replace(rock_ore=rock_ore, rock_miners=rock_miners, rock_left=rock_left), out.replace(reward=reward, event_iron_mined=event_iron_mined, event_gold_mined=event_gold_mined, event_ores_shared=event_ores_shared)
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one; agents whose time away is over return."""
-    rock_left = state.rock_left - (state.rock_left > 0).astype(state.rock_left.dtype)  # coop_mining.sj:26
+    rock_left = state.rock_left - (state.rock_left > 0).astype(state.rock_left.dtype)  # coop_mining.sj:27
     return state.replace(rock_left=rock_left), out
 
 
 def close(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `close`."""
-    active = (state.rock_ore == 3) & (state.rock_left.astype(jnp.int32) == 0)  # coop_mining.sj:71
-    rock_ore = jnp.where(active, 2, state.rock_ore)  # coop_mining.sj:71
-    rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:71
+    active = (state.rock_ore == 3) & (state.rock_left.astype(jnp.int32) == 0)  # coop_mining.sj:72
+    rock_ore = jnp.where(active, 2, state.rock_ore)  # coop_mining.sj:72
+    rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:72
     return state.replace(rock_ore=rock_ore, rock_miners=rock_miners), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `grow`."""
-    rock_under = SITE_OF_ROCK[state.position]  # coop_mining.sj:74
-    covered = occupied(rock_under, 538)  # coop_mining.sj:74
-    word = words(key, 0x842a84eb, 538) >> 1  # coop_mining.sj:75
-    limit = threshold(params.spawn_iron)  # coop_mining.sj:75
-    happens = word < limit  # coop_mining.sj:75
-    limit_2 = next_threshold(limit, params.spawn_gold)  # coop_mining.sj:75
-    happens_2 = (word < limit_2) & (word >= limit)  # coop_mining.sj:75
-    rock_ore = jnp.where(((state.rock_ore == 0) & ~covered) & happens, 1, state.rock_ore)  # coop_mining.sj:75
-    rock_ore = jnp.where(((state.rock_ore == 0) & ~covered) & happens_2, 2, rock_ore)  # coop_mining.sj:75
+    rock_under = SITE_OF_ROCK[state.position]  # coop_mining.sj:75
+    covered = occupied(rock_under, 538)  # coop_mining.sj:75
+    word = words(key, 0x842a84eb, 538) >> 1  # coop_mining.sj:76
+    limit = threshold(params.spawn_iron)  # coop_mining.sj:76
+    happens = word < limit  # coop_mining.sj:76
+    limit_2 = next_threshold(limit, params.spawn_gold)  # coop_mining.sj:76
+    happens_2 = (word < limit_2) & (word >= limit)  # coop_mining.sj:76
+    rock_ore = jnp.where(((state.rock_ore == 0) & ~covered) & happens, 1, state.rock_ore)  # coop_mining.sj:76
+    rock_ore = jnp.where(((state.rock_ore == 0) & ~covered) & happens_2, 2, rock_ore)  # coop_mining.sj:76
     return state.replace(rock_ore=rock_ore), out
 
 
@@ -277,15 +277,15 @@ def measures(state: State, params: Params) -> dict[str, Array]:
 
 def episode_length(params: Params) -> Array:
     """Returns the steps until truncation: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # coop_mining.sj:21
+    return jnp.asarray(params.length, jnp.int32)  # coop_mining.sj:22
 
 
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_ROCK, (state.rock_ore + 1))  # coop_mining.sj:23
-    plane_0 = paint(plane_0, state.mark_mine, 64)  # coop_mining.sj:43
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coop_mining.sj:32
-    seen_0 = windows(plane_0.reshape(45, 45), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coop_mining.sj:79
-    agent = (seen_0 >> 3) & 7  # coop_mining.sj:79
+    plane_0 = fill(plane_0, CELLS_ROCK, (state.rock_ore + 1))  # coop_mining.sj:24
+    plane_0 = paint(plane_0, state.mark_mine, 64)  # coop_mining.sj:44
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coop_mining.sj:33
+    seen_0 = windows(plane_0.reshape(45, 45), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coop_mining.sj:80
+    agent = (seen_0 >> 3) & 7  # coop_mining.sj:80
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)

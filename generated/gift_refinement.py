@@ -167,68 +167,68 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
-    sent = jnp.full(5, True)  # gift_refinement.sj:35
-    position, placed = place(CELLS_CAMP, jnp.full(18, True), words(key, 0x85f9092c, 5), state.position, sent)  # gift_refinement.sj:35
-    heading = jnp.where(placed, below(words(key, 0xf7e7fa1d, 5), 4), state.heading)  # gift_refinement.sj:35
+    sent = jnp.full(5, True)  # gift_refinement.sj:36
+    position, placed = place(CELLS_CAMP, jnp.full(18, True), words(key, 0x85f9092c, 5), state.position, sent)  # gift_refinement.sj:36
+    heading = jnp.where(placed, below(words(key, 0xf7e7fa1d, 5), 4), state.heading)  # gift_refinement.sj:36
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `grow`."""
-    ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:39
-    covered = occupied(ground_under, 538)  # gift_refinement.sj:39
-    happens = (words(key, 0x00158b1a, 538) >> 1) < threshold(params.spawn)  # gift_refinement.sj:39
-    ground_token = jnp.where(((state.ground_token == 0) & ~covered) & happens, 1, state.ground_token)  # gift_refinement.sj:39
+    ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:40
+    covered = occupied(ground_under, 538)  # gift_refinement.sj:40
+    happens = (words(key, 0x00158b1a, 538) >> 1) < threshold(params.spawn)  # gift_refinement.sj:40
+    ground_token = jnp.where(((state.ground_token == 0) & ~covered) & happens, 1, state.ground_token)  # gift_refinement.sj:40
     return state.replace(ground_token=ground_token), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `walk`."""
-    heading = (state.heading + TURN[actions]) & 3  # gift_refinement.sj:40
-    stride = STEP_BY[actions]  # gift_refinement.sj:40
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # gift_refinement.sj:40
-    position = resolve(state.position, target, words(key, 0xbcc46097, 5))  # gift_refinement.sj:40
+    heading = (state.heading + TURN[actions]) & 3  # gift_refinement.sj:41
+    stride = STEP_BY[actions]  # gift_refinement.sj:41
+    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # gift_refinement.sj:41
+    position = resolve(state.position, target, words(key, 0xbcc46097, 5))  # gift_refinement.sj:41
     return state.replace(heading=heading, position=position), out
 
 
 def collect(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `collect`."""
-    ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:42
-    active = (ground_under < 538) & (state.ground_token[ground_under] == 1)  # gift_refinement.sj:42
-    ground_token = state.ground_token.at[jnp.where(active, ground_under, 538)].set(0, mode="drop")  # gift_refinement.sj:42
-    agent_bag_added = jnp.where(0 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, jnp.int32(1), jnp.int32(0)))[..., None], jnp.int32(0))  # gift_refinement.sj:42
+    ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:43
+    active = (ground_under < 538) & (state.ground_token[ground_under] == 1)  # gift_refinement.sj:43
+    ground_token = state.ground_token.at[jnp.where(active, ground_under, 538)].set(0, mode="drop")  # gift_refinement.sj:43
+    agent_bag_added = jnp.where(0 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, jnp.int32(1), jnp.int32(0)))[..., None], jnp.int32(0))  # gift_refinement.sj:43
     agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
     return state.replace(ground_token=ground_token, agent_bag=agent_bag), out
 
 
 def consume(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `consume`."""
-    active = actions == 8  # gift_refinement.sj:45
-    reward = out.reward + (jnp.where(active, params.worth * ((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)).astype(jnp.float32)), 0.0))  # gift_refinement.sj:46
-    agent_bag = jnp.where(active[:, None], 0, state.agent_bag)  # gift_refinement.sj:46
-    event_consumed = out.event_consumed + (jnp.where(active, jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32), 0))  # gift_refinement.sj:46
+    active = actions == 8  # gift_refinement.sj:46
+    reward = out.reward + (jnp.where(active, params.worth * ((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)).astype(jnp.float32)), 0.0))  # gift_refinement.sj:47
+    agent_bag = jnp.where(active[:, None], 0, state.agent_bag)  # gift_refinement.sj:47
+    event_consumed = out.event_consumed + (jnp.where(active, jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32), 0))  # gift_refinement.sj:47
     return state.replace(agent_bag=agent_bag), out.replace(reward=reward, event_consumed=event_consumed)
 
 
 def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `offer`."""
-    ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # gift_refinement.sj:50
-    marked = (jnp.where(((actions == 7)[:, None]) & INSIDE[ray_cells], ray_cells, 0)).reshape(-1)  # gift_refinement.sj:50
-    active = (actions == 7) & ((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0)  # gift_refinement.sj:51
-    offered = lowest(state.agent_bag.astype(jnp.int32))  # gift_refinement.sj:52
-    standing = ray_cells[..., None] == state.position[None, None, :]  # gift_refinement.sj:53
-    friend = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # gift_refinement.sj:53
-    anybody = jnp.any(standing, axis=-1)  # gift_refinement.sj:53
-    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_RAY]  # gift_refinement.sj:53
-    nearest = jnp.argmax(in_lane, axis=-1)  # gift_refinement.sj:53
-    found = jnp.any(in_lane, axis=-1)  # gift_refinement.sj:53
-    place_2 = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # gift_refinement.sj:53
-    friend_2 = jnp.take_along_axis(friend, jnp.minimum(place_2, 0), axis=1)  # gift_refinement.sj:53
-    active_2 = (active[:, None] & found) & ((entry(state.agent_bag[friend_2].astype(jnp.int32), params.becomes[offered][:, None])) < 15)  # gift_refinement.sj:54
-    agent_bag_added = jnp.sum(jnp.where(offered[:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], (jnp.where(active_2, jnp.int32(-1), jnp.int32(0)))[..., None], jnp.int32(0)), axis=1, dtype=jnp.int32)  # gift_refinement.sj:55
-    agent_post_added = jnp.zeros((5, 3,), jnp.int32).at[friend_2].add(jnp.where(params.becomes[offered][:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], jnp.where(active_2, params.yields[offered][:, None], 0)[..., None], jnp.int32(0)), mode="drop")  # gift_refinement.sj:56
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # gift_refinement.sj:57
-    event_given = out.event_given + times  # gift_refinement.sj:57
+    ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # gift_refinement.sj:51
+    marked = (jnp.where(((actions == 7)[:, None]) & INSIDE[ray_cells], ray_cells, 0)).reshape(-1)  # gift_refinement.sj:51
+    active = (actions == 7) & ((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0)  # gift_refinement.sj:52
+    offered = lowest(state.agent_bag.astype(jnp.int32))  # gift_refinement.sj:53
+    standing = ray_cells[..., None] == state.position[None, None, :]  # gift_refinement.sj:54
+    friend = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # gift_refinement.sj:54
+    anybody = jnp.any(standing, axis=-1)  # gift_refinement.sj:54
+    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_RAY]  # gift_refinement.sj:54
+    nearest = jnp.argmax(in_lane, axis=-1)  # gift_refinement.sj:54
+    found = jnp.any(in_lane, axis=-1)  # gift_refinement.sj:54
+    place_2 = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # gift_refinement.sj:54
+    friend_2 = jnp.take_along_axis(friend, jnp.minimum(place_2, 0), axis=1)  # gift_refinement.sj:54
+    active_2 = (active[:, None] & found) & ((entry(state.agent_bag[friend_2].astype(jnp.int32), params.becomes[offered][:, None])) < 15)  # gift_refinement.sj:55
+    agent_bag_added = jnp.sum(jnp.where(offered[:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], (jnp.where(active_2, jnp.int32(-1), jnp.int32(0)))[..., None], jnp.int32(0)), axis=1, dtype=jnp.int32)  # gift_refinement.sj:56
+    agent_post_added = jnp.zeros((5, 3,), jnp.int32).at[friend_2].add(jnp.where(params.becomes[offered][:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], jnp.where(active_2, params.yields[offered][:, None], 0)[..., None], jnp.int32(0)), mode="drop")  # gift_refinement.sj:57
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # gift_refinement.sj:58
+    event_given = out.event_given + times  # gift_refinement.sj:58
     agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
     agent_post = (jnp.clip(state.agent_post.astype(jnp.int32) + agent_post_added, 0, 25)).astype(jnp.uint8)
     return state.replace(agent_bag=agent_bag, agent_post=agent_post, mark_offer=marked), out.replace(event_given=event_given)
@@ -236,20 +236,20 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 def receive_cut(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `receive(cut)`."""
-    active = state.agent_post.astype(jnp.int32)[:, 1] > 0  # gift_refinement.sj:63
-    agent_bag_added = jnp.where(1 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, state.agent_post.astype(jnp.int32)[:, 1], 0))[..., None], jnp.int32(0))  # gift_refinement.sj:64
-    event_received = out.event_received.at[:, 1].add(jnp.where(active, jnp.minimum(state.agent_post.astype(jnp.int32)[:, 1], 15 - state.agent_bag.astype(jnp.int32)[:, 1]), 0))  # gift_refinement.sj:65
-    agent_post = state.agent_post.at[:, 1].set(jnp.where(active, 0, state.agent_post[:, 1]))  # gift_refinement.sj:66
+    active = state.agent_post.astype(jnp.int32)[:, 1] > 0  # gift_refinement.sj:64
+    agent_bag_added = jnp.where(1 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, state.agent_post.astype(jnp.int32)[:, 1], 0))[..., None], jnp.int32(0))  # gift_refinement.sj:65
+    event_received = out.event_received.at[:, 1].add(jnp.where(active, jnp.minimum(state.agent_post.astype(jnp.int32)[:, 1], 15 - state.agent_bag.astype(jnp.int32)[:, 1]), 0))  # gift_refinement.sj:66
+    agent_post = state.agent_post.at[:, 1].set(jnp.where(active, 0, state.agent_post[:, 1]))  # gift_refinement.sj:67
     agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
     return state.replace(agent_post=agent_post, agent_bag=agent_bag), out.replace(event_received=event_received)
 
 
 def receive_fine(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `receive(fine)`."""
-    active = state.agent_post.astype(jnp.int32)[:, 2] > 0  # gift_refinement.sj:63
-    agent_bag_added = jnp.where(2 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, state.agent_post.astype(jnp.int32)[:, 2], 0))[..., None], jnp.int32(0))  # gift_refinement.sj:64
-    event_received = out.event_received.at[:, 2].add(jnp.where(active, jnp.minimum(state.agent_post.astype(jnp.int32)[:, 2], 15 - state.agent_bag.astype(jnp.int32)[:, 2]), 0))  # gift_refinement.sj:65
-    agent_post = state.agent_post.at[:, 2].set(jnp.where(active, 0, state.agent_post[:, 2]))  # gift_refinement.sj:66
+    active = state.agent_post.astype(jnp.int32)[:, 2] > 0  # gift_refinement.sj:64
+    agent_bag_added = jnp.where(2 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, state.agent_post.astype(jnp.int32)[:, 2], 0))[..., None], jnp.int32(0))  # gift_refinement.sj:65
+    event_received = out.event_received.at[:, 2].add(jnp.where(active, jnp.minimum(state.agent_post.astype(jnp.int32)[:, 2], 15 - state.agent_bag.astype(jnp.int32)[:, 2]), 0))  # gift_refinement.sj:66
+    agent_post = state.agent_post.at[:, 2].set(jnp.where(active, 0, state.agent_post[:, 2]))  # gift_refinement.sj:67
     agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
     return state.replace(agent_post=agent_post, agent_bag=agent_bag), out.replace(event_received=event_received)
 
@@ -262,24 +262,24 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    total = jnp.sum(state.agent_bag.astype(jnp.int32)[:, 1] + state.agent_bag.astype(jnp.int32)[:, 2], dtype=jnp.int32)  # gift_refinement.sj:73
+    total = jnp.sum(state.agent_bag.astype(jnp.int32)[:, 1] + state.agent_bag.astype(jnp.int32)[:, 2], dtype=jnp.int32)  # gift_refinement.sj:74
     return {'refined_held': total.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
     """Returns the steps until truncation: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # gift_refinement.sj:19
+    return jnp.asarray(params.length, jnp.int32)  # gift_refinement.sj:20
 
 
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_token + 1))  # gift_refinement.sj:21
-    plane_0 = paint(plane_0, state.mark_offer, 64)  # gift_refinement.sj:49
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # gift_refinement.sj:26
-    seen_0 = windows(plane_0.reshape(43, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # gift_refinement.sj:70
-    agent = (seen_0 >> 3) & 7  # gift_refinement.sj:70
-    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # gift_refinement.sj:70
-    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # gift_refinement.sj:70
-    shown_bag_3 = state.agent_bag.astype(jnp.int32)[:, 2].astype(jnp.uint8)  # gift_refinement.sj:70
+    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_token + 1))  # gift_refinement.sj:22
+    plane_0 = paint(plane_0, state.mark_offer, 64)  # gift_refinement.sj:50
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # gift_refinement.sj:27
+    seen_0 = windows(plane_0.reshape(43, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # gift_refinement.sj:71
+    agent = (seen_0 >> 3) & 7  # gift_refinement.sj:71
+    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # gift_refinement.sj:71
+    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # gift_refinement.sj:71
+    shown_bag_3 = state.agent_bag.astype(jnp.int32)[:, 2].astype(jnp.uint8)  # gift_refinement.sj:71
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (5, 121)), jnp.broadcast_to(shown_bag_2[:, None], (5, 121)), jnp.broadcast_to(shown_bag_3[:, None], (5, 121)))

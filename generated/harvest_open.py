@@ -148,23 +148,23 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
-    holds = jnp.arange(7, dtype=jnp.int32) < 2  # harvest_open.sj:38
-    sent = ~holds  # harvest_open.sj:38
-    position, placed = place(CELLS_DEN, jnp.full(2, True), words(key, 0x8be3eb0b, 7), state.position, holds)  # harvest_open.sj:38
-    heading = jnp.where(placed, below(words(key, 0x05fd999c, 7), 4), state.heading)  # harvest_open.sj:38
-    position, placed_2 = place(CELLS_GATE, jnp.full(60, True), words(key, 0xa452ab5d, 7), position, sent)  # harvest_open.sj:38
-    heading = jnp.where(placed_2, below(words(key, 0xcb7943f8, 7), 4), heading)  # harvest_open.sj:38
+    holds = jnp.arange(7, dtype=jnp.int32) < 2  # harvest_open.sj:39
+    sent = ~holds  # harvest_open.sj:39
+    position, placed = place(CELLS_DEN, jnp.full(2, True), words(key, 0x8be3eb0b, 7), state.position, holds)  # harvest_open.sj:39
+    heading = jnp.where(placed, below(words(key, 0x05fd999c, 7), 4), state.heading)  # harvest_open.sj:39
+    position, placed_2 = place(CELLS_GATE, jnp.full(60, True), words(key, 0xa452ab5d, 7), position, sent)  # harvest_open.sj:39
+    heading = jnp.where(placed_2, below(words(key, 0xcb7943f8, 7), 4), heading)  # harvest_open.sj:39
     return state.replace(position=position, heading=heading), out
 
 
 def regrow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `regrow`."""
-    soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:45
-    covered = occupied(soil_under, 64)  # harvest_open.sj:45
-    active = (state.soil_fruit == 0) & ~covered  # harvest_open.sj:45
-    near = count_near(state.soil_fruit == 1, NEAR_DISC_2_SOIL)  # harvest_open.sj:46
-    happens = (words(key, 0x5597eacb, 64) >> 1) < (threshold(jnp.where(near == 0, 0.0, jnp.where(near == 1, params.regrow_1, jnp.where(near == 2, params.regrow_2, params.regrow_3)))))  # harvest_open.sj:47
-    soil_fruit = jnp.where(active & happens, 1, state.soil_fruit)  # harvest_open.sj:47
+    soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:46
+    covered = occupied(soil_under, 64)  # harvest_open.sj:46
+    active = (state.soil_fruit == 0) & ~covered  # harvest_open.sj:46
+    near = count_near(state.soil_fruit == 1, NEAR_DISC_2_SOIL)  # harvest_open.sj:47
+    happens = (words(key, 0x5597eacb, 64) >> 1) < (threshold(jnp.where(near == 0, 0.0, jnp.where(near == 1, params.regrow_1, jnp.where(near == 2, params.regrow_2, params.regrow_3)))))  # harvest_open.sj:48
+    soil_fruit = jnp.where(active & happens, 1, state.soil_fruit)  # harvest_open.sj:48
     return state.replace(soil_fruit=soil_fruit), out
 
 
@@ -175,38 +175,38 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `walk`."""
-    heading = (state.heading + TURN[actions]) & 3  # harvest_open.sj:50
-    stride = STEP_BY[actions]  # harvest_open.sj:50
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # harvest_open.sj:50
-    position = resolve(state.position, target, words(key, 0xbcc46097, 7))  # harvest_open.sj:50
+    heading = (state.heading + TURN[actions]) & 3  # harvest_open.sj:51
+    stride = STEP_BY[actions]  # harvest_open.sj:51
+    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # harvest_open.sj:51
+    position = resolve(state.position, target, words(key, 0xbcc46097, 7))  # harvest_open.sj:51
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `eat`."""
-    soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:52
-    active = (soil_under < 64) & (state.soil_fruit[soil_under] == 1)  # harvest_open.sj:52
-    soil_fruit = state.soil_fruit.at[jnp.where(active, soil_under, 64)].set(0, mode="drop")  # harvest_open.sj:53
-    reward = out.reward + jnp.where(active, params.apple, 0.0)  # harvest_open.sj:54
-    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # harvest_open.sj:55
+    soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:53
+    active = (soil_under < 64) & (state.soil_fruit[soil_under] == 1)  # harvest_open.sj:53
+    soil_fruit = state.soil_fruit.at[jnp.where(active, soil_under, 64)].set(0, mode="drop")  # harvest_open.sj:54
+    reward = out.reward + jnp.where(active, params.apple, 0.0)  # harvest_open.sj:55
+    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # harvest_open.sj:56
     return state.replace(soil_fruit=soil_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `fire`."""
-    active = actions == 7  # harvest_open.sj:59
-    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # harvest_open.sj:60
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # harvest_open.sj:60
-    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # harvest_open.sj:61
-    active_2 = active[:, None] & in_beam  # harvest_open.sj:61
-    sent = jnp.any(active_2, axis=0)  # harvest_open.sj:62
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # harvest_open.sj:63
-    event_hits = out.event_hits + times  # harvest_open.sj:63
-    gate_under = SITE_OF_GATE[state.position]  # harvest_open.sj:62
-    others = jnp.where(sent, 60, gate_under)  # harvest_open.sj:62
-    free = ~occupied(others, 60)  # harvest_open.sj:62
-    position, placed = place(CELLS_GATE, free, words(key, 0x586408f2, 7), state.position, sent)  # harvest_open.sj:62
-    heading = jnp.where(placed, below(words(key, 0xba266f0d, 7), 4), state.heading)  # harvest_open.sj:62
+    active = actions == 7  # harvest_open.sj:60
+    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # harvest_open.sj:61
+    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # harvest_open.sj:61
+    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # harvest_open.sj:62
+    active_2 = active[:, None] & in_beam  # harvest_open.sj:62
+    sent = jnp.any(active_2, axis=0)  # harvest_open.sj:63
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # harvest_open.sj:64
+    event_hits = out.event_hits + times  # harvest_open.sj:64
+    gate_under = SITE_OF_GATE[state.position]  # harvest_open.sj:63
+    others = jnp.where(sent, 60, gate_under)  # harvest_open.sj:63
+    free = ~occupied(others, 60)  # harvest_open.sj:63
+    position, placed = place(CELLS_GATE, free, words(key, 0x586408f2, 7), state.position, sent)  # harvest_open.sj:63
+    heading = jnp.where(placed, below(words(key, 0xba266f0d, 7), 4), state.heading)  # harvest_open.sj:63
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
@@ -218,23 +218,23 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_soil = jnp.sum(state.soil_fruit == 1, dtype=jnp.int32)  # harvest_open.sj:69
+    num_soil = jnp.sum(state.soil_fruit == 1, dtype=jnp.int32)  # harvest_open.sj:70
     return {'apples_left': num_soil.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
     """Returns the steps until truncation: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # harvest_open.sj:18
+    return jnp.asarray(params.length, jnp.int32)  # harvest_open.sj:19
 
 
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_SOIL, (state.soil_fruit + 2))  # harvest_open.sj:22
-    plane_0 = paint(plane_0, state.mark_fire, 64)  # harvest_open.sj:58
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # harvest_open.sj:27
-    seen_0 = windows(plane_0.reshape(34, 40), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # harvest_open.sj:68
-    raw = seen_0 & 7  # harvest_open.sj:68
-    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # harvest_open.sj:68
-    agent = (seen_0 >> 3) & 7  # harvest_open.sj:68
+    plane_0 = fill(plane_0, CELLS_SOIL, (state.soil_fruit + 2))  # harvest_open.sj:23
+    plane_0 = paint(plane_0, state.mark_fire, 64)  # harvest_open.sj:59
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # harvest_open.sj:28
+    seen_0 = windows(plane_0.reshape(34, 40), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # harvest_open.sj:69
+    raw = seen_0 & 7  # harvest_open.sj:69
+    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # harvest_open.sj:69
+    agent = (seen_0 >> 3) & 7  # harvest_open.sj:69
     return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)

@@ -158,126 +158,126 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `start`: where the agents begin."""
-    sent = jnp.full(5, True)  # mushrooms.sj:48
-    free = state.ground_grows == 0  # mushrooms.sj:48
-    position, placed = place(CELLS_GROUND, free, words(key, 0xafd9f3dd, 5), state.position, sent)  # mushrooms.sj:48
-    heading = jnp.where(placed, below(words(key, 0x1943027e, 5), 4), state.heading)  # mushrooms.sj:48
+    sent = jnp.full(5, True)  # mushrooms.sj:49
+    free = state.ground_grows == 0  # mushrooms.sj:49
+    position, placed = place(CELLS_GROUND, free, words(key, 0xafd9f3dd, 5), state.position, sent)  # mushrooms.sj:49
+    heading = jnp.where(placed, below(words(key, 0x1943027e, 5), 4), state.heading)  # mushrooms.sj:49
     return state.replace(position=position, heading=heading), out
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one; agents whose time away is over return."""
-    agent_digesting = state.agent_digesting - (state.agent_digesting > 0).astype(state.agent_digesting.dtype)  # mushrooms.sj:41
+    agent_digesting = state.agent_digesting - (state.agent_digesting > 0).astype(state.agent_digesting.dtype)  # mushrooms.sj:42
     return state.replace(agent_digesting=agent_digesting), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `walk`."""
-    heading = (state.heading + TURN[actions]) & 3  # mushrooms.sj:52
-    stride = STEP_BY[actions]  # mushrooms.sj:52
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # mushrooms.sj:52
-    position = resolve(state.position, target, words(key, 0xbcc46097, 5))  # mushrooms.sj:52
+    heading = (state.heading + TURN[actions]) & 3  # mushrooms.sj:53
+    stride = STEP_BY[actions]  # mushrooms.sj:53
+    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # mushrooms.sj:53
+    position = resolve(state.position, target, words(key, 0xbcc46097, 5))  # mushrooms.sj:53
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `eat`."""
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:54
-    active = (ground_under < 276) & (state.ground_grows[ground_under] != 0)  # mushrooms.sj:54
-    meal = state.ground_grows[ground_under] - 1  # mushrooms.sj:55
-    ground_grows = state.ground_grows.at[jnp.where(active, ground_under, 276)].set(0, mode="drop")  # mushrooms.sj:56
-    agent_digesting = jnp.where(active, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)  # mushrooms.sj:57
-    event_eaten = out.event_eaten + (jnp.where(active[:, None] & (meal[:, None] == jnp.arange(4, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:58
-    world_trials_added = jnp.sum(jnp.where(active[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32)  # mushrooms.sj:59
-    reward = out.reward + jnp.where(active, params.eater[meal], 0.0)  # mushrooms.sj:60
-    reward = reward + (jnp.sum(jnp.where(active, params.everyone[meal], 0.0), dtype=jnp.float32))  # mushrooms.sj:60
-    reward = reward + (jnp.sum(jnp.where(active[:, None] & (jnp.arange(5, dtype=jnp.int32)[:, None] != jnp.arange(5, dtype=jnp.int32)[None, :]), params.others[meal][:, None], 0.0), axis=0, dtype=jnp.float32))  # mushrooms.sj:60
+    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:55
+    active = (ground_under < 276) & (state.ground_grows[ground_under] != 0)  # mushrooms.sj:55
+    meal = state.ground_grows[ground_under] - 1  # mushrooms.sj:56
+    ground_grows = state.ground_grows.at[jnp.where(active, ground_under, 276)].set(0, mode="drop")  # mushrooms.sj:57
+    agent_digesting = jnp.where(active, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)  # mushrooms.sj:58
+    event_eaten = out.event_eaten + (jnp.where(active[:, None] & (meal[:, None] == jnp.arange(4, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:59
+    world_trials_added = jnp.sum(jnp.where(active[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32)  # mushrooms.sj:60
+    reward = out.reward + jnp.where(active, params.eater[meal], 0.0)  # mushrooms.sj:61
+    reward = reward + (jnp.sum(jnp.where(active, params.everyone[meal], 0.0), dtype=jnp.float32))  # mushrooms.sj:61
+    reward = reward + (jnp.sum(jnp.where(active[:, None] & (jnp.arange(5, dtype=jnp.int32)[:, None] != jnp.arange(5, dtype=jnp.int32)[None, :]), params.others[meal][:, None], 0.0), axis=0, dtype=jnp.float32))  # mushrooms.sj:61
     world_trials = (jnp.clip(state.world_trials.astype(jnp.int32) + world_trials_added, 0, 20)).astype(jnp.uint8)
     return state.replace(ground_grows=ground_grows, agent_digesting=agent_digesting, world_trials=world_trials), out.replace(event_eaten=event_eaten, reward=reward)
 
 
 def sprout_red(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `sprout(red)`."""
-    num_ground = jnp.sum(state.ground_grows == 1, dtype=jnp.int32)  # mushrooms.sj:64
-    active = num_ground <= params.crowd[0]  # mushrooms.sj:64
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:65
-    covered = occupied(ground_under, 276)  # mushrooms.sj:65
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:65
-    found = jnp.any(member, axis=0)  # mushrooms.sj:65
-    taken = choose(member, words(key, 0xc4a410f4, 20), state.world_trials.astype(jnp.int32)[0])  # mushrooms.sj:65
-    happens = (words(key, 0xc1bdc6e0, 276) >> 1) < threshold(params.regrow[0])  # mushrooms.sj:66
-    ground_grows = jnp.where((active & taken) & happens, 1, state.ground_grows)  # mushrooms.sj:66
-    world_trials = state.world_trials.at[0].set(0)  # mushrooms.sj:69
+    num_ground = jnp.sum(state.ground_grows == 1, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[0]  # mushrooms.sj:65
+    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
+    covered = occupied(ground_under, 276)  # mushrooms.sj:66
+    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
+    found = jnp.any(member, axis=0)  # mushrooms.sj:66
+    taken = choose(member, words(key, 0xc4a410f4, 20), state.world_trials.astype(jnp.int32)[0])  # mushrooms.sj:66
+    happens = (words(key, 0xc1bdc6e0, 276) >> 1) < threshold(params.regrow[0])  # mushrooms.sj:67
+    ground_grows = jnp.where((active & taken) & happens, 1, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[0].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def sprout_green(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `sprout(green)`."""
-    num_ground = jnp.sum(state.ground_grows == 2, dtype=jnp.int32)  # mushrooms.sj:64
-    active = num_ground <= params.crowd[1]  # mushrooms.sj:64
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:65
-    covered = occupied(ground_under, 276)  # mushrooms.sj:65
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:65
-    found = jnp.any(member, axis=0)  # mushrooms.sj:65
-    taken = choose(member, words(key, 0x4088b2a4, 20), state.world_trials.astype(jnp.int32)[1])  # mushrooms.sj:65
-    happens = (words(key, 0xc5ecf6c5, 276) >> 1) < threshold(params.regrow[1])  # mushrooms.sj:66
-    ground_grows = jnp.where((active & taken) & happens, 2, state.ground_grows)  # mushrooms.sj:66
-    world_trials = state.world_trials.at[1].set(0)  # mushrooms.sj:69
+    num_ground = jnp.sum(state.ground_grows == 2, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[1]  # mushrooms.sj:65
+    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
+    covered = occupied(ground_under, 276)  # mushrooms.sj:66
+    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
+    found = jnp.any(member, axis=0)  # mushrooms.sj:66
+    taken = choose(member, words(key, 0x4088b2a4, 20), state.world_trials.astype(jnp.int32)[1])  # mushrooms.sj:66
+    happens = (words(key, 0xc5ecf6c5, 276) >> 1) < threshold(params.regrow[1])  # mushrooms.sj:67
+    ground_grows = jnp.where((active & taken) & happens, 2, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[1].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def sprout_blue(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `sprout(blue)`."""
-    num_ground = jnp.sum(state.ground_grows == 3, dtype=jnp.int32)  # mushrooms.sj:64
-    active = num_ground <= params.crowd[2]  # mushrooms.sj:64
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:65
-    covered = occupied(ground_under, 276)  # mushrooms.sj:65
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:65
-    found = jnp.any(member, axis=0)  # mushrooms.sj:65
-    taken = choose(member, words(key, 0xdca5f36c, 20), state.world_trials.astype(jnp.int32)[2])  # mushrooms.sj:65
-    happens = (words(key, 0x78621551, 276) >> 1) < threshold(params.regrow[2])  # mushrooms.sj:66
-    ground_grows = jnp.where((active & taken) & happens, 3, state.ground_grows)  # mushrooms.sj:66
-    world_trials = state.world_trials.at[2].set(0)  # mushrooms.sj:69
+    num_ground = jnp.sum(state.ground_grows == 3, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[2]  # mushrooms.sj:65
+    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
+    covered = occupied(ground_under, 276)  # mushrooms.sj:66
+    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
+    found = jnp.any(member, axis=0)  # mushrooms.sj:66
+    taken = choose(member, words(key, 0xdca5f36c, 20), state.world_trials.astype(jnp.int32)[2])  # mushrooms.sj:66
+    happens = (words(key, 0x78621551, 276) >> 1) < threshold(params.regrow[2])  # mushrooms.sj:67
+    ground_grows = jnp.where((active & taken) & happens, 3, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[2].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def sprout_orange(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `sprout(orange)`."""
-    num_ground = jnp.sum(state.ground_grows == 4, dtype=jnp.int32)  # mushrooms.sj:64
-    active = num_ground <= params.crowd[3]  # mushrooms.sj:64
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:65
-    covered = occupied(ground_under, 276)  # mushrooms.sj:65
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:65
-    found = jnp.any(member, axis=0)  # mushrooms.sj:65
-    taken = choose(member, words(key, 0xecbf1252, 20), state.world_trials.astype(jnp.int32)[3])  # mushrooms.sj:65
-    happens = (words(key, 0x2e0c81e2, 276) >> 1) < threshold(params.regrow[3])  # mushrooms.sj:66
-    ground_grows = jnp.where((active & taken) & happens, 4, state.ground_grows)  # mushrooms.sj:66
-    world_trials = state.world_trials.at[3].set(0)  # mushrooms.sj:69
+    num_ground = jnp.sum(state.ground_grows == 4, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[3]  # mushrooms.sj:65
+    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
+    covered = occupied(ground_under, 276)  # mushrooms.sj:66
+    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
+    found = jnp.any(member, axis=0)  # mushrooms.sj:66
+    taken = choose(member, words(key, 0xecbf1252, 20), state.world_trials.astype(jnp.int32)[3])  # mushrooms.sj:66
+    happens = (words(key, 0x2e0c81e2, 276) >> 1) < threshold(params.regrow[3])  # mushrooms.sj:67
+    ground_grows = jnp.where((active & taken) & happens, 4, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[3].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `fire`."""
-    active = actions == 7  # mushrooms.sj:72
-    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # mushrooms.sj:73
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # mushrooms.sj:73
-    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:74
-    active_2 = active[:, None] & in_beam  # mushrooms.sj:74
-    sent = jnp.any(active_2, axis=0)  # mushrooms.sj:75
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # mushrooms.sj:76
-    event_hits = out.event_hits + times  # mushrooms.sj:76
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:75
-    free = ~occupied(ground_under, 276) & (state.ground_grows == 0)  # mushrooms.sj:75
-    position, placed = place(CELLS_GROUND, free, words(key, 0x843efd39, 5), state.position, sent)  # mushrooms.sj:75
-    heading = jnp.where(placed, below(words(key, 0x36b18705, 5), 4), state.heading)  # mushrooms.sj:75
+    active = actions == 7  # mushrooms.sj:73
+    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # mushrooms.sj:74
+    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # mushrooms.sj:74
+    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
+    active_2 = active[:, None] & in_beam  # mushrooms.sj:75
+    sent = jnp.any(active_2, axis=0)  # mushrooms.sj:76
+    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # mushrooms.sj:77
+    event_hits = out.event_hits + times  # mushrooms.sj:77
+    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:76
+    free = ~occupied(ground_under, 276) & (state.ground_grows == 0)  # mushrooms.sj:76
+    position, placed = place(CELLS_GROUND, free, words(key, 0x843efd39, 5), state.position, sent)  # mushrooms.sj:76
+    heading = jnp.where(placed, below(words(key, 0x36b18705, 5), 4), state.heading)  # mushrooms.sj:76
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
     allowed = jnp.ones((5, 8), bool)
-    forbidden = state.agent_digesting.astype(jnp.int32) > 0  # mushrooms.sj:42
-    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # mushrooms.sj:42
+    forbidden = state.agent_digesting.astype(jnp.int32) > 0  # mushrooms.sj:43
+    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # mushrooms.sj:43
     return allowed
 
 
@@ -288,16 +288,16 @@ def measures(state: State, params: Params) -> dict[str, Array]:
 
 def episode_length(params: Params) -> Array:
     """Returns the steps until truncation: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # mushrooms.sj:25
+    return jnp.asarray(params.length, jnp.int32)  # mushrooms.sj:26
 
 
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 4, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_grows + 1))  # mushrooms.sj:27
-    plane_0 = paint(plane_0, state.mark_fire, 64)  # mushrooms.sj:71
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # mushrooms.sj:38
-    seen_0 = windows(plane_0.reshape(30, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # mushrooms.sj:81
-    agent = (seen_0 >> 3) & 7  # mushrooms.sj:81
-    shown_digesting = state.agent_digesting.astype(jnp.int32).astype(jnp.uint8)  # mushrooms.sj:81
+    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_grows + 1))  # mushrooms.sj:28
+    plane_0 = paint(plane_0, state.mark_fire, 64)  # mushrooms.sj:72
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # mushrooms.sj:39
+    seen_0 = windows(plane_0.reshape(30, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # mushrooms.sj:82
+    agent = (seen_0 >> 3) & 7  # mushrooms.sj:82
+    shown_digesting = state.agent_digesting.astype(jnp.int32).astype(jnp.uint8)  # mushrooms.sj:82
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_digesting[:, None], (5, 121)))

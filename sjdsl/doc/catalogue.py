@@ -12,7 +12,11 @@ from sjdsl.doc.written import Written
 PICTURES = "pictures"
 INTRODUCTION = """The games that come with sjdsl, each a text of some eighty lines in [games/](../games). This page is made from them:
 `make docs` (or `sjdsl doc --all`). `sjdsl doc GAME` prints all the rules of a game in plain English, `sjdsl diff GAME --variants A B`
-what a variant changes."""
+what a variant changes.
+
+Paradigm, long term impact, multi task and difficulty are those of the SocialJax paper (ICLR 2026), where it has the game. What begins with
+`our` is our own judgement; the comment beside its line in the game says what it rests on."""
+OURS = "our_"
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,8 @@ class Entry:
 
 def catalogue(entries: Sequence[Entry]) -> str:
     """Returns the page as Markdown."""
-    keys = list(dict.fromkeys(key for e in entries for key, _ in e.written.game.about if key != "summary"))
+    said = dict.fromkeys(key for e in entries for key, _ in e.written.game.about if key != "summary")
+    keys = sorted(said, key=lambda key: key.startswith(OURS))
     head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in keys))
     overview = table(head, [_row(e, keys) for e in entries])
     lines = ["# The games", "", INTRODUCTION, "", *overview, ""]

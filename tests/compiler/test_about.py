@@ -21,6 +21,7 @@ game plain "Plain" {{
   schedule rest
   phase rest {{ }}
   variant other {{ about paradigm "commons" }}
+  variant silent {{ drop paradigm }}
 }}
 """
 
@@ -35,6 +36,10 @@ def test_texts_in_a_row_are_one() -> None:
 
 def test_a_variant_says_it_anew() -> None:
     assert built('about paradigm "none"  about summary "s"', "other").about == (("paradigm", "commons"), ("summary", "s"))
+
+
+def test_a_variant_takes_it_away() -> None:
+    assert built('about paradigm "none"  about summary "s"', "silent").about == (("summary", "s"),)
 
 
 def test_it_is_no_rule() -> None:
