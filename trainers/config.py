@@ -66,7 +66,7 @@ class Config(BaseModel):
 
     reward: RewardMode = "common"
     common_reward: Literal["sum", "mean"] = "sum"
-    reward_smoothing: Fraction = 0.0  # decay a step of the reward traces that svo and inequity compare; 0: this step's rewards
+    reward_smoothing: Fraction = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
     svo_angle: Angles = (90.0,)  # degrees, the angle sought; one for all agents or one each
     svo_weight: NonNegativeFloat = 0.5
     svo_at_rest: Literal["content", "selfish"] = "content"  # the angle where nobody is rewarded: the one sought, or 0
@@ -74,6 +74,7 @@ class Config(BaseModel):
     exchange_ratio: Fraction = 0.5  # weight of each other agent's reward to one's own: 0 individual, 1 the mean
     inequity_envy: NonNegativeFloat = 5.0  # weight of others having more
     inequity_guilt: NonNegativeFloat = 0.05  # weight of others having less
+    inequity_smoothing: Fraction = 0.975  # lambda: the traces that are compared fall by gamma x lambda a step; 0: this step's rewards
     match_socialjax: bool = False  # rewards scaled by the number of agents, as the released code has them
 
     network: Literal["mlp", "cnn"] = "cnn"
@@ -91,6 +92,15 @@ class Config(BaseModel):
             return validate(values)
         except ValidationError as error:
             raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in error.errors())) from None
+
+    @model_validator(mode="after")
+    def _smoothing_of_this_reward(self) -> "Config":
+        if self.reward == "inequity" and self.reward_smoothing:
+            raise ConfigError(
+                f"`reward_smoothing` = {self.reward_smoothing:g} is of the reward svo; the traces of inequity fall by gamma x "
+                "`inequity_smoothing` a step: set that instead"
+            )
+        return self
 
     @property
     def steps_per_update(self) -> int:

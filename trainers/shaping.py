@@ -52,7 +52,12 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
                 assert_never(config.reward)
 
     angles = _angle_of_each(config, num_agents)
-    return Shaping(shape, config.reward_smoothing)
+    return Shaping(shape, _smoothing(config))
+
+
+def _smoothing(config: Config) -> float:
+    """Returns by how much traces fall in a step."""
+    return config.gamma * config.inequity_smoothing if config.reward == "inequity" else config.reward_smoothing
 
 
 def _angle_of_each(config: Config, num_agents: int) -> Array:
@@ -100,9 +105,12 @@ def inequity_averse(reward: Array, trace: Array, envy: float, guilt: float) -> A
     """u_i = r_i - envy / (n - 1) * sum_j max(e_j - e_i, 0) - guilt / (n - 1) * sum_j max(e_i - e_j, 0).
 
     Args:
-      reward, trace: `[..., N]`.
-      envy: weight of disadvantageous inequity; guilt: of advantageous.
-    Source: Hughes et al. 2018, "Inequity aversion improves cooperation in intertemporal social dilemmas", equation 3.
+      reward: `[..., N]`, raw.
+      trace: `[..., N]`, temporally smoothed rewards, e_t = gamma * lambda * e_{t-1} + r_t: agents that are paid at different steps are
+        compared by what they had lately, as people would.
+      envy: weight of disadvantageous inequity, alpha; guilt: of advantageous, beta.
+    Source: Hughes et al. 2018, "Inequity aversion improves cooperation in intertemporal social dilemmas", equations 3 and 4; alpha 5 and
+    beta 0.05 are theirs, the value of lambda is ours.
     """
     others = max(reward.shape[-1] - 1, 1)
     ahead = trace[..., None, :] - trace[..., :, None]  # [..., i, j] by how much j is ahead of i

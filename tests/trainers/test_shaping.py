@@ -1,7 +1,9 @@
 """Shaped rewards against their closed forms, and against loops written from the papers' definitions."""
 
 import math
+from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -10,6 +12,7 @@ import pytest
 from probes import dilemma, learn, tabled, tables_of, uneven
 
 from sjdsl.trainers import ConfigError, make_config
+from sjdsl.trainers.checkpoints import Checkpoints
 from sjdsl.trainers.rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
 from sjdsl.trainers.shaping import Shaping, exchanged, kept_share, make_shaping, svo_deviation
 
@@ -160,10 +163,9 @@ def test_socialjax_sums_the_common_sum_again_for_vdn() -> None:
 # traces
 
 
-def played(smoothing: float, num_steps: int, rollouts: int) -> list[Rollout]:
-    """Returns rollouts of `uneven`, whose shaped rewards show the traces."""
+def player(shaping: Shaping, num_steps: int = 3) -> tuple[Worlds, Callable[[Worlds, jax.Array], tuple[Worlds, Rollout]]]:
+    """Returns eight worlds of `uneven`, and what plays a rollout in them. Episodes of two and five steps are cut anywhere."""
     env = tabled(uneven(), tables_of(uneven()))
-    shaping = Shaping(lambda _, trace: trace, smoothing)
 
     def act(worlds: Worlds, joint: None, key: jax.Array) -> tuple[tuple[()], jax.Array, None]:
         del joint, key
@@ -171,28 +173,73 @@ def played(smoothing: float, num_steps: int, rollouts: int) -> list[Rollout]:
 
     actor = Actor(act, pack=lambda observation: observation, follow=lambda _, __, ___: ())
     play = jax.jit(partial(collect_rollout, env, actor, num_steps=num_steps, shaping=shaping))
-    start_key, *keys = jax.random.split(jax.random.key(0), 1 + rollouts)
-    worlds = start_worlds(env, 8, (), start_key)
+    return start_worlds(env, 8, (), jax.random.key(7)), lambda worlds, key: play(worlds=worlds, key=key)[:2]
+
+
+def played(shaping: Shaping, rollouts: int) -> dict[str, np.ndarray]:
+    """Returns what was paid, learnt from and ended in some rollouts, one after the other: `[T, B, ...]`."""
+    worlds, play = player(shaping)
     pieces = []
-    for key in keys:
-        worlds, rollout, _, _ = play(worlds=worlds, key=key)
+    for key in jax.random.split(jax.random.key(0), rollouts):
+        worlds, rollout = play(worlds, key)
         pieces.append(rollout)
-    return pieces
+    return {name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in ("reward", "done", "shaped_reward")}
 
 
 @pytest.mark.parametrize("smoothing", [pytest.param(0.0, marks=pytest.mark.slow), 0.5])
 def test_traces_decay_and_end_with_the_episode(smoothing: float) -> None:
-    """Over rollouts that cut episodes of two and five steps anywhere; agent 0 is paid 1 a step, agent 1 nothing."""
-    pieces = played(smoothing, 3, 6)
-    reward, done, traces = (np.concatenate([getattr(piece, name) for piece in pieces]) for name in ("reward", "done", "shaped_reward"))
-    assert done.any(axis=0).all()
+    """Agent 0 is paid 1 a step, agent 1 nothing."""
+    found = played(Shaping(lambda _, trace: trace, smoothing), 6)
+    assert found["done"].any(axis=0).all()
     for env in range(8):
         trace = np.zeros(2)
         for step in range(18):
-            trace = smoothing * trace + reward[step, env]
-            np.testing.assert_allclose(traces[step, env], trace, rtol=1e-6)
-            if done[step, env]:
+            trace = smoothing * trace + found["reward"][step, env]
+            np.testing.assert_allclose(found["shaped_reward"][step, env], trace, rtol=1e-6)
+            if found["done"][step, env]:
                 trace = np.zeros(2)
+
+
+def test_svo_compares_single_steps_unless_smoothed() -> None:
+    assert [make_shaping(make_config(reward="svo", **given), 2).smoothing for given in ({}, {"reward_smoothing": 0.5})] == [0.0, 0.5]
+
+
+def test_inequity_compares_what_agents_had_lately() -> None:
+    """The paper's loop over whole episodes, written out: e = gamma * lambda * e + r, alpha 5 and beta 0.05."""
+    found = played(make_shaping(make_config(reward="inequity"), 2), 6)
+    for env in range(8):
+        smoothed = np.zeros(2)
+        for step in range(18):
+            paid = found["reward"][step, env]
+            smoothed = 0.99 * 0.975 * smoothed + paid
+            behind, ahead = np.maximum(smoothed[::-1] - smoothed, 0), np.maximum(smoothed - smoothed[::-1], 0)
+            np.testing.assert_allclose(found["shaped_reward"][step, env], paid - 5 * behind - 0.05 * ahead, rtol=1e-5)
+            if found["done"][step, env]:
+                smoothed = np.zeros(2)
+
+
+def test_inequity_may_compare_single_steps() -> None:
+    """Every step pays 1 and 0, so that every step deducts the same."""
+    found = played(make_shaping(make_config(reward="inequity", inequity_smoothing=0), 2), 2)
+    np.testing.assert_allclose(found["shaped_reward"], np.broadcast_to([1 - 0.05, -5.0], (6, 8, 2)), rtol=1e-6)
+
+
+def test_the_smoothing_of_svo_is_refused_for_inequity() -> None:
+    with pytest.raises(ConfigError, match="`inequity_smoothing` a step: set that instead"):
+        make_config(reward="inequity", reward_smoothing=0.9)
+
+
+def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
+    """What is played after a checkpoint in the middle of episodes is what would have been played without it."""
+    worlds, play = player(make_shaping(make_config(reward="inequity"), 2))
+    between, _ = play(worlds, jax.random.key(1))
+    checkpoints = Checkpoints(tmp_path)
+    checkpoints.save(1, between, {})
+    restored, _ = checkpoints.restore(1, worlds)
+    checkpoints.close()
+    assert np.asarray(restored.trace[:, 0] > 0).any()
+    on, again = (play(state, jax.random.key(2))[1] for state in (between, restored))
+    np.testing.assert_array_equal(on.shaped_reward, again.shaped_reward)
 
 
 # whole runs
