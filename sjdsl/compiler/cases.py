@@ -48,7 +48,7 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope, build: Build) -> ir
     rest: ir.Expr | None = None
     for arm in e.arms:
         if arm.word is not None and not scope.static.is_word(arm.word.text):
-            raise scope.problems.fail(errors.WORD_OUTSIDE, arm.word.span, word=arm.word.text, name="this case", words=subject.value)
+            raise scope.problems.not_a_word(arm.word.span, arm.word.text, "this case", (subject.value,))
         value = build(arm.value, scope)
         if arm.word is None:
             rest = value
@@ -81,7 +81,7 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
             keys.append([])
             continue
         if arm.word.text not in names:
-            raise scope.problems.fail(errors.WORD_OUTSIDE, arm.word.span, word=arm.word.text, name="this case", words=", ".join(names))
+            raise scope.problems.not_a_word(arm.word.span, arm.word.text, "this case", names)
         if arm.word.text in seen:
             raise scope.problems.fail(errors.TABLE_GAP, arm.word.span, problem=f"`case` has `{arm.word.text}` twice")
         seen.add(arm.word.text)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast, errors
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic, nearest
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic, near_or_all, nearest
 from sjdsl.compiler.source import Source, Span
 
 
@@ -67,7 +67,7 @@ def compose(source: Source, file: ast.File, variants: tuple[str, ...], load: Loa
     for name in variants:
         variant = game.variants.get(name)
         if variant is None:
-            facts = {"name": name, "nearest": nearest(name, game.variants)}
+            facts = {"name": name, **near_or_all(name, game.variants, "its variants")}
             raise CompileError([Diagnostic(errors.NO_VARIANT, game.span, facts)])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)

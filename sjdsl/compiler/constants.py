@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from itertools import product
 from math import inf, isfinite
 
-from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler import ast, errors, guesses, ir
 from sjdsl.compiler.diagnostics import Label, nearest
 from sjdsl.compiler.expressions import build, fixed
 from sjdsl.compiler.scope import Scope
@@ -18,8 +18,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     """Adds one `size` or `param` to the static tables; a size may take another value than the written one."""
     unit = declared.unit.text
     if unit not in UNITS:
-        near = nearest(unit, UNITS)
-        raise scope.problems.fail(errors.UNKNOWN_NAME, declared.unit.span, name=unit, nearest=near)
+        raise scope.problems.unknown(declared.unit, UNITS, "the units", guesses.UNITS)
     if unit == "word":
         _word(declared, scope)
         return

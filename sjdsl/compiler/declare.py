@@ -4,18 +4,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
 
-from sjdsl.compiler import ast, errors, ir, limits, shapes
+from sjdsl.compiler import ast, errors, guesses, ir, limits, shapes
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.constants import constant
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.diagnostics import near_or_all
 from sjdsl.compiler.expressions import build, condition, fixed, interval_text, wrong_type
-from sjdsl.compiler.names import AGENT_ATTRIBUTES, CELL_ATTRIBUTES
+from sjdsl.compiler.names import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Problems, Scope, Static
 from sjdsl.compiler.source import Span
 from sjdsl.compiler.types import describe, join_units, words
 
 BUILT_IN_ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
+FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "reward")
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
 
 
@@ -140,8 +141,7 @@ def _check_counts(game: Composition, problems: Problems) -> None:
 
 def _kind(name: ast.Name, scope: Scope) -> str:
     if name.text not in scope.static.kinds:
-        near = nearest(name.text, scope.static.kinds)
-        raise scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=near)
+        raise scope.problems.unknown(name, scope.static.kinds, "the kinds")
     return name.text
 
 
@@ -171,8 +171,7 @@ def _agents(game: Composition, scope: Scope) -> ir.Agents:
     if game.moves is not None:
         frame = game.moves.frame.text
         if frame not in ("relative", "compass"):
-            near = nearest(frame, ("relative", "compass"))
-            problems.add(errors.UNKNOWN_NAME, game.moves.frame.span, name=frame, nearest=near)
+            problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
     made = []
     for declared in game.agent_fields.values():
         with problems.survive(static.broken, f"agent.{declared.name.text}"):
@@ -225,7 +224,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, place: str, kind: s
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
         return ir.VarField(type=type_, timer=True, start=0, **common)
-    type_ = field_type(declared.type, scope)
+    type_ = field_type(declared.type, declared.name.text, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
         type_ = type_.model_copy(update={"by": (tuple(dict.fromkeys(n.text for n in declared.by.names)),)})
@@ -233,7 +232,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, place: str, kind: s
     return ir.VarField(type=type_, capped=capped, start=start, **common)
 
 
-def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
+def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
     match declared:
         case ast.Words():
             return words(tuple(dict.fromkeys(n.text for n in declared.names)))
@@ -244,8 +243,8 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
                 return ir.AGENTS if declared.set_of else ir.AGENT
             if declared.name.text == "reward" and not declared.set_of:
                 return ir.Type(kind="real", unit="reward")
-            near = nearest(declared.name.text, ("agent", "reward"))
-            raise scope.problems.fail(errors.UNKNOWN_NAME, declared.name.span, name=declared.name.text, nearest=near)
+            instead = {guess: help_.format(name=field) for guess, help_ in guesses.TYPES.items()}
+            raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields", instead)
 
 
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
@@ -280,13 +279,15 @@ def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | floa
 
 
 def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | float | str | None:
+    if type_.kind == "word":
+        check_known_word(tree, name, type_.words, scope)
     value = build(tree, scope)
     match value:
         case ir.Nobody() if type_.kind in ("agent", "agents"):
             return None
         case ir.Word() if type_.kind == "word":
             if value.value not in type_.words:
-                raise scope.problems.fail(errors.WORD_OUTSIDE, tree.span, word=value.value, name=name, words=", ".join(type_.words))
+                raise scope.problems.not_a_word(tree.span, value.value, name, type_.words)
             return value.value
         case ir.Number() if type_.kind in ("int", "real"):
             if type_.kind == "int" and (value.value != int(value.value) or not type_.low <= value.value <= type_.high):
@@ -316,8 +317,8 @@ def _glyphs(kind: ast.Kind, made: Declarations, scope: Scope) -> None:
             if f"{name}.{field_name.text}" in scope.static.broken:
                 continue
             if field_name.text not in fields:
-                near = nearest(field_name.text, fields)
-                scope.problems.add(errors.NO_FIELD, field_name.span, owner=f"the kind `{name}`", name=field_name.text, nearest=near)
+                choices = near_or_all(field_name.text, fields, "its fields")
+                scope.problems.add(errors.NO_FIELD, field_name.span, owner=f"the kind `{name}`", name=field_name.text, **choices)
                 continue
             with scope.problems.survive():
                 value = starting(tree, field_name.text, fields[field_name.text].type, scope)
@@ -351,8 +352,7 @@ def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block
         if f"shape {what.text}" in scope.static.broken:
             continue
         if what.text != "agents" and what.text not in scope.static.shapes:
-            near = nearest(what.text, ["agents", *scope.static.shapes])
-            scope.problems.add(errors.UNKNOWN_NAME, what.span, name=what.text, nearest=near)
+            scope.problems.unknown(what, ["agents", *scope.static.shapes], "what a cell can block")
             continue
         if what.text != "agents" and scope.static.shapes[what.text].see_through:
             problem = f"the shape `{what.text}` sees through everything"
@@ -392,8 +392,7 @@ def _action(name: ast.Name, static: Static, problems: Problems) -> int:
     if "actions" in static.broken:
         raise Poisoned
     if name.text not in static.actions:
-        near = nearest(name.text, static.actions)
-        raise problems.fail(errors.NO_ACTION, name.span, name=name.text, nearest=near)
+        raise problems.fail(errors.NO_ACTION, name.span, name=name.text, **near_or_all(name.text, static.actions, "the actions"))
     return static.actions.index(name.text)
 
 

@@ -7,16 +7,17 @@ from typing import Literal
 from sjdsl.compiler.source import Span
 
 Severity = Literal["error", "warning"]
+MOST_LISTED = 20  # names in one help line
 
 
 @dataclass(frozen=True)
 class Code:
-    """One kind of mistake. `message` and `hint` are templates over the facts of a diagnostic."""
+    """One kind of mistake. `message` and `hint` are templates over the facts of a diagnostic; of several hints the first that can be given is."""
 
     code: str
     title: str
     message: str
-    hint: str = ""
+    hint: str | tuple[str, ...] = ""
     severity: Severity = "error"
 
 
@@ -52,13 +53,10 @@ class Diagnostic:
 
     @property
     def hint(self) -> str:
-        """The help line; empty if a fact it needs is missing or empty (no near name, say)."""
-        try:
-            if any(self.facts[name] == "" for name in _fields(self.code.hint)):
-                return ""
-            return self.code.hint.format(**self.facts)
-        except KeyError:
-            return ""
+        """The help line: the first whose facts are all there (a near name, say); empty if there is none."""
+        hints = (self.code.hint,) if isinstance(self.code.hint, str) else self.code.hint
+        told = (hint for hint in hints if all(self.facts.get(name, "") != "" for name in _fields(hint)))
+        return next(told, "").format(**self.facts)
 
 
 def _fields(template: str) -> list[str]:
@@ -75,10 +73,21 @@ class CompileError(Exception):
         super().__init__("; ".join(f"{d.code.code} {d.span.line}:{d.span.column} {d.message}" for d in self.diagnostics))
 
 
+def near_or_all(name: str, candidates: Iterable[str], what: str) -> dict[str, str]:
+    """Returns the facts of a message about a name that is none of the candidates: the `nearest` one, and all there are (`known`).
+
+    `what`: what the candidates are, in the plural: "the actions".
+    """
+    known = list(dict.fromkeys(candidates))
+    shown = ", ".join(f"`{k}`" for k in known[:MOST_LISTED])
+    more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
+    return {"nearest": nearest(name, known), "known": f"{what} are {shown}{more}" if known else ""}
+
+
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """Returns the candidate closest to `name` by edit distance, or `""` if none is close enough to be meant."""
+    """Returns the other candidate closest to `name` by edit distance, or `""` if none is close enough to be meant."""
     best, best_distance = "", max(1, len(name) // 3) + 1
-    for candidate in sorted(set(candidates)):
+    for candidate in sorted(set(candidates) - {name}):
         distance = _distance(name, candidate)
         if distance < best_distance:
             best, best_distance = candidate, distance

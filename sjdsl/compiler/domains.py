@@ -59,7 +59,6 @@ def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
             name=d.kind.text,
             what="a kind of cell",
             wanted="an agent (`agent on KIND`)",
-            nearest="",
         )
     name = d.on.bind or d.on.kind
     check_free(name, scope, d.on.bind is not None)
@@ -127,7 +126,7 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
             raise Poisoned
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
-        raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell", nearest="")
+        raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell")
     from sjdsl.compiler.names import unknown
 
     raise unknown(name, scope)

@@ -5,6 +5,7 @@ from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.domains import domain, without_variables
 from sjdsl.compiler.expressions import as_agent, build, number, wrong_type
 from sjdsl.compiler.facts import narrow_word
+from sjdsl.compiler.names import check_known_word
 from sjdsl.compiler.phase_use import PhaseUse
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Scope
@@ -64,12 +65,13 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         row = row.model_copy(update={"type": row.type.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})})
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
             raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted=f"`{name.text}[word]`", given="the whole row", help="")
+        check_known_word(s.event.steps[0].key, name.text, row.type.by[0], scope)
         key = narrow_word(build(s.event.steps[0].key, scope), scope.fact_nodes)
         if key.type.kind != "word":
             raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
         outside = [w for w in key.type.words if w not in row.type.by[0]]
         if outside:
-            raise scope.problems.fail(errors.WORD_OUTSIDE, s.event.span, word=outside[0], name=name.text, words=", ".join(row.type.by[0]))
+            raise scope.problems.not_a_word(s.event.span, outside[0], name.text, row.type.by[0])
         word = key
     elif s.event.steps:
         raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
@@ -99,10 +101,11 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         after = None
     facing = None if s.facing is None else s.facing.text
     if facing is not None and facing not in FACINGS:
-        near_ = nearest(facing, FACINGS)
-        raise scope.problems.fail(errors.UNKNOWN_NAME, s.facing.span, name=facing, nearest=near_)  # type: ignore[union-attr]
+        raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")  # type: ignore[arg-type]
     if s.stay is not None and s.stay.text != "stay":
-        raise scope.problems.fail(errors.UNKNOWN_NAME, s.stay.span, name=s.stay.text, nearest="stay")
+        raise scope.problems.fail(
+            errors.UNKNOWN_NAME, s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"
+        )
     place = use.streams.header(s.domain.span, s.domain.span.end)
     pool = use.pools.setdefault(place, len(use.pools))
     return ir.Send(

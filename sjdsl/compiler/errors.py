@@ -39,23 +39,23 @@ NO_VERSION = Code("SJ012", "No version line", "the file does not begin with `sj 
 
 # ---- 1xx names
 
-UNKNOWN_NAME = Code("SJ101", "Unknown name", "`{name}` is not known here", "did you mean `{nearest}`?")
+UNKNOWN_NAME = Code("SJ101", "Unknown name", "`{name}` is not known here", ("{help}", "did you mean `{nearest}`?", "{known}"))
 NAME_TAKEN = Code("SJ102", "Name already taken", "`{name}` is already the name of {what}", "choose another name, or bind with `as`")
 WORD_CLASH = Code("SJ103", "A word with the name of something else", "`{name}` is both a word and {what}", "rename one of the two")
-NO_FIELD = Code("SJ104", "No such field", "{owner} has no field `{name}`", "did you mean `{nearest}`?")
-NO_ACTION = Code("SJ105", "No such action", "`{name}` is not an action of the agents", "did you mean `{nearest}`?")
+NO_FIELD = Code("SJ104", "No such field", "{owner} has no field `{name}`", ("{help}", "did you mean `{nearest}`?", "{known}"))
+NO_ACTION = Code("SJ105", "No such action", "`{name}` is not an action of the agents", ("did you mean `{nearest}`?", "{known}"))
 PHASE_USE = Code("SJ106", "Phase and schedule disagree", "phase `{name}` is {problem}", "{help}")
 NO_EVENT = Code(
     "SJ107",
     "Event not declared",
     "event `{name}` is not declared in `metrics`",
-    "write `event {name}` in `metrics`, or did you mean `{nearest}`?",
+    ("write `event {name}` in `metrics`, or did you mean `{nearest}`?", "write `event {name}` in `metrics`"),
 )
 CHANGE_UNKNOWN = Code(
     "SJ108",
     "A change to what is not there",
     "this changes `{name}`, which the game does not have",
-    "did you mean `{nearest}`?",
+    ("did you mean `{nearest}`?", "{known}"),
 )
 CHANGE_CLASH = Code(
     "SJ109",
@@ -71,10 +71,12 @@ FILE_OUTSIDE = Code(
     "`{name}` leaves the folder of the game",
     "name a file in the game's own folder or below it",
 )
-NOT_A = Code("SJ113", "A name of another sort", "`{name}` is {what}, but {wanted} is wanted here", "did you mean `{nearest}`?")
+NOT_A = Code(
+    "SJ113", "A name of another sort", "`{name}` is {what}, but {wanted} is wanted here", ("{help}", "did you mean `{nearest}`?", "{known}")
+)
 MISSING_PART = Code("SJ114", "Something every game needs", "the game has no {what}", "write {help}")
 TWICE = Code("SJ115", "Said twice", "{what} is written twice", "keep one of them")
-NO_VARIANT = Code("SJ116", "No such variant", "the game has no variant `{name}`", "did you mean `{nearest}`?")
+NO_VARIANT = Code("SJ116", "No such variant", "the game has no variant `{name}`", ("did you mean `{nearest}`?", "{known}"))
 BAD_NAME = Code(
     "SJ117",
     "A name that cannot be used",
@@ -100,7 +102,12 @@ FIELD_RANGE = Code(
     "`{name}` can leave its range {low} .. {high} here: it can become {reached}",
     "write `capped` after the range, or guard the change with `when`",
 )
-WORD_OUTSIDE = Code("SJ205", "Not one of the words", "`{word}` is not one of the words of `{name}`", "its words are {words}")
+WORD_OUTSIDE = Code(
+    "SJ205",
+    "Not one of the words",
+    "`{word}` is not one of the words of `{name}`",
+    ("did you mean `{nearest}`? the words are {words}", "its words are {words}"),
+)
 NEVER_EQUAL = Code("SJ206", "These can never be equal", "these two can never be equal: they have no word in common", "")
 ZERO_DIVISOR = Code(
     "SJ207",
@@ -144,7 +151,7 @@ UNKNOWN_GLYPH = Code(
     "SJ301",
     "Unknown map glyph",
     "glyph `{glyph}` at row {row}, column {column} is in no kind",
-    "declare it with `kind` or `glyph`, or did you mean `{nearest}`?",
+    ("declare it with `kind` or `glyph`, or did you mean `{nearest}`?", 'declare it, as in `kind NAME "{glyph}"`'),
 )
 RAGGED_MAP = Code("SJ302", "Rows of different length", "row {row} has {length} characters, the others {wanted}", "")
 TOO_FEW_CELLS = Code(

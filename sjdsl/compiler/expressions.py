@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from math import inf
 from typing import assert_never
 
-from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler import ast, errors, guesses, ir
 from sjdsl.compiler.arithmetic import arithmetic, compare, extreme, join_types
 from sjdsl.compiler.cases import case
+from sjdsl.compiler.diagnostics import near_or_all
 from sjdsl.compiler.facts import at_least
-from sjdsl.compiler.names import index, member, path
+from sjdsl.compiler.names import check_known_word, index, member, path
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Poisoned, Scope
 from sjdsl.compiler.types import describe, hull, integer, is_number, real, times
@@ -118,10 +119,11 @@ def unary(e: ast.Unary, scope: Scope) -> ir.Expr:
 def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
     if e.op in ("and", "or"):
         return logic(e, scope)
-    left, right = build_all((e.left, e.right), scope)
     if e.op in ("is", "is not"):
+        left, right = compared(e, scope)
         same = identity(e, left, right, scope)
         return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
+    left, right = build_all((e.left, e.right), scope)
     if e.op in ("<", "<=", ">", ">=", "==", "!="):
         return compare(e, left, right, scope)
     return arithmetic(e, left, right, scope)
@@ -134,6 +136,18 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
     right = condition(e.right, scope.knowing([known]))
     args = tuple(part for side in (left, right) for part in (side.args if isinstance(side, ir.Logic) and side.fn == e.op else (side,)))
     return ir.Logic(fn="and" if e.op == "and" else "or", args=args, origin=e.span)
+
+
+def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
+    """Returns both sides of `x is y`; where x is a word, y is not any name."""
+    try:
+        left = build(e.left, scope)
+    except Poisoned:
+        build(e.right, scope)
+        raise
+    if left.type.kind == "word" and not left.type.by:
+        check_known_word(e.right, text(left), left.type.words, scope)
+    return [left, build(e.right, scope)]
 
 
 def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
@@ -164,9 +178,7 @@ def as_agent(e: ir.Expr) -> bool:
 def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
     for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
         if isinstance(literal, ir.Word) and literal.value not in other.type.words:
-            raise scope.problems.fail(
-                errors.WORD_OUTSIDE, tree.span, word=literal.value, name=text(other), words=", ".join(other.type.words)
-            )
+            raise scope.problems.not_a_word(tree.span, literal.value, text(other), other.type.words)
     if not set(left.type.words) & set(right.type.words):
         raise scope.problems.fail(errors.NEVER_EQUAL, e.span)
 
@@ -181,7 +193,7 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
         name = bound
     if scope.place in BETWEEN_STEPS:
         said, what = f"{agent.name} chose {name}", "about what is done in a step"
-        raise scope.problems.fail(errors.NOT_A, e.span, name=said, what=what, wanted="something about a state", nearest="")
+        raise scope.problems.fail(errors.NOT_A, e.span, name=said, what=what, wanted="something about a state")
     return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
 
 
@@ -197,9 +209,7 @@ def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> 
     if "actions" in scope.static.broken:
         raise Poisoned
     if wanted not in actions:
-        from sjdsl.compiler.diagnostics import nearest
-
-        raise scope.problems.fail(errors.NO_ACTION, name.span, name=wanted, nearest=nearest(wanted, actions))
+        raise scope.problems.fail(errors.NO_ACTION, name.span, name=wanted, **near_or_all(wanted, actions, "the actions"))
     scope.static.used.add(f"action {wanted}")
     return actions.index(wanted)
 
@@ -212,9 +222,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
-            raise scope.problems.fail(
-                errors.NOT_A, e.kind.span, name=e.kind.text, what=what, wanted="a cell of a sentence around", nearest=""
-            )
+            raise scope.problems.fail(errors.NOT_A, e.kind.span, name=e.kind.text, what=what, wanted="a cell of a sentence around")
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = build(e.who, scope)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
@@ -228,10 +236,7 @@ def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     if kinds is None and name.text in scope.static.broken:
         raise Poisoned
     if kinds is None:
-        from sjdsl.compiler.diagnostics import nearest
-
-        candidates = [*scope.static.kinds, *scope.static.groups, "agent"]
-        raise scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=nearest(name.text, candidates))
+        raise scope.problems.unknown(name, ["agent", *scope.static.kinds, *scope.static.groups], "the agents and kinds of this game")
     scope.static.used.update({name.text, *kinds})
     return kinds
 
@@ -246,9 +251,7 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
             return ir.Truth(value=value.value in names, origin=e.span)
         for name in e.container.names:
             if name.text not in value.type.words:
-                raise scope.problems.fail(
-                    errors.WORD_OUTSIDE, name.span, word=name.text, name=text(value), words=", ".join(value.type.words)
-                )
+                raise scope.problems.not_a_word(name.span, name.text, text(value), value.type.words)
         return ir.InWords(value=value, words=names, origin=e.span)
     if e.high is not None:
         low, high = build_all((e.container, e.high), scope)
@@ -316,10 +319,9 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         from sjdsl.compiler.defines import use
 
         return use(e.name, e.arguments, scope)
-    candidates = ["min", "max", "ramp", *ROW_FUNCTIONS, *MATRIX_CLASSES, *scope.static.defines]
-    from sjdsl.compiler.diagnostics import nearest
-
-    raise scope.problems.fail(errors.UNKNOWN_NAME, e.name.span, name=name, nearest=nearest(name, candidates))
+    classes = MATRIX_CLASSES if scope.place == "`checks`" else ()
+    candidates = ["count", "sum", "min", "max", "ramp", *ROW_FUNCTIONS, *classes, *scope.static.defines]
+    raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
 
 
 def arity(e: ast.Call, scope: Scope, least: int, most: int | None = None) -> None:
@@ -370,7 +372,7 @@ def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
 
 def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
     if scope.place != "`checks`":
-        raise scope.problems.fail(errors.NOT_A, e.name.span, name=e.name.text, what="a class of games", wanted="a value", nearest="")
+        raise scope.problems.fail(errors.NOT_A, e.name.span, name=e.name.text, what="a class of games", wanted="a value")
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
     return ir.MatrixClass(name=e.name.text, table=table, origin=e.span)  # type: ignore[arg-type]

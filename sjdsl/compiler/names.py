@@ -1,12 +1,12 @@
 """Paths: what a name means where it stands, its members and its entries."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 
-from sjdsl.compiler import ast, errors, ir
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler import ast, errors, guesses, ir
+from sjdsl.compiler.diagnostics import near_or_all
 from sjdsl.compiler.facts import narrow_word
 from sjdsl.compiler.print_ir import expression as text
-from sjdsl.compiler.scope import START, Poisoned, Scope
+from sjdsl.compiler.scope import START, Poisoned, Problems, Scope, Static
 from sjdsl.compiler.types import HEADINGS, describe, element, integer, words
 
 Build = Callable[[ast.Expr, Scope], ir.Expr]
@@ -33,7 +33,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         if bound is None:
             raise Poisoned
         if isinstance(bound, str):
-            raise scope.problems.fail(errors.NOT_A, e.name.span, name=name, what=f"the action `{bound}`", wanted="a value", nearest="")
+            raise scope.problems.fail(errors.NOT_A, e.name.span, name=name, what=f"the action `{bound}`", wanted="a value")
         return bound.model_copy(update={"origin": e.span})
     if name == "step":
         return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
@@ -68,17 +68,36 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     if static.kinds_of(name.text) or name.text == "agent":
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
         wanted = f"a variable of a sentence around (`each {name.text} …`)"
-        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, nearest="")
-    if name.text in static.events:
-        return scope.problems.fail(
-            errors.NOT_A,
-            name.span,
-            name=name.text,
-            what="an event",
-            wanted="a value (events are read in `checks`)",
-            nearest="",
-        )
-    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=scope.near(name.text))
+        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted)
+    for what, table, help_ in (
+        ("an event", static.events, "events are read in `checks`; what a rule reads is kept in a field"),
+        ("an action", static.actions, f"`agent chose {name.text}` asks whether an agent chose it"),
+        ("a shape", static.shapes, f"`count(KIND in {name.text} of agent)` counts what is in it"),
+    ):
+        if name.text in table:
+            return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted="a value", help=help_)
+    near = scope.near(name.text)
+    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=near, help=_owned(name.text, near, static))
+
+
+def _owned(name: str, near: str, static: Static) -> str:
+    """Returns what to write for a name that something else has: a field without its owner, a condition compared with `true`."""
+    if name in guesses.CONDITIONS:
+        return "a condition is used as it is: `when c`, `when not c`"
+    owners = ["agent"] * (name in static.agent_fields or name in AGENT_ATTRIBUTES)
+    owners += [kind.name for kind in static.kinds.values() if any(f.name == name for f in kind.fields)]
+    paths = " or ".join(f"`{owner}.{name}`" for owner in owners[:3])
+    return f"a field is written with its owner: {paths}" if owners and not near else ""
+
+
+def check_known_word(tree: ast.Expr | ast.Table, owner: str, words: Iterable[str], scope: Scope) -> None:
+    """Says which words there are, if a tree that should be one of them is a name that means nothing here."""
+    static = scope.static
+    if not isinstance(tree, ast.Path) or tree.steps or tree.name.text in scope.variables or static.is_word(tree.name.text):
+        return
+    name = tree.name.text
+    if name not in static.names() | static.broken and name not in static.events:
+        raise scope.problems.not_a_word(tree.span, name, owner, words)
 
 
 def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
@@ -99,6 +118,12 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     raise scope.problems.fail(
         errors.WRONG_TYPE, name.span, wanted="an agent or a cell before the point", given=describe(owner.type), help=""
     )
+
+
+def no_field(name: ast.Name, owner: str, fields: Iterable[str], instead: Mapping[str, str], problems: Problems) -> Poisoned:
+    """Reports a field that `owner` does not have; `instead`: what to write for names that are often tried."""
+    facts = near_or_all(name.text, fields, "the fields")
+    return problems.fail(errors.NO_FIELD, name.span, owner=owner, name=name.text, help=instead.get(name.text, ""), **facts)
 
 
 def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
@@ -125,8 +150,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     if f"agent.{name.text}" in static.broken:
         raise Poisoned
-    candidates = [*static.agent_fields, *AGENT_ATTRIBUTES]
-    raise scope.problems.fail(errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=nearest(name.text, candidates))
+    raise no_field(name, "an agent", [*static.agent_fields, *AGENT_ATTRIBUTES], guesses.AGENT_FIELDS | guesses.PLACES, scope.problems)
 
 
 def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
@@ -141,8 +165,7 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
             raise Poisoned
         if name.text not in fields:
             what = f"the kind `{kind}`" if len(owner.kinds) == 1 else f"the kind `{kind}` of the group"
-            candidates = [*fields, *CELL_ATTRIBUTES]
-            raise scope.problems.fail(errors.NO_FIELD, name.span, owner=what, name=name.text, nearest=nearest(name.text, candidates))
+            raise no_field(name, what, [*fields, *CELL_ATTRIBUTES], guesses.PLACES, scope.problems)
         found.append(fields[name.text])
         static.used.add(f"{kind}.{name.text}")
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
@@ -151,7 +174,6 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
             name.span,
             owner="the group: its kinds disagree on the type, so it",
             name=name.text,
-            nearest="",
         )
     return ir.FieldRead(type=found[0].type, owner=owner, place="cell", kinds=owner.kinds, name=name.text, origin=name.span)
 
@@ -160,18 +182,13 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope, build: Build) -> ir.Expr:
     """Returns `row[key]`, the key a word of the row's set or a mix over it."""
     if not row.type.by:
         raise scope.problems.fail(errors.WRONG_TYPE, step.span, wanted="a row or table before `[`", given=describe(row.type), help="")
+    check_known_word(step.key, text(row), row.type.by[0], scope)
     key = narrow_word(build(step.key, scope), scope.fact_nodes)
     if key.type.kind not in ("word", "mix") or key.type.by:
         raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="a word", given=describe(key.type), help="")
     outside = [w for w in key.type.words if w not in row.type.by[0]]
     if outside or (key.type.kind == "mix" and key.type.words != row.type.by[0]):
-        raise scope.problems.fail(
-            errors.WORD_OUTSIDE,
-            step.key.span,
-            word=outside[0] if outside else "mix",
-            name=text(row),
-            words=", ".join(row.type.by[0]),
-        )
+        raise scope.problems.not_a_word(step.key.span, outside[0] if outside else "mix", text(row), row.type.by[0])
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word):
             raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="one word", given=describe(key.type), help="")

@@ -6,7 +6,7 @@ from itertools import chain
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.defines import use as use_define
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler.diagnostics import near_or_all
 from sjdsl.compiler.domains import domain
 from sjdsl.compiler.expressions import action_number, build, condition, number
 from sjdsl.compiler.print_ir import expression as text
@@ -105,8 +105,7 @@ def _check(check: ast.Check, scope: Scope) -> ir.Check:
             return _monotone(check, scope)
         case ast.Symmetric():
             if check.what.text not in ("agents", "mirror"):
-                near = nearest(check.what.text, ("agents", "mirror"))
-                raise scope.problems.fail(errors.UNKNOWN_NAME, check.what.span, name=check.what.text, nearest=near)
+                raise scope.problems.unknown(check.what, ("agents", "mirror"), "the symmetries")
             return ir.Check(sort="symmetric", words=(check.what.text,), origin=check.span)
         case ast.Expect():
             return _expect(check, scope)
@@ -124,14 +123,13 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
     values = []
     for name in (check.value, check.argument):
         if name.text not in scope.static.defines:
-            near = nearest(name.text, scope.static.defines)
-            raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="no define", wanted="a define", nearest=near)
+            choices = near_or_all(name.text, scope.static.defines, "the defines")
+            raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="no define", wanted="a define", **choices)
         values.append(use_define(name, (), scope))
         if not is_number(values[-1].type):
             raise scope.problems.fail(errors.WRONG_TYPE, name.span, wanted="a number", given=describe(values[-1].type), help="")
     if check.direction.text not in ("falling", "rising"):
-        near = nearest(check.direction.text, ("falling", "rising"))
-        raise scope.problems.fail(errors.UNKNOWN_NAME, check.direction.span, name=check.direction.text, nearest=near)
+        raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
     words = (check.direction.text, check.value.text, check.argument.text)
     return ir.Check(sort="monotone", values=tuple(values), words=words, origin=check.span)
 
@@ -149,8 +147,7 @@ def _policy(policy: ast.Policy, scope: Scope) -> ir.Policy:
         built, _ = domain(policy.domain, seeker)
         return ir.Policy(name="seek", domain=built, origin=policy.span)
     if name not in ("random", "never") or (name == "never") != bool(policy.actions):
-        near = nearest(name, ("random", "never", "seek"))
-        raise scope.problems.fail(errors.UNKNOWN_NAME, policy.name.span, name=name, nearest=near)
+        raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND"), "the policies")
     actions = tuple(action_number(a, scope) for a in policy.actions)
     return ir.Policy(name=name, actions=actions, origin=policy.span)  # type: ignore[arg-type]
 

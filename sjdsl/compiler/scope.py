@@ -1,11 +1,11 @@
 """What names mean: the static tables of a game, the variables in scope, and the problems found so far."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast, errors, ir
-from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label, nearest
+from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label, near_or_all, nearest
 from sjdsl.compiler.source import Source, Span
 
 START = "`phase start`"  # the place of a scope in which no agent stands anywhere
@@ -32,6 +32,16 @@ class Problems:
         """Records one diagnostic and returns what to raise: `raise problems.fail(...)`."""
         self.add(code, span, labels, **facts)
         return Poisoned()
+
+    def not_a_word(self, span: Span, word: str, owner: str, words: Iterable[str]) -> Poisoned:
+        """Records that a word is none of the words of a field, row, event or `case`."""
+        choices = list(words)
+        return self.fail(errors.WORD_OUTSIDE, span, word=word, name=owner, words=", ".join(choices), nearest=nearest(word, choices))
+
+    def unknown(self, name: ast.Name, candidates: Iterable[str], what: str, instead: Mapping[str, str] | None = None) -> Poisoned:
+        """Records that a name is none of the candidates (`what` says what they are); `instead`: what to write for names often tried."""
+        help_ = (instead or {}).get(name.text, "")
+        return self.fail(errors.UNKNOWN_NAME, name.span, name=name.text, help=help_, **near_or_all(name.text, candidates, what))
 
     @contextmanager
     def survive(self, broken: set[str] | None = None, name: str = "") -> Iterator[None]:

@@ -1,7 +1,6 @@
 """Shapes: pictures and built-in forms become lanes of (ahead, right) offsets."""
 
-from sjdsl.compiler import ast, errors, ir, limits
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.compiler import ast, errors, guesses, ir, limits
 from sjdsl.compiler.expressions import fixed
 from sjdsl.compiler.scope import Poisoned, Scope
 
@@ -26,8 +25,7 @@ def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
         if shape is None:
             if f"shape {ref.name.text}" in static.broken:
                 raise Poisoned
-            near = nearest(ref.name.text, [*static.shapes, *BUILT_IN])
-            raise scope.problems.fail(errors.UNKNOWN_NAME, ref.name.span, name=ref.name.text, nearest=near)
+            raise scope.problems.unknown(ref.name, [*static.shapes, *BUILT_IN], "the shapes", guesses.SHAPES)
         static.used.add(f"shape {ref.name.text}")
         return shape
     shape = built_in(ref, scope)
@@ -70,7 +68,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     """Returns `line(n)`, `fan(length, radius)`, `disc(r)`, `diamond(r)`, `square(r)` (these three also `(r, centre)`)."""
     name, arguments = ref.name.text, ref.arguments or ()
     if name not in BUILT_IN:
-        raise scope.problems.fail(errors.UNKNOWN_NAME, ref.name.span, name=name, nearest=nearest(name, [*BUILT_IN, *scope.static.shapes]))
+        raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes", guesses.SHAPES)
     centre = False
     if name in SEE_THROUGH and len(arguments) == 2 and isinstance(arguments[1], ast.Path) and arguments[1].name.text == "centre":
         arguments, centre = arguments[:1], True

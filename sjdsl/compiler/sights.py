@@ -20,7 +20,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
         if name.text in [n.text for n, _ in game.window.sides[:i]]:
             scope.problems.add(errors.TWICE, name.span, what=f"`{name.text}`")
         if name.text not in SIDES:
-            scope.problems.add(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=nearest(name.text, SIDES))
+            scope.problems.unknown(name, SIDES, "the sides of a window")
             continue
         with scope.problems.survive():
             value = fixed(tree, scope, "the window")

@@ -3,7 +3,6 @@
 from typing import assert_never
 
 from sjdsl.compiler import ast, errors, ir, limits
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.domains import check_free, domain, near
 from sjdsl.compiler.effects import agent, give, send, tally
 from sjdsl.compiler.expressions import build, condition, interval_text, number, wrong_type
@@ -111,7 +110,7 @@ def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
             raise scope.problems.fail(errors.TWICE, name.span, what=f"the word `{name.text}`")
         if not scope.static.is_word(name.text):
             known = [w for ws in scope.static.word_sets for w in ws]
-            raise scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=nearest(name.text, known))
+            raise scope.problems.unknown(name, known, "the words of the game")
 
 
 def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
@@ -347,7 +346,6 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
             name=s.domain.kind.text,
             what="a kind of cell",
             wanted="`agent`",
-            nearest="",
         )
     stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
     return ir.Move(domain=movers, stream=stream, origin=s.span)

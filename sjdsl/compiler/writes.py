@@ -5,6 +5,7 @@ from math import inf
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.expressions import as_agent, build, interval_text, wrong_type
 from sjdsl.compiler.facts import narrow_word, narrowed
+from sjdsl.compiler.names import check_known_word
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Scope
 from sjdsl.compiler.types import describe, is_number, join_units
@@ -41,6 +42,8 @@ def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
 def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
     """Returns `set target = value`."""
     target, field = target_of(s.target, scope)
+    if target.type.kind == "word":
+        check_known_word(s.value, text(target), target.type.words, scope)
     value = narrow_word(build(s.value, scope), scope.fact_nodes)
     type_ = target.type
     if value.type.by and value.type.by != type_.by:
@@ -66,7 +69,7 @@ def _check_words(s: ast.Set, type_: ir.Type, target: ir.Expr, value: ir.Expr, sc
         raise wrong_type(scope, s.value, describe(type_), value.type)
     for word in value.type.words:
         if word not in type_.words:
-            raise scope.problems.fail(errors.WORD_OUTSIDE, s.value.span, word=word, name=text(target), words=", ".join(type_.words))
+            raise scope.problems.not_a_word(s.value.span, word, text(target), type_.words)
 
 
 def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
