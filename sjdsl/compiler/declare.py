@@ -17,6 +17,7 @@ from sjdsl.compiler.types import describe, join_units, words
 
 BUILT_IN_ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "reward")
+SEEN = {"outside": "what an agent sees off the map", "everyone": "all agents, in `observe`"}  # no names of kinds
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
 
 
@@ -93,8 +94,8 @@ def _check_names(game: Composition, static: Static, problems: Problems) -> None:
         for name, node in table.items():
             if name in RESERVED_VARIABLES:
                 problems.add(errors.NAME_TAKEN, node.name.span, name=name, what="something of the language")
-            elif name == "outside" and what == "a kind":
-                problems.add(errors.NAME_TAKEN, node.name.span, name=name, what="what an agent sees off the map")
+            elif name in SEEN and what in ("a kind", "a group"):
+                problems.add(errors.NAME_TAKEN, node.name.span, name=name, what=SEEN[name])
             elif name in taken:
                 problems.add(errors.NAME_TAKEN, node.name.span, name=name, what=taken[name])
             elif static.is_word(name):

@@ -123,13 +123,14 @@ class Label(Node):
 
 
 class Sight(Node):
-    """Something seen. `what`: `cell` (field of `kind` at each cell), `own`, `other`, `world` (fields), `heading` (others').
+    """Something seen. `what`: `cell` (field of `kind` at each cell), `own`, `other`, `everyone`, `world` (fields), `heading` (others').
 
+    `everyone`: the field of each agent, one plane an agent in the order of their numbers, the same in the whole window.
     `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
     observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading.
     """
 
-    what: Literal["cell", "own", "other", "world", "heading"]
+    what: Literal["cell", "own", "other", "everyone", "world", "heading"]
     kind: str = ""
     field: str = ""
     word: str | None = None

@@ -8,6 +8,7 @@ from sjdsl.compiler.scope import Poisoned, Problems, Scope, Static
 from sjdsl.compiler.types import HEADINGS, element, words
 
 SIDES = ("ahead", "behind", "left", "right")
+OWNERS = {"agent": "own", "other": "other", "everyone": "everyone"}  # how a path to a field of agents begins -> what is seen
 Key = tuple[str, str, str]  # what, kind, field
 
 
@@ -53,7 +54,7 @@ def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Si
                 _show(sight, seen, static, problems)
             else:
                 _hide(sight, seen, static, problems)
-    order = ("cell", "heading", "other", "own", "world")
+    order = ("cell", "heading", "other", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
@@ -66,35 +67,35 @@ def _entries(sight: ir.Sight) -> list[ir.Sight]:
 
 
 def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
-    """Returns which sight a path names: `agent.f`, `other.f`, `other.heading`, `kind.f`, or a world field."""
+    """Returns which sight a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, or a world field."""
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
     if len(members) != len(path.steps) or len(members) > 1:
         raise problems.fail(
             errors.WRONG_TYPE,
             path.span,
-            wanted="`agent.field`, `other.field` or `kind.field`",
+            wanted="`agent.field`, `other.field`, `everyone.field` or `kind.field`",
             given="another path",
             help="",
         )
     if not members:
         if head not in static.fields:
-            near = nearest(head, [*static.fields, "agent", "other", *static.kinds])
+            near = nearest(head, [*static.fields, *OWNERS, *static.kinds])
             raise problems.fail(errors.UNKNOWN_NAME, path.name.span, name=head, nearest=near)
         static.used.add(f"field {head}")
         return ("world", "", head), static.fields[head]
     name = members[0]
-    if ("agent" if head == "other" else head) + f".{name.text}" in static.broken:
+    if ("agent" if head in OWNERS else head) + f".{name.text}" in static.broken:
         raise Poisoned
-    if head in ("agent", "other"):
+    if head in OWNERS:
         if head == "other" and name.text == "heading":
             return ("heading", "", ""), None
         if name.text not in static.agent_fields:
             near = nearest(name.text, static.agent_fields)
             raise problems.fail(errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=near)
-        return ("own" if head == "agent" else "other", "", name.text), static.agent_fields[name.text]
+        return (OWNERS[head], "", name.text), static.agent_fields[name.text]
     if head not in static.kinds:
-        near = nearest(head, ["agent", "other", *static.kinds])
+        near = nearest(head, [*OWNERS, *static.kinds])
         raise problems.fail(errors.UNKNOWN_NAME, path.name.span, name=head, nearest=near)
     fields = {f.name: f for f in static.kinds[head].fields}
     if name.text not in fields:
@@ -108,7 +109,7 @@ def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: P
     if field is None:
         return
     what, kind, name = key
-    prefix = {"own": "agent.", "other": "agent.", "world": "field "}.get(what, f"{kind}.")
+    prefix = "agent." if what in OWNERS.values() else "field " if what == "world" else f"{kind}."
     static.used.add(prefix + name)
     labels = _labels(show, what, kind, static, problems)
     type_ = field.type
@@ -133,6 +134,8 @@ def _scope(what: str, kind: str, static: Static, problems: Problems) -> Scope:
         return scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
     if what in ("other", "heading"):
         return scope.bind("other", ir.Member(name="other", who="agent"))
+    if what == "everyone":
+        return scope.bind("everyone", ir.Member(name="everyone", who="agent"))
     return scope
 
 

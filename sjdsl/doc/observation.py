@@ -52,11 +52,15 @@ def _marks(game: ir.Game) -> list[Line]:
 
 
 def _sight(s: ir.Sight, v: Vocabulary) -> Line:
-    whose = {"cell": f"each {s.kind} cell", "own": "the observer itself", "other": "other agents, where they stand", "world": "the world"}[
-        s.what
-    ]
+    whose = {
+        "cell": f"each {s.kind} cell",
+        "own": "the observer itself",
+        "other": "other agents, where they stand",
+        "everyone": "every agent, wherever it is, in the order of their numbers",
+        "world": "the world",
+    }[s.what]
     entry = f"the {code(s.word)} entry of the" if s.word is not None else "the"
-    text = f"{entry} {code(s.field)} of {whose}" + (", the same everywhere in the window" if s.what in ("own", "world") else "")
+    text = f"{entry} {code(s.field)} of {whose}" + (", the same everywhere in the window" if s.what in ("everyone", "own", "world") else "")
     if s.labels:
         text += f", shown as the first of these that applies: {_labels(s.labels, v)}"
     if s.hidden_when is not None:
@@ -66,8 +70,11 @@ def _sight(s: ir.Sight, v: Vocabulary) -> Line:
 
 def _readers(s: ir.Sight) -> str:
     """Returns what the variables in the conditions of a sight stand for."""
-    other = {"cell": f', "the {s.kind} cell" the cell that is seen', "other": ", agent *other* the one that is seen"}.get(s.what, "")
-    return f' ("the agent" is the observer{other or (", agent *other* the one that is seen" if s.what == "heading" else "")})'
+    name = "everyone" if s.what == "everyone" else "other"
+    other = {"cell": f', "the {s.kind} cell" the cell that is seen', "own": "", "world": ""}.get(
+        s.what, f", agent *{name}* the one that is seen"
+    )
+    return f' ("the agent" is the observer{other})'
 
 
 def _labels(labels: tuple[ir.Label, ...], v: Vocabulary) -> str:
@@ -77,6 +84,7 @@ def _labels(labels: tuple[ir.Label, ...], v: Vocabulary) -> str:
 def unseen_fields(game: ir.Game) -> list[str]:
     """Returns the fields that no sight shows."""
     shown = {(s.what, s.kind, s.field) for s in game.sights}
+    shown |= {(what, "", name) for sort, _, name in shown if sort == "everyone" for what in ("own", "other")}
     return [text for key, text in _fields(game) if key not in shown]
 
 

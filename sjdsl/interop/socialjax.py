@@ -77,7 +77,7 @@ class SocialJaxGame:
     def reset(self, key: Array) -> tuple[Array, State]:
         """Returns the first observations and state."""
         observation, game = self.env.reset(key)
-        return self._observation(observation, game), State(game, jnp.int32(0), jnp.int32(0))
+        return self._observation(observation), State(game, jnp.int32(0), jnp.int32(0))
 
     @partial(jax.jit, static_argnums=(0,))
     def step(
@@ -96,7 +96,7 @@ class SocialJaxGame:
         if reset_state is not None:
             made = jax.tree.map(lambda new, old: jnp.where(over, new, old), reset_state, made)
             observation = self.env.observe(made.game)
-        return self._observation(observation, made.game), made, *self._results(reward, over, info, actions, timestep)
+        return self._observation(observation), made, *self._results(reward, over, info, actions, timestep)
 
     @partial(jax.jit, static_argnums=(0,))
     def step_env(
@@ -107,11 +107,11 @@ class SocialJaxGame:
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
         made = made.replace(game=jax.tree.map(lambda last, new: jnp.where(over, last, new), info["terminal_state"], game))
-        return self._observation(self.env.observe(made.game), made.game), made, *self._results(reward, over, info, actions, timestep)
+        return self._observation(self.env.observe(made.game)), made, *self._results(reward, over, info, actions, timestep)
 
     def get_obs(self, state: State) -> Array:
         """Returns the observations of a state."""
-        return self._observation(self.env.observe(state.game), state.game)
+        return self._observation(self.env.observe(state.game))
 
     def render(self, state: State) -> Any:
         """Returns the board as a picture, `[height, width, 3]` uint8."""
@@ -132,8 +132,8 @@ class SocialJaxGame:
     def _after(self, state: State, game: Any, ended: Array) -> State:
         return State(game, jnp.where(ended, 0, state.inner_t + 1), state.outer_t + ended.astype(jnp.int32))
 
-    def _observation(self, observation: Array, game: Any) -> Array:
-        channels = self._channels(observation, game)
+    def _observation(self, observation: Array) -> Array:
+        channels = self._channels(observation)
         return channels.reshape(self.num_agents, -1) if self._flat else channels
 
     def _results(

@@ -27,8 +27,9 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
             continue
         here = Instance(board, world, names={"agent": agent})
         for number, plane in enumerate(all_planes):
-            if plane.what in ("own", "world"):  # the same in the whole window
-                picture[agent, number] = _shown(_sight(plane), here, 0)
+            if plane.what in ("everyone", "own", "world"):  # the same in the whole window
+                inside = here if plane.agent is None else here.binding({"everyone": plane.agent})
+                picture[agent, number] = _shown(_sight(plane), inside, 0)
                 continue
             for row in range(rows):
                 for column in range(columns):
@@ -50,7 +51,7 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
         case "other":
             other = _other(cell, agent, here)
             return 0 if other is None else _shown(_sight(plane), here.binding({"other": other}), bool(plane.labels))
-        case "own" | "world":
+        case "everyone" | "own" | "world":
             raise AssertionError(plane)
         case _:
             assert_never(plane.what)
@@ -122,8 +123,8 @@ def _read(sight: ir.Sight, board: Board) -> ir.Expr:
                 ir.Member(name=sight.kind, who="cell", kinds=(sight.kind,)),
                 board.cell_fields[sight.kind, sight.field],
             )
-        case "own" | "other":
-            name = "agent" if sight.what == "own" else "other"
+        case "own" | "other" | "everyone":
+            name = "agent" if sight.what == "own" else sight.what
             owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[sight.field]
         case "world":
             owner, declared = None, board.world_fields[sight.field]

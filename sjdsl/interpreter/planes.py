@@ -14,14 +14,16 @@ class Plane:
     """One value for each cell of a window.
 
     encoding: `word`: an index into `labels`; `bits`: bit k stands for label k; `number`.
-    what: `content`, `agent`, `marks`, or what the sight is of. sight: what is shown, for planes of one field.
+    what: `content`, `agent`, `marks`, or what the sight is of. sight: what is shown, for planes of one field. agent: of whom, for
+    planes of every agent.
     """
 
     name: str
     encoding: Literal["word", "bits", "number"]
     labels: tuple[str, ...]
-    what: Literal["content", "agent", "marks", "other", "own", "world"]
+    what: Literal["content", "agent", "marks", "other", "everyone", "own", "world"]
     sight: ir.Sight | None = None
+    agent: int | None = None
 
 
 def planes(game: ir.Game) -> tuple[Plane, ...]:
@@ -32,8 +34,9 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
     ]
     if marking(game):
         result.append(Plane("marks", "bits", tuple(phase.label for phase in marking(game)), "marks"))
-    for what in ("other", "own", "world"):
-        result += [_field_plane(sight) for sight in game.sights if sight.what == what]
+    for what in ("other", "everyone", "own", "world"):
+        agents = range(game.agents.number) if what == "everyone" else (None,)
+        result += [_field_plane(sight, agent) for sight in game.sights if sight.what == what for agent in agents]
     return tuple(result)
 
 
@@ -81,11 +84,11 @@ def _agent_labels(game: ir.Game) -> tuple[str, ...]:
     return AGENT_WORDS if headings[0].hidden_when is None else (*AGENT_WORDS, "other")
 
 
-def _field_plane(sight: ir.Sight) -> Plane:
+def _field_plane(sight: ir.Sight, agent: int | None) -> Plane:
     assert sight.what != "cell"
     assert sight.what != "heading"
-    owner = {"other": "other.", "own": "agent.", "world": ""}[sight.what]
+    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[sight.what]
     words = sight_words(sight)
     if sight.what == "other" and words:
         words = ("nobody", *words)
-    return Plane(owner + field_name(sight), "word" if words else "number", words, sight.what, sight)
+    return Plane(owner + field_name(sight), "word" if words else "number", words, sight.what, sight, agent)

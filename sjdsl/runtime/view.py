@@ -110,11 +110,12 @@ def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> A
     Args:
       view: rows and columns of a window.
       present: `[N]` bool, who is on the map; the others see zeros. None: all are.
-      planes: P arrays `[N, rows * columns]` uint8.
+      planes: arrays `[N, rows * columns]` uint8, or several planes of that size side by side; P planes together.
     Returns:
       `[N, P, rows, columns]` uint8.
     """
     together = jnp.concatenate(planes, axis=1)
     if present is not None:
         together = jnp.where(present[:, None], together, jnp.uint8(0))
-    return together.reshape(-1, len(planes), *view)
+    number, values = together.shape
+    return together.reshape(number, values // (view[0] * view[1]), *view)

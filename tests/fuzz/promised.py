@@ -52,10 +52,10 @@ def observe(w: World) -> list[Lines]:
     sides = {s: r.randint(0, 3) for s in r.sample(("ahead", "behind", "left", "right"), r.choice((1, 3, 4, 4)))}
     lines = [f"window {', '.join(f'{s} {n}' for s, n in sides.items())}"] if w.is_now(0.97) else []
     shown: set[str] = set()
-    for owner, fields in (("agent", w.agent_fields), ("other", w.agent_fields), ("", w.fields)):
+    for owner, fields in (("agent", w.agent_fields), ("other", w.agent_fields), ("everyone", w.agent_fields), ("", w.fields)):
         for f in fields:
             text = f"{owner}.{f.name}" if owner else f.name
-            made = _sight(w, owner, f, text) if w.is_now(0.35) else ""
+            made = _sight(w, owner, f, text) if w.is_now(0.15 if owner == "everyone" else 0.35) else ""
             if made:
                 lines.append(made)
                 shown.add(text)
@@ -71,8 +71,8 @@ def observe(w: World) -> list[Lines]:
 
 def _sight_scope(w: World, owner: str) -> Scope:
     scope = Scope(w, "sight", (Variable("agent"),))
-    if owner == "other":
-        return scope.having(Variable("other"))
+    if owner in ("other", "everyone"):
+        return scope.having(Variable(owner))
     return scope.having(Variable(owner, (owner,))) if owner in w.kinds else scope
 
 

@@ -320,16 +320,32 @@ def test_an_episode_starts_on_gates_with_empty_bags_and_all_resources() -> None:
 
 
 def test_what_is_seen() -> None:
-    """Resources, one's own bag and whether one is held; in the released rules the bags of the others, too."""
+    """Resources, one's own bag and whether one is held."""
     picture = (EMPTY, "..Cd....", "..^^....  01", *ROWS[3:5], "vvPPPPPP  23")
-    for stage in STAGES:
-        scene = put(stage, *picture, bags={0: (2, 3), 1: (4, 100)}, held={1: 50})
-        assert scene.seen(0, "content", ahead=1) == "patch class=coop stock=ripe"
-        assert scene.seen(1, "content", ahead=1) == "patch class=defect stock=none"
-        assert [scene.seen(agent, f"agent.bag[{word}]") for agent in (0, 1) for word in ("coop", "defect")] == [2, 3, 4, 100]
-        assert [scene.seen(agent, "agent.resting") for agent in (0, 1)] == ["free", "held"]
-    assert [scene.seen(0, f"other.bag[{word}]", right=1) for word in ("coop", "defect")] == [4, 100]
-    assert not any(plane.name.startswith("other") for plane in DEFAULT.env.token_planes)
+    scene = put(DEFAULT, *picture, bags={0: (2, 3), 1: (4, 100)}, held={1: 50})
+    assert scene.seen(0, "content", ahead=1) == "patch class=coop stock=ripe"
+    assert scene.seen(1, "content", ahead=1) == "patch class=defect stock=none"
+    assert [scene.seen(agent, f"agent.bag[{word}]") for agent in (0, 1) for word in ("coop", "defect")] == [2, 3, 4, 100]
+    assert [scene.seen(agent, "agent.resting") for agent in (0, 1)] == ["free", "held"]
+    assert own_planes(DEFAULT) == {"agent.bag[coop]", "agent.bag[defect]", "agent.resting"}
+
+
+def test_as_released_everybody_sees_every_bag_and_nobody_who_is_held() -> None:
+    """In every cell of everybody's window, also of agents far away: all that can be taken to cooperate, then all to defect."""
+    bags = {0: (2, 3), 1: (4, 100), 2: (0, 0), 3: (7, 1)}
+    scene = put(RELEASED, "......^.  0", *ROWS[1:5], "v>PPPP^P  123", bags=bags, held={1: 50})
+    wanted = [(f"everyone[{agent}].bag[{word}]", bags[agent][n]) for n, word in enumerate(("coop", "defect")) for agent in range(4)]
+    assert [p.name for p in RELEASED.env.token_planes if p.name.startswith("everyone")] == [name for name, _ in wanted]
+    for observer in range(4):
+        assert [(name, scene.seen(observer, name, ahead, right)) for name, _ in wanted for ahead in (-1, 9) for right in (-5, 5)] == [
+            pair for pair in wanted for _ in range(4)
+        ]
+    assert own_planes(RELEASED) == {name for name, _ in wanted}
+
+
+def own_planes(stage: Stage) -> set[str]:
+    """Returns the planes of what agents have."""
+    return {plane.name for plane in stage.env.token_planes} - {"content", "agent", "marks"}
 
 
 @BOTH

@@ -46,10 +46,15 @@ def other_outcome(game: ir.Game, outcome: Outcome, s: Symmetry) -> Outcome:
 def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
     """Returns what is seen: in a mirror the window's columns are swapped, and who is turned right is turned left."""
     seen = np.asarray(_agents(list(picture), s))
+    shown = planes(game)
+    names = [p.name for p in shown]
+    for number, plane in enumerate(shown):  # of every agent, in the order of their numbers
+        if plane.agent is not None:
+            renamed = plane.name.replace(f"[{plane.agent}]", f"[{s.order[plane.agent]}]", 1)
+            seen[:, names.index(renamed)] = np.asarray(_agents(list(picture[:, number]), s))
     if not s.mirror:
         return seen
     seen = seen[..., ::-1].copy()
-    names = [p.name for p in planes(game)]
     if any(sight.what == "heading" for sight in game.sights):
         number = names.index("agent")
         seen[:, number] = MIRRORED[seen[:, number]]

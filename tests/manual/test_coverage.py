@@ -25,6 +25,7 @@ WORDS_OF_RULES = {
     "shapes": (*shapes.BUILT_IN, "centre"),
     "facings": get_args(Facing),
     "sides of the window": sights.SIDES,
+    "whose fields are seen": sights.OWNERS,
     "frames of moves": ("relative", "compass"),
     "checks": ("random", "never", "falling", "rising", "agents", "mirror"),
     "values": ("step", "nobody", "yes", "no"),

@@ -124,10 +124,11 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     marking = marking_phases(game)
     if marking:
         planes.append(TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1))
-    for what, prefix in (("other", "other."), ("own", "agent."), ("world", "")):
+    everyone = tuple(f"everyone[{agent}]." for agent in range(game.agents.number))
+    for what, prefixes in (("other", ("other.",)), ("everyone", everyone), ("own", ("agent.",)), ("world", ("",))):
         for sight in game.sights:
             if sight.what == what:
-                planes.append(_field_plane(sight, prefix, game))
+                planes += [_field_plane(sight, prefix, game) for prefix in prefixes]
     return tuple(planes)
 
 
@@ -147,7 +148,7 @@ def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
 
 def number_bound(sight: ir.Sight, game: ir.Game) -> float:
     """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
-    fields = game.agents.fields if sight.what in ("own", "other") else game.fields
+    fields = game.fields if sight.what == "world" else game.agents.fields
     field = next(f for f in fields if f.name == sight.field)
     if not field.timer:
         return field.type.high

@@ -69,7 +69,7 @@ def observe(w: Writer) -> str:
     marks = [p for p in parts if p.name.startswith("mark_")]
     if marks:
         columns.insert(2, _marks(marks, planes))
-    columns += _own(axes, w)
+    columns += [*_everyone(axes, w), *_own(axes, w)]
     away = reads.present(AgentVar(iota(axes[0]), axes[0]), w)
     present = "None" if away is None else away.text
     return f"planes_of({view}, {present}, {', '.join(_full(c, axes) for c in columns)})"
@@ -263,6 +263,23 @@ def _marks(marks: list[Part], planes: dict[str, Value]) -> Value:
         return replace(planes[marks[0].name], text=text)
     text = " | ".join(f"(({planes[m.name].text}) << {i})" for i, m in enumerate(marks))
     return replace(planes[marks[0].name], text=text)
+
+
+def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+    """Returns what is shown of every agent: for each such thing a plane an agent, in the order of their numbers, side by side."""
+    columns = []
+    both = (axes[0], w.axis("everyone", w.module.num_agents))
+    observer, who = (AgentVar(iota(axis), axis) for axis in both)
+    place = Frame(axes=both, variables={"agent": observer, "everyone": who})
+    shape = ", ".join(str(axis.size) for axis in (*both, axes[1]))
+    for sight in w.module.game.sights:
+        if sight.what == "everyone":
+            w.origin = sight.origin
+            value = w.keep(f"everyone_{sight.field}", _field_sight(sight, who, place, w))
+            index = ", ".join(":" if axis in value.axes else "None" for axis in both)
+            text = f"jnp.broadcast_to({wrapped(value)}[{index}, None], ({shape})).reshape({axes[0].size}, -1)"
+            columns.append(Value(text, "u8", axes))
+    return columns
 
 
 def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
