@@ -76,7 +76,7 @@ def observe(w: Writer) -> str:
 
 
 def _full(column: Value, axes: tuple[Axis, ...]) -> str:
-    """Returns a column spelt out over the window."""
+    """Returns a value spelt out over axes: a column over the window."""
     if column.axes == axes:
         return column.text
     shape = ", ".join(str(a.size) for a in axes)
@@ -271,14 +271,11 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     both = (axes[0], w.axis("everyone", w.module.num_agents))
     observer, who = (AgentVar(iota(axis), axis) for axis in both)
     place = Frame(axes=both, variables={"agent": observer, "everyone": who})
-    shape = ", ".join(str(axis.size) for axis in (*both, axes[1]))
     for sight in w.module.game.sights:
         if sight.what == "everyone":
             w.origin = sight.origin
             value = w.keep(f"everyone_{sight.field}", _field_sight(sight, who, place, w))
-            index = ", ".join(":" if axis in value.axes else "None" for axis in both)
-            text = f"jnp.broadcast_to({wrapped(value)}[{index}, None], ({shape})).reshape({axes[0].size}, -1)"
-            columns.append(Value(text, "u8", axes))
+            columns.append(Value(f"{_full(value, (*both, axes[1]))}.reshape({axes[0].size}, -1)", "u8", axes))
     return columns
 
 
