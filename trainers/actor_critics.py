@@ -12,6 +12,7 @@ from sjdsl.runtime.planes import TokenPlane
 
 from .config import ConfigError, PPOConfig
 from .environment import Environment, abstract_key, reset_shapes
+from .masks import wants_masks
 from .networks import ActorCritic, Memory
 from .packing import Packing, make_packing
 from .teams import Bundle, bundle_teams, in_order, over_teams
@@ -28,6 +29,7 @@ class ActorCritics:
     joint_shape: tuple[int, ...] | None  # of what a central critic sees; None: critics are local
     from_state: bool  # it is the world's state
     packing: Packing  # of what a rollout keeps
+    masks: bool  # actions that the game forbids are not taken
 
     def init(self, key: Array, env: Environment) -> tuple[Any, ...]:
         """Returns the first parameters: leaves `[G, ...]`, each team's drawn with a key of its own."""
@@ -40,7 +42,7 @@ class ActorCritics:
             own = seen[:, :, : bundle.team_size]
             memory = network.start_memory(1)
             keys = jax.random.split(bundle_key, len(bundle.agents))
-            drawn = [network.init(team_key, memory, own, joint, fresh) for team_key in keys]
+            drawn = [network.init(team_key, memory, own, joint, fresh, jnp.asarray(bundle.indices[0])) for team_key in keys]
             parameters.append(jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn))
         return tuple(parameters)
 
@@ -115,10 +117,11 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
             width=config.network_width,
             recurrent=config.memory == "gru",
             dtype=jnp.dtype(config.precision),
+            numbers=env.num_agents if config.agent_id else 0,
         )
         for bundle in bundles
     )
-    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env))
+    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env), wants_masks(env, config))
 
 
 def token_planes(env: Environment) -> tuple[TokenPlane, ...]:

@@ -77,6 +77,9 @@ class Config(BaseModel):
     inequity_smoothing: Fraction = 0.975  # lambda: the traces that are compared fall by gamma x lambda a step; 0: this step's rewards
     match_socialjax: bool = False  # rewards scaled by the number of agents, as the released code has them
 
+    agent_id: bool = False  # networks read which agent it is besides what it sees: those who share one may come to differ
+    mask_actions: bool = True  # an action that the game forbids now is not drawn, valued or learnt from
+
     network: Literal["mlp", "cnn"] = "cnn"
     network_width: Count = 64  # units of each hidden dense layer
     precision: Literal["float32", "bfloat16"] = "float32"  # of the network's layers; parameters stay float32
@@ -133,6 +136,7 @@ class PPOConfig(Config):
     value_coefficient: NonNegativeFloat = 0.5
 
     critic: Literal["observations", "state"] = "observations"  # what mappo's critic sees: all agents' windows, or the world's state
+    joint_optimiser: bool = False  # mappo: one optimiser and one gradient clip for actor and critic, as ippo has, instead of one each
     sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents have one network
     roles: Groups = ()  # by_role: the role of each agent, as numbers from 0; empty: as the game has it
     memory: Literal["none", "gru"] = "none"

@@ -10,7 +10,11 @@ from sjdsl.runtime.planes import TokenPlane
 
 
 class Environment(Protocol):
-    """One environment of N agents, not batched: trainers `vmap` it."""
+    """One environment of N agents, not batched: trainers `vmap` it.
+
+    Besides, it may have `state_vector(state)`, `roles`, and `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take.
+    Without the last, or where `forbids_actions` is false, all always are.
+    """
 
     name: str
     hash: str  # of the compiled game; a stored policy warns when it meets another

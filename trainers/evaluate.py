@@ -14,6 +14,7 @@ import numpy as np
 from jax import Array
 from scipy import stats
 
+from sjdsl.runtime.policy import take_actions
 from sjdsl.runtime.returns import collective_return, equality
 
 from .environment import Environment
@@ -97,7 +98,7 @@ def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _P
 
     def play_step(key: Array, state: Any, memory: Any, observation: Array) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
         action_key, env_key = jax.random.split(key)
-        memory, actions = remembering.act(memory, action_key, observation)
+        memory, actions = take_actions(env, remembering, memory, action_key, observation, state)
         return memory, env.step_env(env_key, state, actions)
 
     def advance(carry: tuple[Array, _Play]) -> tuple[Array, _Play]:

@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any, Literal
 
 import flax.linen as nn
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -54,6 +55,17 @@ class Torso(nn.Module):
         return nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
 
 
+def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
+    """Returns features `[..., S, K]` and beside them, one-hot, the numbers `[S]` of the agents they are of: `[..., S, K + number]`.
+
+    They join behind the torso: the layers after it, memory included, can do another thing for each agent. 0 leaves them out.
+    """
+    if number == 0:
+        return features
+    known = jax.nn.one_hot(agents, number, dtype=features.dtype)
+    return jnp.concatenate([features, jnp.broadcast_to(known, (*features.shape[:-1], number))], axis=-1)
+
+
 class Recurrence(nn.Module):
     """A gated recurrent unit along the first axis; its memory is emptied where an episode begins."""
 
@@ -87,7 +99,8 @@ class ActorCritic(nn.Module):
     """The network of S agents that share it: a policy of what an agent sees, and a value.
 
     With a local critic, policy and value have one torso and a value is one of the agent's own window. With a central one,
-    the critic is a network of its own that sees `joint`, the same for all agents, and says all S values at once.
+    the critic is a network of its own that sees `joint`, the same for all agents, and says all S values at once: it needs no numbers
+    to tell agents apart.
     """
 
     num_actions: int
@@ -98,9 +111,12 @@ class ActorCritic(nn.Module):
     width: int
     recurrent: bool = False
     dtype: Any = jnp.float32
+    numbers: int = 0  # N of the game, where what agents are is an input; 0: it is none
 
     @nn.compact
-    def __call__(self, memory: Memory, observation: Array, joint: Array | None, fresh: Array) -> tuple[Memory, Array, Array]:
+    def __call__(
+        self, memory: Memory, observation: Array, joint: Array | None, fresh: Array, agents: Array | None = None
+    ) -> tuple[Memory, Array, Array]:
         """Reads L steps of M environments.
 
         Args:
@@ -108,12 +124,13 @@ class ActorCritic(nn.Module):
           observation: `[L, M, S, P, V, V]` uint8.
           joint: `[L, M, ...]` what a central critic sees; None for a local one.
           fresh: `[L, M]` bool, the episode begins with this step.
+          agents: `[S]` int32, the numbers of the agents in the game; read where they are an input.
         Returns:
           the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
         """
         torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype)
         head = partial(Head, width=self.width, dtype=self.dtype)
-        seen = torso(self.planes, name="torso")(observation)
+        seen = with_numbers(torso(self.planes, name="torso")(observation), agents, self.numbers)
         memory, seen = self._remember("memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1]))
         logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(seen)
         if self.joint_planes is None:
@@ -139,16 +156,18 @@ class ActorCritic(nn.Module):
 
 
 class ActionValues(nn.Module):
-    """The value of each action to an agent that sees a window."""
+    """The value of each action to an agent that sees a window; all agents of the game share the network."""
 
     num_actions: int
     planes: tuple[TokenPlane, ...]
     kind: Literal["mlp", "cnn"]
     width: int
     dtype: Any = jnp.float32
+    numbers: int = 0  # N, where what agents are is an input; 0: it is none
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
-        """Returns `[..., A]` float32 for observations `[..., P, V, V]` uint8."""
+        """Returns `[..., N, A]` float32 for observations `[..., N, P, V, V]` uint8 of all agents, in order."""
         seen = Torso(self.planes, self.kind, self.width, self.dtype, name="torso")(observation)
+        seen = with_numbers(seen, jnp.arange(self.numbers), self.numbers)
         return Head(self.num_actions, self.width, CRITIC_GAIN, self.dtype, name="values")(seen)

@@ -14,8 +14,9 @@ from sjdsl.runtime.policy import MemoryPolicy, Policy, with_memory
 from .actor_critics import make_actor_critics
 from .config import Config, PPOConfig, VDNConfig
 from .environment import Environment, abstract_key, reset_shapes
+from .masks import masked, wants_masks
 from .policy_file import PolicyError, policy_path, read_policy
-from .vdn import make_action_values
+from .vdn import best_action, explore, make_action_values
 
 __all__ = ["MemoryPolicy", "Policy", "PolicyError", "load_policy", "random_policy", "trained_policy", "with_memory"]
 
@@ -30,17 +31,18 @@ def random_policy(env: Environment) -> Callable[[Array, Array], Array]:
     return act
 
 
-def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool = False) -> Policy:
+def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool | None = None) -> Policy:
     """Returns the policy of `parameters`.
 
-    An actor samples each agent's action, or takes the likeliest if `greedy`. Action values have no probabilities: the best is
-    taken, except, unless `greedy`, with the probability of exploring that the run ended with.
+    Args:
+      greedy: take the best action instead of drawing one. None: as what was learnt is meant to act: actors, which learn probabilities,
+        draw their actions; action values have none, and the best is taken. Values with `greedy=False` explore as the run did at its end.
     """
     match config:
         case PPOConfig():
-            return _actor_policy(env, config, parameters, greedy)
+            return _actor_policy(env, config, parameters, bool(greedy))
         case VDNConfig():
-            return _value_policy(env, config, parameters, greedy)
+            return _value_policy(env, config, parameters, greedy is None or greedy)
     raise TypeError(f"no algorithm takes a {type(config).__name__}")
 
 
@@ -49,29 +51,33 @@ def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: 
     # a critic is not asked; one that sees the state gets zeros
     state = jnp.zeros((1, 1, *networks.joint_shape)) if networks.joint_shape and networks.from_state else None
 
-    def act(memory: Any, key: Array, observation: Array) -> tuple[Any, Array]:
+    def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
         never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with `start`
         memory, logits, _ = networks.apply(parameters, memory, observation[None, None], state, never_fresh)
-        action = jnp.argmax(logits[0, 0], axis=-1) if greedy else jax.random.categorical(key, logits[0, 0])
+        likes = masked(logits[0, 0], allowed)
+        action = jnp.argmax(likes, axis=-1) if greedy else jax.random.categorical(key, likes)
         return memory, action.astype(jnp.int32)
 
-    if config.memory == "none":
-        return lambda key, observation: act(networks.start_memory(1), key, observation)[1]
-    return MemoryPolicy(networks.start_memory(1), act)
+    return _policy(networks.start_memory(1), act, networks.masks)
 
 
 def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: bool) -> Policy:
     network = make_action_values(env, config)
 
-    def act(key: Array, observation: Array) -> Array:
-        best = jnp.argmax(network.apply(parameters, observation), axis=-1).astype(jnp.int32)
-        if greedy:
-            return best
-        explore_key, action_key = jax.random.split(key)
-        explores = jax.random.bernoulli(explore_key, config.epsilon_end, best.shape)
-        return jnp.where(explores, jax.random.randint(action_key, best.shape, 0, env.num_actions, jnp.int32), best)
+    def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
+        values = network.apply(parameters, observation)
+        return memory, best_action(values, allowed) if greedy else explore(key, values, allowed, config.epsilon_end)
 
-    return act
+    return _policy((), act, wants_masks(env, config))
+
+
+def _policy(start: Any, act: Callable[[Any, Array, Array, Array | None], tuple[Any, Array]], reads_allowed: bool) -> Policy:
+    """Returns the simplest form of a policy: a function of key and observation if it neither remembers nor reads what is allowed."""
+    if reads_allowed:
+        return MemoryPolicy(start, act, reads_allowed=True)
+    if jax.tree.leaves(start):
+        return MemoryPolicy(start, lambda memory, key, observation: act(memory, key, observation, None))
+    return lambda key, observation: act(start, key, observation, None)[1]
 
 
 def parameter_shapes(env: Environment, config: Config) -> Any:
@@ -85,7 +91,7 @@ def parameter_shapes(env: Environment, config: Config) -> Any:
     raise TypeError(f"no algorithm takes a {type(config).__name__}")
 
 
-def load_policy(source: Path | str, env: Environment, update: int | None = None, greedy: bool = False, which: str = "last") -> Policy:
+def load_policy(source: Path | str, env: Environment, update: int | None = None, greedy: bool | None = None, which: str = "last") -> Policy:
     """Returns a stored policy.
 
     Args:
@@ -93,7 +99,7 @@ def load_policy(source: Path | str, env: Environment, update: int | None = None,
       env: environment to act in; it must have the actions and observation planes of the one trained on. Another
         variant or other parameters are allowed, with a warning.
       update: of a folder, the policy of one of its checkpoints.
-      greedy: take the likeliest action instead of drawing one.
+      greedy: take the best action, or draw one; None: as the algorithm is meant to act, see `trained_policy`.
       which: of a folder, `last` or `best`, by its evaluations.
     Raises:
       PolicyError: no such policy, or it cannot be read, or it does not fit `env`.

@@ -6,7 +6,6 @@ from typing import Any
 import flax
 import jax
 import jax.numpy as jnp
-import optax
 from flax.training.train_state import TrainState as Learner
 from jax import Array
 
@@ -15,7 +14,9 @@ from .advantage import generalised_advantages, successor_values
 from .config import ConfigError, PPOConfig
 from .environment import Environment
 from .episodes import mean_episode
+from .masks import allowed_in, masked, pack_mask, unpack_mask
 from .networks import Memory
+from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
 from .program import Metrics, Train, TrainState, keep_if_finite
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
 from .shaping import make_shaping
@@ -28,6 +29,7 @@ class Acting:
 
     log_probability: Array  # [..., B, N] float32, of the action when it was drawn
     value: Array  # [..., B, N] float32, of the observation
+    allowed: Array | None = None  # [..., B, N, bytes] uint8, the actions that were allowed, packed; None: all
 
 
 @flax.struct.dataclass
@@ -46,6 +48,7 @@ class Batch:
     value: Array  # [L, M, N] float32, when drawn
     advantage: Array  # [L, M, N] float32
     target: Array  # [L, M, N] float32, of the value
+    allowed: Array | None = None  # [L, M, N, bytes] uint8, packed, or None: all; in a minibatch [L, m, S, A] bool
 
 
 Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
@@ -129,8 +132,10 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
     def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Memory, Array, Acting]:
         seen = jax.tree.map(lambda leaf: leaf[None], (worlds.observation, joint, worlds.fresh))
         memory, logits, value = networks.apply(parameters, worlds.memory, *seen)
-        action = jax.random.categorical(key, logits[0]).astype(jnp.int32)  # independent over [B, N]
-        return memory, action, Acting(chosen_log_probability(logits[0], action), value[0])
+        allowed = allowed_in(env, networks.masks, worlds.state)
+        likes = masked(logits[0], allowed)
+        action = jax.random.categorical(key, likes).astype(jnp.int32)  # independent over [B, N]
+        return memory, action, Acting(chosen_log_probability(likes, action), value[0], pack_mask(allowed))
 
     def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
         del observation
@@ -161,22 +166,6 @@ def _value(networks: ActorCritics, parameters: Any, memory: Memory, observation:
     return networks.apply(parameters, memory, *seen)[2][0]
 
 
-def learning_rate_schedule(config: PPOConfig) -> optax.Schedule:
-    """Returns the learning rate as a function of the gradient steps taken."""
-    if not config.anneal_learning_rate:
-        return optax.constant_schedule(config.learning_rate)
-    steps = config.num_updates * config.num_epochs * config.num_minibatches
-    return optax.linear_schedule(config.learning_rate, 0.0, steps)
-
-
-def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
-    """Returns Adam on gradients whose global norm is clipped."""
-    return optax.chain(
-        optax.clip_by_global_norm(config.max_gradient_norm),
-        optax.adam(learning_rate_schedule(config), eps=1e-5),
-    )
-
-
 def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOConfig) -> Batch:
     """Returns the rollout as sequences with their advantages.
 
@@ -197,6 +186,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
         "value": acting.value,
         "advantage": advantage,
         "target": acting.value + advantage,
+        "allowed": acting.allowed,
     }
     if config.memory == "none":
         steps = jax.tree.map(lambda leaf: leaf.reshape(1, -1, *leaf.shape[2:]), steps)
@@ -261,8 +251,8 @@ def take_epochs(
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
         minibatch = sample(batch, indices, agents, networks)
         loss = jax.value_and_grad(ppo_loss, has_aux=True)
-        (_, losses), gradients = loss(learner.params, apply, minibatch, config)
-        losses["gradient_norm"] = optax.tree.norm(gradients)
+        (_, losses), gradients = loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
+        losses |= gradient_norms(gradients, config)
         return learner.apply_gradients(grads=gradients), losses
 
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
@@ -295,6 +285,7 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
         value=of_team(batch.value),
         advantage=of_team(batch.advantage),
         target=of_team(batch.target),
+        allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.networks[0].num_actions),
     )
 
 
@@ -305,6 +296,7 @@ def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> 
     """
     epsilon = config.clip_epsilon
     _, logits, value = apply(parameters, batch.memory, batch.observation, batch.joint, batch.fresh)
+    logits = masked(logits, batch.allowed)
 
     log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
     ratio = jnp.exp(log_ratio)

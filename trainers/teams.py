@@ -64,24 +64,24 @@ def _roles_of(env: Environment) -> Sequence[int]:
 
 
 def over_teams(bundle: Bundle, apply: Callable[..., Any], agents_axis: int) -> Callable[..., Any]:
-    """Returns `apply(parameters, memory, observation, joint, fresh)` for all G teams of a bundle.
+    """Returns `apply(parameters, memory, observation, joint, fresh, agents)` for all G teams of a bundle.
 
     Args:
       apply: of one team's network; its results have the team's agents on `agents_axis`.
       agents_axis: of observations and results.
     Returns:
-      a function of stacked parameters `[G, ...]`, stacked memory, the observations of all N agents, and the rest; its logits and
-      values have G * S agents, team by team.
+      a function of stacked parameters `[G, ...]`, stacked memory, the observations of all N agents, and the rest but the agents, who
+      are the bundle's; its logits and values have G * S agents, team by team.
     """
     number = len(bundle.agents)
 
     def applied(parameters: Any, memory: Any, observation: Array, joint: Any, fresh: Array) -> tuple[Any, Array, Array]:
-        own = of_team(observation, bundle.indices, agents_axis)
+        own, agents = of_team(observation, bundle.indices, agents_axis), jnp.asarray(bundle.indices)
         if number == 1:  # a batch of one network would cost a loop over its convolutions
             first = jax.tree.map(lambda leaf: leaf[0], (parameters, memory))
-            memory, logits, values = apply(*first, own[0], joint, fresh)
+            memory, logits, values = apply(*first, own[0], joint, fresh, agents[0])
             return jax.tree.map(lambda leaf: leaf[None], memory), logits, values
-        memory, logits, values = jax.vmap(apply, in_axes=(0, 0, 0, None, None))(parameters, memory, own, joint, fresh)
+        memory, logits, values = jax.vmap(apply, in_axes=(0, 0, 0, None, None, 0))(parameters, memory, own, joint, fresh, agents)
         return memory, _side_by_side(logits, agents_axis), _side_by_side(values, agents_axis)
 
     return applied

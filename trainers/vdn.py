@@ -16,6 +16,7 @@ from .actor_critics import packing_of, token_planes
 from .config import ConfigError, VDNConfig
 from .environment import Environment, reset_shapes
 from .episodes import mean_episode
+from .masks import allowed_in, draw_any, masked, pack_mask, unpack_mask, wants_masks
 from .networks import ActionValues
 from .packing import Packing
 from .program import Metrics, Train, TrainState, keep_if_finite
@@ -33,6 +34,7 @@ class Transition:
     reward: Array  # [] float32, the team's
     following: Array  # [N, bytes, V * V] uint8, packed, where the step led: before a reset
     ended: Array  # [] bool, a true ending: nothing follows; a time limit is none
+    allowed: Array | None = None  # [N, bytes] uint8, the actions allowed where the step led, packed; in a batch [N, A] bool; None: all
 
 
 @flax.struct.dataclass
@@ -50,7 +52,8 @@ def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
     Raises:
       ConfigError: the environment gives no token observations.
     """
-    return ActionValues(env.num_actions, token_planes(env), config.network, config.network_width, jnp.dtype(config.precision))
+    numbers = env.num_agents if config.agent_id else 0
+    return ActionValues(env.num_actions, token_planes(env), config.network, config.network_width, jnp.dtype(config.precision), numbers)
 
 
 def make_vdn(env: Environment, config: VDNConfig) -> Train:
@@ -68,6 +71,7 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
     shaping = make_shaping(config, env.num_agents)
     optimiser = make_optimiser(config)
     packing = packing_of(env)
+    masks = wants_masks(env, config)
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
@@ -75,13 +79,13 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
         parameters = network.init(network_key, worlds.observation[:1])
         online = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(step=jnp.int32(0))
         target = jax.tree.map(jnp.copy, parameters)
-        replay = empty_replay(_entry_shapes(env, packing), config.buffer_size)
+        replay = empty_replay(_entry_shapes(env, packing, masks), config.buffer_size)
         return TrainState(key, ValueLearner(online, target, replay), worlds, jnp.int32(0))
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
-        actor = make_actor(env, network, packing, state.learner.online.params, epsilon)
+        actor = make_actor(env, network, packing, masks, state.learner.online.params, epsilon)
         worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping)
         replay = add_entries(state.learner.replay, _entries(rollout))
         learner = state.learner.replace(replay=replay)
@@ -112,7 +116,7 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
     return Train(init, collect, learn, lambda state: state.learner.online.params)
 
 
-def _entry_shapes(env: Environment, packing: Packing) -> Transition:
+def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:
     observation = jax.eval_shape(packing.pack, reset_shapes(env)[0])
     return Transition(
         observation=observation,
@@ -120,17 +124,20 @@ def _entry_shapes(env: Environment, packing: Packing) -> Transition:
         reward=jax.ShapeDtypeStruct((), jnp.float32),
         following=observation,
         ended=jax.ShapeDtypeStruct((), jnp.bool_),
+        allowed=jax.eval_shape(lambda state: pack_mask(env.allowed_actions(state)), reset_shapes(env)[1]) if masks else None,
     )
 
 
 def _entries(rollout: Rollout) -> Transition:
     """Returns a rollout's T * B transitions."""
+    following, allowed = rollout.ending
     steps = Transition(
         observation=rollout.observation,
         action=rollout.action,
         reward=rollout.shaped_reward[..., 0],  # the same for all agents
-        following=rollout.ending,
+        following=following,
         ended=rollout.done & ~rollout.truncated,
+        allowed=allowed,
     )
     return jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), steps)
 
@@ -139,17 +146,33 @@ def _no_losses(losses: Metrics) -> Metrics:
     return jax.tree.map(jnp.zeros_like, losses)
 
 
-def make_actor(env: Environment, network: ActionValues, packing: Packing, parameters: Any, epsilon: Array) -> Actor:
+def make_actor(env: Environment, network: ActionValues, packing: Packing, masks: bool, parameters: Any, epsilon: Array) -> Actor:
     """Returns agents that take their best action, or with probability `epsilon`, each on its own, any."""
 
     def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Any, Array, None]:
         del joint
-        explore_key, action_key = jax.random.split(key)
-        best = jnp.argmax(network.apply(parameters, worlds.observation), axis=-1).astype(jnp.int32)
-        explores = jax.random.bernoulli(explore_key, epsilon, best.shape)
-        return (), jnp.where(explores, jax.random.randint(action_key, best.shape, 0, env.num_actions, jnp.int32), best), None
+        allowed = allowed_in(env, masks, worlds.state)
+        values = network.apply(parameters, worlds.observation)
+        return (), explore(key, values, allowed, epsilon), None
 
-    return Actor(act, packing.pack, lambda _, __, info: packing.pack(info["terminal_observation"]))
+    def follow(memory: Any, observation: Array, info: dict[str, Any]) -> tuple[Array, Array | None]:
+        del memory, observation
+        return packing.pack(info["terminal_observation"]), pack_mask(allowed_in(env, masks, info.get("terminal_state")))
+
+    return Actor(act, packing.pack, follow)
+
+
+def explore(key: Array, values: Array, allowed: Array | None, epsilon: Array | float) -> Array:
+    """Returns the best action of values `[..., A]`, or with probability `epsilon` any, of those that are allowed."""
+    explore_key, action_key = jax.random.split(key)
+    best = best_action(values, allowed)
+    explores = jax.random.bernoulli(explore_key, epsilon, best.shape)
+    return jnp.where(explores, draw_any(action_key, best.shape, values.shape[-1], allowed), best)
+
+
+def best_action(values: Array, allowed: Array | None) -> Array:
+    """Returns the action `[...]` int32 of the highest value of `[..., A]` that is allowed."""
+    return jnp.argmax(masked(values, allowed), axis=-1).astype(jnp.int32)
 
 
 def exploration(config: VDNConfig, updates: Array) -> Array:
@@ -177,7 +200,11 @@ def take_gradient_steps(
 
     def take_step(online: Learner, key: Array) -> tuple[Learner, Metrics]:
         drawn = draw_entries(replay, key, config.batch_size)
-        batch = drawn.replace(observation=packing.unpack(drawn.observation), following=packing.unpack(drawn.following))
+        batch = drawn.replace(
+            observation=packing.unpack(drawn.observation),
+            following=packing.unpack(drawn.following),
+            allowed=unpack_mask(drawn.allowed, network.num_actions),
+        )
         loss = jax.value_and_grad(vdn_loss, has_aux=True)
         (_, losses), gradients = loss(online.params, target, network, batch, config)
         losses["gradient_norm"] = optax.tree.norm(gradients)
@@ -190,17 +217,17 @@ def take_gradient_steps(
 def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transition, config: VDNConfig) -> tuple[Array, Metrics]:
     """Returns the mean squared error of the team's value, and its parts.
 
-    y = r + gamma * sum over i of max_a Q'_i(s', a), nothing beyond r after a true ending; with `double_q` the action is the best
-    of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
+    y = r + gamma * sum over i of max_a Q'_i(s', a) over the actions allowed in s', nothing beyond r after a true ending; with
+    `double_q` the action is the best of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
     """
     values = network.apply(parameters, batch.observation)
     taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0].sum(axis=-1)
     next_values = network.apply(target, batch.following)
     if config.double_q:
-        best = jnp.argmax(network.apply(parameters, batch.following), axis=-1)
+        best = best_action(network.apply(parameters, batch.following), batch.allowed)
         following = jnp.take_along_axis(next_values, best[..., None], axis=-1)[..., 0]
     else:
-        following = next_values.max(axis=-1)
+        following = masked(next_values, batch.allowed).max(axis=-1)
     wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, following.sum(axis=-1))
     error = taken - jax.lax.stop_gradient(wanted)
     loss = jnp.square(error).mean()

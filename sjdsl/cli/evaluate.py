@@ -22,12 +22,16 @@ FILE = "evaluation.json"
 @click.argument("run", metavar="RUN")
 @click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
-@click.option("--greedy", is_flag=True, help="Take the likeliest action instead of drawing one.")
+@click.option(
+    "--greedy/--drawn",
+    default=None,
+    help="Take the best action, or draw one; by default policies of ippo and mappo draw their actions, those of vdn take the best.",
+)
 @click.option(
     "--which", type=click.Choice(["last", "best"]), default="last", show_default=True, help="The last policy of a run, or its best."
 )
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4.")
-def command(run: str, episodes: int, seed: int, greedy: bool, which: str, film: str | None) -> None:
+def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str, film: str | None) -> None:
     """Plays the policy of RUN and a random one; the figures go to the evaluation.json of RUN.
 
     RUN is a folder that `sjdsl train` wrote; of several seeds, each is evaluated.
@@ -44,7 +48,7 @@ def command(run: str, episodes: int, seed: int, greedy: bool, which: str, film: 
         click.echo(save_film(env, stored_policy(folders[0], env, greedy, which), Path(film), env.episode_length, seed))
 
 
-def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool = False, which: str = "last") -> None:
+def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str = "last") -> None:
     """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's."""
     import jax
 
@@ -67,7 +71,7 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     click.echo(f"trained return {earned} against {guessed} of a random policy")
 
 
-def stored_policy(source: Path, env: "Environment", greedy: bool = False, which: str = "last") -> Any:
+def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str = "last") -> Any:
     """Returns the policy in the folder of a run or in a file; what is to be said about it is said in a line."""
     from sjdsl.trainers import load_policy
 

@@ -3,6 +3,7 @@
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,10 +96,10 @@ def moments(
     """
     import jax
 
-    from sjdsl.runtime.policy import with_memory
+    from sjdsl.runtime.policy import take_actions, with_memory
 
     remembering = with_memory(policy)
-    memory, act = remembering.start, jax.jit(remembering.act)
+    memory, act = remembering.start, jax.jit(partial(take_actions, course.env, remembering))
     key = jax.random.fold_in(jax.random.key(course.seed), 2**32 - 1)  # not one of the steps' keys
     yield course.now()
     while not course.done and len(course.actions) < steps:
@@ -108,7 +109,7 @@ def moments(
             if pressed in QUIT:
                 return
             chosen = keys.get(pressed)
-        memory, actions = act(memory, jax.random.fold_in(key, len(course.actions)), course.observation)
+        memory, actions = act(memory, jax.random.fold_in(key, len(course.actions)), course.observation, course.state)
         everybody = actions.tolist()
         if chosen is not None:
             everybody[agent] = chosen

@@ -1,6 +1,7 @@
 """Episodes to look at: snapshots of one environment under a policy."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +10,7 @@ from jax import Array
 
 from sjdsl.render.snapshot import Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
-from sjdsl.runtime.policy import Policy, with_memory
+from sjdsl.runtime.policy import Policy, take_actions, with_memory
 
 
 def stay_policy(env: Environment) -> Callable[[Array, Array], Array]:
@@ -35,11 +36,11 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every:
     returns = np.zeros(env.num_agents)
     remembering = with_memory(policy)
     memory = remembering.start
-    act = jax.jit(remembering.act)
+    act = jax.jit(partial(take_actions, env, remembering))
     yield take_snapshot(env, state, returns)
     for number in range(1, num_steps + 1):
         key, action_key, step_key, reset_key = jax.random.split(key, 4)
-        memory, actions = act(memory, action_key, observation)
+        memory, actions = act(memory, action_key, observation, state)
         observation, state, reward, done, _ = env.step_env(step_key, state, actions)
         returns = returns + np.asarray(reward)
         if number % every == 0 or done:

@@ -159,6 +159,11 @@ class Environment:
         """Returns which actions each agent may take: `[N, A]` bool."""
         return self.module.allowed_actions(state, self.params if params is None else params)
 
+    @property
+    def forbids_actions(self) -> bool:
+        """Whether `allowed_actions` is ever false: the game has a `forbid`."""
+        return bool(self.game.agents.forbids)
+
     def state_vector(self, state: State, params: Params | None = None) -> Array:
         """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
         row, col = self.cells(state)

@@ -3,7 +3,9 @@
 import dataclasses
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -12,6 +14,7 @@ import pytest
 from probes import QUICK, matching
 from run_outcomes import counting
 
+from sjdsl.cli.evaluate import stored_policy
 from sjdsl.trainers import MemoryPolicy, PolicyError, evaluate, load_policy, make_config, run, train, trained_policy
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_file import write_policy
@@ -36,6 +39,27 @@ def test_three_lines_load_one(tmp_path: Path) -> None:
     policy = load_policy(str(path), env)
     actions = policy(jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
     assert actions.tolist() == [0, 0], "of equal values the first action is the best"
+
+
+@pytest.mark.parametrize("load", [load_policy, stored_policy], ids=["python", "command line"])
+@pytest.mark.parametrize(("greedy", "explores"), [(None, False), (True, False), (False, True)])
+def test_values_are_played_by_their_best_actions_unless_drawn(
+    tmp_path: Path, load: Callable[..., Any], greedy: bool | None, explores: bool
+) -> None:
+    """The run ended with every action explored; the best is the first. What is not named acts as it was meant to: an evaluation, a film."""
+    policy = load(_store(tmp_path, epsilon_end=1.0), matching(), **({} if greedy is None else {"greedy": greedy}))
+    seen = jnp.zeros((2, 1, 1, 1), jnp.uint8)
+    actions = np.asarray(jax.vmap(lambda key: policy(key, seen))(jax.random.split(jax.random.key(0), 64)))
+    assert actions.any() == explores
+
+
+def test_the_evaluation_of_a_run_plays_values_by_their_best_actions() -> None:
+    """Equal values, the first action best: paid where it is the cue. Exploring, agents would differ."""
+    config = make_config(ALWAYS_ONE, epsilon_end=1.0)
+    parameters = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config))
+    evaluation = evaluate(matching(), trained_policy(matching(), config, parameters), jax.random.key(0), 32)
+    assert set(evaluation.collective_returns) == {0.0, 2.0}
+    assert not evaluation.events["second_action"].any()
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "flipped", "no json", "json cut", "json of a future version"])

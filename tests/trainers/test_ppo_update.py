@@ -1,5 +1,6 @@
 """The mechanics of one update: gradient steps, keys, losses, and what a rollout stores."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import jax
@@ -13,15 +14,14 @@ from probes import FAST_TO_COMPILE, Probe, dilemma, endless_riches, learn, match
 
 from sjdsl.trainers import PPOConfig, TrainState, make_train
 from sjdsl.trainers.actor_critics import make_actor_critics
+from sjdsl.trainers.optimisers import apart, gradient_norms, learning_rate_schedule, make_optimiser, part_of_each
 from sjdsl.trainers.ppo import (
     Acting,
     Batch,
     draw_orders,
     explained_variance,
     learn_teams,
-    learning_rate_schedule,
     make_batch,
-    make_optimiser,
     ppo_loss,
     take_epochs,
 )
@@ -55,7 +55,7 @@ def test_every_minibatch_of_every_epoch_is_a_gradient_step(changes: dict[str, An
     assert int(state.updates) == 100
     for learner in state.learner:
         counts = [leaf for leaf in jax.tree.leaves(learner.opt_state) if leaf.dtype == jnp.int32]
-        assert len(counts) == 2
+        assert len(counts) == (4 if changes.get("algorithm") == "mappo" else 2)  # there actor and critic have an optimiser each
         for count in (learner.step, *counts):
             np.testing.assert_array_equal(count, 2 * 2 * 100)
 
@@ -286,21 +286,58 @@ def test_explained_variance() -> None:
     assert float(explained_variance(target, jnp.full(4, 1.0))) == 0.0
 
 
+def _two_steps(gradients: Sequence[Any]) -> np.ndarray:
+    """Returns where Adam, epsilon 1e-5 and rate 0.1, takes parameters in two steps on gradients clipped to a norm of 0.5: by hand."""
+    first, second, parameters = (np.zeros(len(gradients[0])) for _ in range(3))
+    for step, gradient in enumerate(map(np.asarray, gradients), start=1):
+        gradient = gradient * min(1.0, 0.5 / np.linalg.norm(gradient))
+        first, second = 0.9 * first + 0.1 * gradient, 0.999 * second + 0.001 * gradient**2
+        parameters = parameters - 0.1 * (first / (1 - 0.9**step)) / (np.sqrt(second / (1 - 0.999**step)) + 1e-5)
+    return parameters
+
+
 def test_gradients_are_clipped_by_their_global_norm() -> None:
-    """Two steps of Adam, epsilon 1e-5, on gradients of norm 5 and 0.1 clipped to 0.5: by hand."""
-    config = PPOConfig(learning_rate=0.1, anneal_learning_rate=False, max_gradient_norm=0.5)
-    optimiser = make_optimiser(config)
+    """Gradients of norm 5 and 0.1."""
+    optimiser = make_optimiser(PPOConfig(learning_rate=0.1, anneal_learning_rate=False, max_gradient_norm=0.5))
+    gradients = np.array([[3.0, 4.0], [0.06, -0.08]])
     parameters = {"a": jnp.zeros(1), "b": jnp.zeros(1)}
     memory = optimiser.init(parameters)
-    first, second, expected = np.zeros(2), np.zeros(2), np.zeros(2)
-    for step, gradient in enumerate([np.array([3.0, 4.0]), np.array([0.06, -0.08])], start=1):
+    for gradient in gradients:
         updates, memory = optimiser.update({"a": jnp.float32(gradient[:1]), "b": jnp.float32(gradient[1:])}, memory, parameters)
         parameters = optax.apply_updates(parameters, updates)
-        gradient = gradient * min(1.0, 0.5 / np.linalg.norm(gradient))
-        first = 0.9 * first + 0.1 * gradient
-        second = 0.999 * second + 0.001 * gradient**2
-        expected -= 0.1 * (first / (1 - 0.9**step)) / (np.sqrt(second / (1 - 0.999**step)) + 1e-5)
-    np.testing.assert_allclose([parameters["a"][0], parameters["b"][0]], expected, rtol=1e-5)
+    np.testing.assert_allclose([parameters["a"][0], parameters["b"][0]], _two_steps(gradients), rtol=1e-5)
+
+
+@pytest.mark.parametrize("joint", [False, True])
+def test_a_central_critic_has_an_optimiser_and_a_clip_of_its_own(joint: bool) -> None:
+    """The critic's gradients are a hundred times the actor's in the first step: clipped together, they take all of its norm."""
+    optimiser = make_optimiser(PPOConfig(algorithm="mappo", joint_optimiser=joint, learning_rate=0.1, anneal_learning_rate=False))
+    actor, critic = np.array([[0.3, 0.4], [0.06, -0.08]]), np.array([[30.0, 40.0], [0.4, 0.1]])
+    parameters = {"params": {"actor": jnp.zeros(2), "critic_torso": jnp.zeros(2)}}
+    memory = optimiser.init(parameters)
+    for step in range(2):
+        gradients = {"params": {"actor": jnp.float32(actor[step]), "critic_torso": jnp.float32(critic[step])}}
+        updates, memory = optimiser.update(gradients, memory, parameters)
+        parameters = optax.apply_updates(parameters, updates)
+    wanted = _two_steps(np.concatenate([actor, critic], axis=1)) if joint else np.concatenate([_two_steps(actor), _two_steps(critic)])
+    np.testing.assert_allclose(np.concatenate([parameters["params"]["actor"], parameters["params"]["critic_torso"]]), wanted, rtol=1e-4)
+
+
+def test_every_parameter_of_a_central_critic_is_the_critics() -> None:
+    """And none of the actor's; a local critic shares the actor's layers, and its optimiser."""
+    networks = make_actor_critics(matching(), quick(**CENTRAL, memory="gru"))
+    shapes = jax.eval_shape(lambda key: networks.init(key, matching()), jax.random.key(0))[0]["params"]
+    found = {module: set(jax.tree.leaves(part)) for module, part in part_of_each({"params": shapes})["params"].items()}
+    critic = {name: {"critic"} for name in ("critic", "critic_torso", "critic_memory")}
+    assert found == {"torso": {"actor"}, "memory": {"actor"}, "actor": {"actor"}, **critic}
+    assert not apart(PPOConfig())
+
+
+def test_norms_of_gradients_are_told_apart() -> None:
+    gradients = {"params": {"actor": jnp.array([3.0]), "critic": jnp.array([4.0])}}
+    together = {"gradient_norm": 5.0}
+    assert gradient_norms(gradients, PPOConfig()) == together
+    assert gradient_norms(gradients, PPOConfig(algorithm="mappo")) == {**together, "actor_gradient_norm": 3.0, "critic_gradient_norm": 4.0}
 
 
 # numbers that are not finite

@@ -8,13 +8,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, quick, windows
+from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, opposite, quick, windows
 
 from sjdsl.trainers import ConfigError, PPOConfig, make_train
 from sjdsl.trainers.actor_critics import ActorCritics, make_actor_critics
 from sjdsl.trainers.teams import bundle_teams
 
 ROLES = (0, 0, 1)
+CENTRAL = {"algorithm": "mappo"}
 
 
 def three(**changes: Any) -> tuple[Probe, ActorCritics]:
@@ -81,6 +82,46 @@ def test_a_critic_of_the_state_needs_one() -> None:
         make_train(_Blind(matching()), config)  # type: ignore[arg-type]
 
 
+# numbers of agents
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, {"sharing": "by_role", "roles": ROLES}, {"memory": "gru"}, CENTRAL], ids=["shared", "by role", "memory", "mappo"]
+)
+def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(changes: dict[str, Any]) -> None:
+    """Agents 0 and 1 share a network in each case; a central critic says a value for each without numbers as well."""
+    for told in (False, True):
+        env, networks = three(**changes, agent_id=told)
+        seen = jnp.broadcast_to(windows(env, 1), (1, 2, 3, 1, 1, 1))
+
+        def read(key: jax.Array) -> tuple[jax.Array, jax.Array]:
+            parameters = networks.init(key, env)  # noqa: B023
+            return networks.apply(parameters, networks.start_memory(2), seen, None, jnp.ones((1, 2), bool))[1:]  # noqa: B023
+
+        logits, values = jax.jit(read, compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
+        assert (jnp.abs(logits[:, :, 0] - logits[:, :, 1]).max(axis=-1) > 1e-6).all() == told
+        assert (jnp.abs(values[:, :, 0] - values[:, :, 1]) > 1e-6).all() == (told or "algorithm" in changes)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"algorithm": "vdn"},
+        pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
+        pytest.param(CENTRAL, marks=pytest.mark.slow),
+    ],
+    ids=["ippo", "vdn", "memory", "mappo"],
+)
+def test_agents_of_one_network_learn_their_own_parts(changes: dict[str, Any]) -> None:
+    """Both see the same, one is paid for each action: without numbers the same action of both pays 1 together, with them 2.
+
+    VDN explores one action in twenty at the end: 0.05 less.
+    """
+    _, metrics = learn(opposite(), **changes, agent_id=True)
+    assert float(metrics["collective_return"][-5:].mean()) > 1.8
+
+
 # one agent
 
 
@@ -111,9 +152,9 @@ def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
         {"sharing": "per_agent"},
         pytest.param({"sharing": "by_role", "roles": (0, 1, 0)}, marks=pytest.mark.slow),
         pytest.param({"sharing": "by_role", "roles": (0, 1, 0), "algorithm": "mappo"}, marks=pytest.mark.slow),
-        {"sharing": "by_role", "roles": (0, 1, 0), "memory": "gru"},
+        {"sharing": "by_role", "roles": (0, 1, 0), "memory": "gru", "agent_id": True},
     ],
-    ids=["per agent", "by role", "mappo", "memory"],
+    ids=["per agent", "by role", "mappo", "memory and numbers"],
 )
 def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]) -> None:
     """Logits, values and memory of all agents at once are those of each team's network on its own."""
@@ -130,7 +171,9 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
         for bundle, network, stacked in zip(networks.bundles, networks.networks, parameters, strict=True):
             for index, agents in enumerate(bundle.agents):
                 own = jax.tree.map(lambda leaf: leaf[index], stacked)  # noqa: B023
-                _, says, worth = network.apply(own, network.start_memory(4), seen[:, :, np.asarray(agents)], joint, fresh)
+                _, says, worth = network.apply(
+                    own, network.start_memory(4), seen[:, :, np.asarray(agents)], joint, fresh, np.asarray(agents)
+                )
                 apart += [(agent, says[:, :, place], worth[:, :, place]) for place, agent in enumerate(agents)]
         order = [index for index, _ in sorted(enumerate(apart), key=lambda entry: entry[1][0])]
         return (logits, values), tuple(jnp.stack([apart[index][part] for index in order], axis=2) for part in (1, 2))
