@@ -12,6 +12,7 @@ import click
 
 from sjdsl.cache import keep_programs
 from sjdsl.cli.faults import report_fault
+from sjdsl.cli.pointer import pointed
 
 COMMANDS = {
     "bench": "Measure how fast games run.",
@@ -72,12 +73,13 @@ def commands() -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Runs one command; returns the exit status: 0 done, 1 something is wrong with the game or files, 2 with the call."""
-    try:
-        result = commands.main(arguments, prog_name="sjdsl", standalone_mode=False)
-    except click.exceptions.Exit as exit_:
-        return exit_.exit_code
-    except Exception as error:
-        return report_fault(error)
+    with pointed():
+        try:
+            result = commands.main(arguments, prog_name="sjdsl", standalone_mode=False)
+        except click.exceptions.Exit as exit_:
+            return exit_.exit_code
+        except Exception as error:
+            return report_fault(error)
     return result if isinstance(result, int) else 0
 
 

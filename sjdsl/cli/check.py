@@ -18,12 +18,13 @@ Found = dict[tuple[str, ...], list[Diagnostic]]
 @click.command("check")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @variant_option
+@click.option("--strict", is_flag=True, help="Exit with 1 if there is a warning.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnostics as JSON.")
-def command(files: tuple[str, ...], variant: str | None, as_json: bool) -> int:
+def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: bool) -> int:
     """Says everything that is wrong with games: FILE is a `.sj` file or the name of a bundled game.
 
     Without --variant the game itself and each of its variants are checked. The exit status is 1 if there is an error,
-    0 if there are only warnings.
+    0 if there are only warnings, unless --strict is given.
     """
     everything: list[Diagnostic] = []
     for file in files:
@@ -39,7 +40,7 @@ def command(files: tuple[str, ...], variant: str | None, as_json: bool) -> int:
         from sjdsl.compiler.report import to_json
 
         click.echo(json.dumps(to_json(everything, texts_of(everything)), indent=2))
-    return int(any(d.code.severity == "error" for d in everything))
+    return int(any(strict or d.code.severity == "error" for d in everything))
 
 
 def find_problems(source: Source, variant: str | None = None) -> Found:

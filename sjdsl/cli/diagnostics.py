@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from sjdsl.cli.pointer import remember
 from sjdsl.compiler.diagnostics import CompileError, Diagnostic
 from sjdsl.compiler.read import read_source
 from sjdsl.compiler.source import Source
@@ -18,6 +19,7 @@ def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source]
         return
     from sjdsl.compiler.report import render
 
+    remember((d.code.code for d in found), err)
     stream = sys.stderr if err else sys.stdout
     colour = stream.isatty() and not os.environ.get("NO_COLOR")
     click.echo(render(found, {**texts_of(found), **(sources or {})}, colour), err=err, color=colour)

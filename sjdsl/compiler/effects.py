@@ -58,7 +58,6 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     event = static.events.get(name.text)
     if event is None:
         raise scope.problems.fail(errors.NO_EVENT, name.span, name=name.text, nearest=nearest(name.text, static.events))
-    static.used.add(f"event {name.text}")
     word = None
     row = ir.EventTotal(type=integer(0, float("inf")), name=name.text)
     if event.by is not None:

@@ -20,7 +20,7 @@ from sjdsl.compiler.promises import check_requires, checks, events, measures, re
 from sjdsl.compiler.scope import Poisoned, Problems, Scope
 from sjdsl.compiler.sights import sights, window
 from sjdsl.compiler.source import Span
-from sjdsl.compiler.upkeep import check_time, check_use
+from sjdsl.compiler.upkeep import check_actions, check_events, check_time, check_use
 from sjdsl.compiler.whereabouts import with_whereabouts
 from sjdsl.compiler.worldmap import check_rows, count_cells, glyph_table, read_rows
 
@@ -45,6 +45,9 @@ def elaborate(game: Composition, overrides: Overrides) -> tuple[ir.Game | None, 
     built = _rules(game, made, rows, problems)
     if not any(d.code.severity == "error" for d in problems.found):
         check_use(game, static, problems)
+        if built is not None:
+            check_actions(built, game, problems)
+            check_events(built, static, problems)
     failed = any(d.code.severity == "error" for d in problems.found)
     return (None if failed else built), with_whereabouts(problems.found, game)
 

@@ -240,6 +240,7 @@ TIMER_BOTH_SIDES = Code(
 )
 NEVER_HAPPENS = Code("SJ504", "This can never happen", "this can never happen: {problem}", "", "warning")
 UNUSED = Code("SJ505", "Never used", "{what} `{name}` is never used", "", "warning")
+IDLE_ACTION = Code("SJ506", "An action without effect", "{problem}", "{help}", "warning")
 FORBID_READS = Code(
     "SJ507",
     "What `forbid` may read",
@@ -251,6 +252,14 @@ NO_PLACE_YET = Code(
     "No place yet",
     "in `phase start` no agent has a place yet, so `{what}` means nothing",
     "do it in a phase of the schedule, at `step == 0`",
+)
+
+NEVER_COUNTED = Code(
+    "SJ509",
+    "An event that is never counted",
+    "the event `{name}` is listed in `metrics`, but no rule counts it: it is always 0",
+    "count it where it happens, `tally {path}`, or take it out of `metrics`",
+    "warning",
 )
 
 # ---- 6xx limits of the compiler

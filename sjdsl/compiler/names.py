@@ -101,7 +101,6 @@ def check_known_word(tree: ast.Expr | ast.Table, owner: str, words: Iterable[str
 
 
 def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
-    scope.static.used.add(f"event {e.name.text}")
     type_ = integer(0, float("inf"), "count")
     event = scope.static.events[e.name.text]
     if event.by is not None and e.steps:

@@ -1,8 +1,10 @@
-"""Time and use: timers and `tick`, kinds that are not on the map, declarations nobody reads."""
+"""Time and use: timers and `tick`, kinds that are not on the map, what nobody reads, chooses in vain or counts."""
 
 from sjdsl.compiler import errors, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.scope import Problems, Static
+
+MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
 
 
 def check_time(game: ir.Game, problems: Problems, composition: Composition) -> None:
@@ -42,8 +44,36 @@ def _sets(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
     return found
 
 
+def check_actions(game: ir.Game, composition: Composition, problems: Problems) -> None:
+    """Warns of actions that change nothing: no rule asks who chose them, and nobody moves."""
+    nodes = [n for turn in game.schedule for n in ir.walk(turn)]
+    asked = {game.agents.actions[n.action] for n in nodes if isinstance(n, ir.Chose)}
+    moving = any(isinstance(n, ir.Move) for n in nodes)
+    assert composition.acts is not None
+    idle = [a for a in composition.acts.actions if a.text not in asked and a.text != "stay"]
+    for action in idle:
+        if action.text not in MOVES:
+            problem = f"no rule looks at the action `{action.text}`: to choose it is to stay"
+            help_ = f"ask for it where it matters, `each agent where agent chose {action.text}`, or take it out of `acts`"
+            problems.add(errors.IDLE_ACTION, action.span, problem=problem, help=help_)
+    steps = [a for a in idle if a.text in MOVES]
+    if steps and not moving:
+        problem = f"no phase of the schedule has `move`, so nobody moves by {', '.join(f'`{a.text}`' for a in steps)}"
+        help_ = "write `phase walk { move each agent }` and schedule it, or take them out of `acts`"
+        problems.add(errors.IDLE_ACTION, steps[0].span, problem=problem, help=help_)
+
+
+def check_events(game: ir.Game, static: Static, problems: Problems) -> None:
+    """Warns of events that no rule counts."""
+    counted = {n.event for phase in (game.start, *game.schedule) for n in ir.walk(phase) if isinstance(n, ir.Tally)}
+    for name, event in static.events.items():
+        if name not in counted:
+            path = name if event.by is None else f"{name}[{event.by.names[0].text}]"
+            problems.add(errors.NEVER_COUNTED, event.name.span, name=name, path=path)
+
+
 def check_use(composition: Composition, static: Static, problems: Problems) -> None:
-    """Warns of kinds not on the map, and of numbers, defines, shapes, fields and events nobody uses."""
+    """Warns of kinds not on the map, and of numbers, defines, shapes and fields nobody uses."""
     used = static.used
     for name, kind in composition.kinds.items():
         if static.cells.get(name, 0) == 0 and not static.kinds[name].blocks:  # walls are for other maps too
@@ -61,9 +91,6 @@ def check_use(composition: Composition, static: Static, problems: Problems) -> N
     for name, shape in composition.shapes.items():
         if f"shape {name}" not in used:
             problems.add(errors.UNUSED, shape.name.span, what="the shape", name=name)
-    for name, event in static.events.items():
-        if f"event {name}" not in used:
-            problems.add(errors.UNUSED, event.name.span, what="the event", name=name)
     for name, declared in static.agent_fields.items():
         if f"agent.{name}" not in used:
             problems.add(errors.UNUSED, declared.origin, what="the field", name=f"agent.{name}")  # type: ignore[arg-type]

@@ -71,3 +71,31 @@ def test_checking_needs_no_jax(folder: Path) -> None:
 @pytest.mark.parametrize("game", ["coins", "clean_up"])
 def test_bundled_games_have_no_errors(sjdsl: Sjdsl, game: str) -> None:
     assert sjdsl("check", game).status == 0
+
+
+def test_warnings_count_where_they_are_asked_to(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "unused.sj").write_text(UNUSED)
+    assert sjdsl("check", "unused.sj", "--strict").status == 1
+    assert sjdsl("check", "orchard.sj", "--strict").status == 0
+    assert sjdsl("compile", "unused.sj").status == 0
+
+
+def test_a_run_ends_once_with_where_more_is_said(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "wrong.sj").write_text(WRONG_VARIANT)
+    (folder / "unused.sj").write_text(UNUSED)
+    shown = sjdsl("check", "unused.sj", "wrong.sj")
+    assert shown.out.splitlines()[-1] == "`sjdsl explain SJ505` says more about the first message."
+    assert shown.out.count("sjdsl explain") == 1
+    refused = sjdsl("compile", "wrong.sj", "--variant", "rich")
+    assert refused.err.splitlines()[-1] == "`sjdsl explain SJ108` says more about this message."
+    assert "explain" not in sjdsl("check", "wrong.sj", "--json").out
+    assert "explain" not in sjdsl("check", "orchard.sj").out
+
+
+def test_actions_and_events_without_use_are_warned_of(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "idle.sj").write_text(GAME.replace("forward, stay", "forward, stay, dance").replace("event eaten", "event eaten  event lost"))
+    shown = sjdsl("check", "idle.sj")
+    assert shown.status == 0
+    assert "no rule looks at the action `dance`" in shown.out
+    assert "the event `lost` is listed in `metrics`, but no rule counts it" in shown.out
+    assert "2 warnings" in shown.out
