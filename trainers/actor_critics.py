@@ -118,6 +118,8 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
             recurrent=config.memory == "gru",
             dtype=jnp.dtype(config.precision),
             numbers=env.num_agents if config.agent_id else 0,
+            sides=config.convolution_sides,
+            channels=config.convolution_channels,
         )
         for bundle in bundles
     )

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -41,10 +42,17 @@ def _listed(value: Any) -> Any:
     return [value] if isinstance(value, int | float) else value
 
 
+def _odd(value: int) -> int:
+    if value % 2 == 0:
+        raise ValueError("odd, so that a window has a middle")
+    return value
+
+
 Count = Annotated[PositiveInt, BeforeValidator(_whole_number)]
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
+Sides = Annotated[tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...], Field(min_length=1), BeforeValidator(_listed)]
 Groups = Annotated[tuple[NonNegativeInt, ...], BeforeValidator(_listed)]
 
 
@@ -82,6 +90,8 @@ class Config(BaseModel):
 
     network: Literal["mlp", "cnn"] = "cnn"
     network_width: Count = 64  # units of each hidden dense layer
+    convolution_sides: Sides = (5, 3, 3)  # of cnn: cells along the side of each convolution's kernel, one after the other
+    convolution_channels: Count = 32  # of cnn: features that each gives a cell
     precision: Literal["float32", "bfloat16"] = "float32"  # of the network's layers; parameters stay float32
 
     checkpoint_every: CountOrZero = 50  # updates; 0 keeps only the last

@@ -34,6 +34,8 @@ def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Map
             need = "true or false"
         case "too_short":
             need = "one number or more"
+        case "value_error":
+            need = str(fault["ctx"]["error"])
         case _:
             need = fault["msg"]
     return f"`{key}` must be {need}, not {fault['input']!r}"

@@ -17,6 +17,7 @@ from .initialisation import orthogonal
 HIDDEN_GAIN = 2.0**0.5
 ACTOR_GAIN = 0.01
 CRITIC_GAIN = 1.0
+CONVOLUTION_SIDES = (5, 3, 3)
 CONVOLUTION_CHANNELS = 32
 
 Memory = Any  # what a network with memory hands from step to step: arrays `[M, ...]`; `()` without
@@ -26,13 +27,15 @@ class Torso(nn.Module):
     """Features of windows of tokens, or of vectors.
 
     Tokens become channels inside the network, so that a rollout stores bytes. `mlp` reads a window flat; `cnn` passes it through
-    three convolutions first. Vectors, which have no planes, go to the dense layer at once. Source of the convolutions: SocialJax.
+    convolutions first. Vectors, which have no planes, go to the dense layer at once. Source of the three convolutions: SocialJax.
     """
 
     planes: tuple[TokenPlane, ...]
     kind: Literal["mlp", "cnn"]
     width: int
     dtype: Any
+    sides: tuple[int, ...] = CONVOLUTION_SIDES
+    channels: int = CONVOLUTION_CHANNELS
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
@@ -44,8 +47,8 @@ class Torso(nn.Module):
         features = features.reshape(-1, *features.shape[-3:])
         if self.kind == "cnn":
             features = jnp.moveaxis(features, 1, -1)  # convolutions want channels last
-            for index, side in enumerate((5, 3, 3)):
-                shape = (side, side, features.shape[-1], CONVOLUTION_CHANNELS)
+            for index, side in enumerate(self.sides):
+                shape = (side, side, features.shape[-1], self.channels)
                 kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
                 bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:])
                 features = nn.relu(convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype))
@@ -112,6 +115,8 @@ class ActorCritic(nn.Module):
     recurrent: bool = False
     dtype: Any = jnp.float32
     numbers: int = 0  # N of the game, where what agents are is an input; 0: it is none
+    sides: tuple[int, ...] = CONVOLUTION_SIDES
+    channels: int = CONVOLUTION_CHANNELS
 
     @nn.compact
     def __call__(
@@ -128,7 +133,7 @@ class ActorCritic(nn.Module):
         Returns:
           the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
         """
-        torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype)
+        torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype, sides=self.sides, channels=self.channels)
         head = partial(Head, width=self.width, dtype=self.dtype)
         seen = with_numbers(torso(self.planes, name="torso")(observation), agents, self.numbers)
         memory, seen = self._remember("memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1]))
@@ -164,10 +169,12 @@ class ActionValues(nn.Module):
     width: int
     dtype: Any = jnp.float32
     numbers: int = 0  # N, where what agents are is an input; 0: it is none
+    sides: tuple[int, ...] = CONVOLUTION_SIDES
+    channels: int = CONVOLUTION_CHANNELS
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
         """Returns `[..., N, A]` float32 for observations `[..., N, P, V, V]` uint8 of all agents, in order."""
-        seen = Torso(self.planes, self.kind, self.width, self.dtype, name="torso")(observation)
+        seen = Torso(self.planes, self.kind, self.width, self.dtype, self.sides, self.channels, name="torso")(observation)
         seen = with_numbers(seen, jnp.arange(self.numbers), self.numbers)
         return Head(self.num_actions, self.width, CRITIC_GAIN, self.dtype, name="values")(seen)

@@ -1,9 +1,10 @@
 """Presets: what to train and how, in one TOML file; some come with this package.
 
+extends = "paper"       # optional: all that another preset has, or a file beside this one; what stands here wins, value by value
 game = "coins"          # optional: what is trained if no game is named
 only_listed = true      # optional: games without a table are refused
 
-[environment]           # further arguments of sjdsl.make
+[environment]           # further arguments of sjdsl.make: for the preset's game if it names one, else for any
 num_agents = 2
 
 [config]                # keys of the configuration
@@ -27,7 +28,7 @@ from .config import Algorithm, Config, ConfigError, RewardMode, make_config
 from .config_errors import nearest_key
 
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
-SECTIONS = {"game": str, "only_listed": bool, "games": dict, **FOR_ANY}
+SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_ANY}
 NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
 MEANS = {str: "text", bool: "true or false", dict: "a table"}
 
@@ -51,6 +52,21 @@ def load_preset(name: str | Path, changes: Mapping[str, Any] | None = None, game
     Raises:
       ConfigError: no such preset, a wrong key or value, or a game that the preset has nothing for.
     """
+    content = _content(name)
+    chosen = game or content.get("game")
+    stem = Path(chosen).stem if chosen else None
+    own = content.get("games", {}).get(stem, {})
+    if content.get("only_listed") and stem is not None and not own:
+        raise ConfigError(f"the preset `{name}` has nothing for `{stem}`; it has {', '.join(content.get('games', {}))}")
+    kept = content.get("environment", {}) if content.get("game") is None or stem == Path(content["game"]).stem else {}
+    values = _layered(content, own, changes or {})
+    return Preset(chosen, {**kept, **own.get("environment", {})}, make_config(values))
+
+
+def _content(name: str | Path, extended_by: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Returns the tables of a preset, with those of the presets that it extends under its own."""
+    if str(name) in extended_by:
+        raise ConfigError(f"{extended_by[0]}: presets extend each other in a circle: {' -> '.join([*extended_by, str(name)])}")
     try:
         content = tomllib.loads(_read(name))
     except tomllib.TOMLDecodeError as error:
@@ -61,14 +77,17 @@ def load_preset(name: str | Path, changes: Mapping[str, Any] | None = None, game
     for listed, tables in content.get("games", {}).items():
         _check(tables, FOR_ANY, f"{name}: games.{listed}")
         _check_named(tables, f"{name}: games.{listed}")
-    chosen = game or content.get("game")
-    stem = Path(chosen).stem if chosen else None
-    own = content.get("games", {}).get(stem, {})
-    if content.get("only_listed") and stem is not None and not own:
-        raise ConfigError(f"the preset `{name}` has nothing for `{stem}`; it has {', '.join(content.get('games', {}))}")
-    kept = content.get("environment", {}) if game is None or stem == Path(content.get("game", "")).stem else {}
-    values = _layered(content, own, changes or {})
-    return Preset(chosen, {**kept, **own.get("environment", {})}, make_config(values))
+    if "extends" not in content:
+        return content
+    extended = content["extends"]
+    under = Path(name).parent / extended if Path(extended).suffix == ".toml" else extended
+    return _over(_content(under, (*extended_by, str(name))), content)
+
+
+def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns two trees of tables as one, with the values of `above` where both have some."""
+    both = {name: _over(under[name], above[name]) for name in under.keys() & above.keys() if isinstance(above[name], dict)}
+    return {**under, **above, **both}
 
 
 def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -52,8 +52,16 @@ def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
     Raises:
       ConfigError: the environment gives no token observations.
     """
-    numbers = env.num_agents if config.agent_id else 0
-    return ActionValues(env.num_actions, token_planes(env), config.network, config.network_width, jnp.dtype(config.precision), numbers)
+    return ActionValues(
+        num_actions=env.num_actions,
+        planes=token_planes(env),
+        kind=config.network,
+        width=config.network_width,
+        dtype=jnp.dtype(config.precision),
+        numbers=env.num_agents if config.agent_id else 0,
+        sides=config.convolution_sides,
+        channels=config.convolution_channels,
+    )
 
 
 def make_vdn(env: Environment, config: VDNConfig) -> Train:

@@ -1,14 +1,17 @@
 """Presets: layered tables, and what those of the package say."""
 
+import math
 from pathlib import Path
 from typing import Any
 
+import jax
 import pytest
 
 from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config
+from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.ppo import check_minibatches
 from sjdsl.trainers.shaping import kept_share
-from tests.games.environments import NINE
+from tests.games.environments import NINE, environment
 
 PPO = tuple((algorithm, reward) for algorithm in ("ippo", "mappo") for reward in ("individual", "common", "svo", "exchange", "inequity"))
 
@@ -43,6 +46,9 @@ def test_a_preset_in_a_file(tmp_path: Path) -> None:
         ("[games.coins]\nconfg = 3\n", r"mine\.toml: games\.coins: unknown key `confg`; did you mean `config`"),
         ("[config]\nnum_env = 3\n", "unknown key `num_env`; did you mean `num_envs`"),
         ("game = \n", r"mine\.toml: "),
+        ('extends = "papr"\n', "unknown preset `papr`; did you mean `paper`"),
+        ('extends = "none.toml"\n', r"none\.toml does not exist"),
+        ('extends = "mine.toml"\n', r"mine\.toml: presets extend each other in a circle: .*mine\.toml -> .*mine\.toml"),
     ],
 )
 def test_wrong_preset_files_are_explained(tmp_path: Path, text: str, message: str) -> None:
@@ -125,6 +131,26 @@ def test_later_tables_win(tmp_path: Path, game: str | None, changes: dict[str, A
     assert preset.environment == ({"num_agents": 3} if game and "coins" in game else {})
 
 
+def test_a_preset_may_extend_another(tmp_path: Path) -> None:
+    """Value by value: of the tables that both have, too; the layers are those of the whole."""
+    (tmp_path / "under.toml").write_text(LAYERS)
+    above = 'extends = "under.toml"\n[config]\nnum_envs = 9\n[games.coins.algorithm.mappo]\nclip_epsilon = 0.9\n[algorithm.mappo]\nentropy_coefficient = 0.9\n'
+    (tmp_path / "mine.toml").write_text(above + "[games.coins.environment]\nmap = 'x.txt'\n")
+    changes = {"algorithm": "mappo"}
+    under, mine = (load_preset(tmp_path / name, changes, "coins") for name in ("under.toml", "mine.toml"))
+    assert mine.config == under.config.model_copy(update={"num_envs": 9, "clip_epsilon": 0.9})
+    assert mine.environment == {"num_agents": 3, "map": "x.txt"}
+
+
+@pytest.mark.parametrize(
+    ("line", "game", "kept"),
+    [("", "pd_arena", True), ("", None, True), ('game = "coins"', None, True), ('game = "coins"', "pd_arena", False)],
+)
+def test_the_environment_is_that_of_the_game_named_or_of_any(tmp_path: Path, line: str, game: str | None, kept: bool) -> None:
+    (tmp_path / "mine.toml").write_text(f'{line}\n[environment]\nvariant = "socialjax"\n')
+    assert load_preset(tmp_path / "mine.toml", game=game).environment == ({"variant": "socialjax"} if kept else {})
+
+
 def test_a_preset_may_choose_the_algorithm_whose_table_is_read(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text('[config]\nalgorithm = "vdn"\n[algorithm.vdn]\nbatch_size = 7\n[algorithm.ippo]\nnum_epochs = 9\n')
     chosen, other = (load_preset(tmp_path / "mine.toml", changes).config for changes in ({}, {"algorithm": "ippo"}))
@@ -138,7 +164,7 @@ def test_a_preset_made_for_some_games_refuses_others() -> None:
         load_preset("paper", game="chicken")
 
 
-@pytest.mark.parametrize("name", ["paper", "two_cores"])
+@pytest.mark.parametrize("name", ["paper", "released", "two_cores"])
 @pytest.mark.parametrize("game", NINE)
 def test_every_algorithm_and_reward_has_a_valid_configuration(name: str, game: str) -> None:
     for algorithm, reward in PPO:
@@ -223,3 +249,82 @@ def test_vdn_as_in_the_paper() -> None:
     assert (config.buffer_size, config.batch_size, config.gradient_steps, config.learning_starts) == (100_000, 128, 4, 1000)
     assert (config.learning_rate, config.max_gradient_norm, config.target_update_every, config.target_rate) == (7e-5, 1.0, 10, 1.0)
     assert (config.epsilon_start, config.epsilon_end, config.epsilon_fraction, config.double_q) == (1.0, 0.05, 0.1, False)
+
+
+# the released code's
+
+
+DOCS = Path(__file__).parents[2] / "docs" / "training.md"
+RUNS = (*PPO, ("vdn", "common"))
+Differences = dict[tuple[str, str, str], tuple[str, str]]  # (key, algorithm, reward) -> values of `paper` and `released`
+
+
+def told() -> Differences:
+    """Returns what the table of docs/training.md says."""
+    table = DOCS.read_text().partition("All in which they differ:")[2].partition("Faults of")[0]
+    found: Differences = {}
+    for line in [line for line in table.splitlines() if line.startswith("| `")]:
+        key, runs, *values = (cell.strip(" `") for cell in line.strip("|").split("|")[:4])
+        algorithm, _, rewards = runs.partition(": ")
+        for run in RUNS:
+            if algorithm in ("all", run[0]) and (not rewards or run[1] in rewards.split(", ")):
+                assert found.setdefault((key, *run), (values[0], values[1])) == (values[0], values[1])
+    return found
+
+
+def written(value: Any) -> str:
+    """Returns a value as the table has it."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case int() if value >= 1e6:
+            return f"{value:.0e}".replace("+0", "")
+        case tuple():
+            return ",".join(map(str, value))
+    return str(value)
+
+
+@pytest.mark.parametrize("game", NINE)
+def test_the_manual_says_all_in_which_paper_and_released_differ(game: str) -> None:
+    found: Differences = {}
+    for algorithm, reward in RUNS:
+        paper, released = (load_preset(name, {"algorithm": algorithm, "reward": reward}, game) for name in ("paper", "released"))
+        assert (paper.environment, released.environment) == ({}, {"variant": "socialjax"})
+        found["variant", algorithm, reward] = ("none", "socialjax")
+        left, right = paper.config.model_dump(), released.config.model_dump()
+        found |= {(key, algorithm, reward): (written(left[key]), written(right[key])) for key in left if left[key] != right[key]}
+    assert found == told()
+
+
+def test_neither_masks_what_is_forbidden_nor_tells_agents_their_numbers() -> None:
+    configs = [
+        load_preset(name, {"algorithm": algorithm}, "coins").config
+        for name in ("paper", "released")
+        for algorithm in ("ippo", "mappo", "vdn")
+    ]
+    assert {(config.mask_actions, config.agent_id) for config in configs} == {(False, False)}
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "game", "channels", "released"),
+    [
+        ("ippo", "coins", 14, 286_440),
+        ("ippo", "clean_up", 19, 290_570),
+        ("vdn", "coins", 14, 282_215),
+        ("vdn", "clean_up", 19, 286_345),
+        ("mappo", "coins", 14, 33_415 + 35_329),
+        ("mappo", "clean_up", 19, 34_169 + 50_449),
+    ],
+)
+def test_networks_have_the_released_sizes(algorithm: str, game: str, channels: int, released: int) -> None:
+    """Parameters of the released networks, counted by running its code; ours may see another number of channels, and a central critic
+    says a value for each agent instead of one."""
+    config = load_preset("released", {"algorithm": algorithm}, game).config
+    env = environment(game, "socialjax")
+    shapes = parameter_shapes(env, config)
+    found = sum(math.prod(leaf.shape) for leaf in jax.tree.leaves(shapes))
+    more = len(env.channel_names) - channels
+    if algorithm == "mappo":
+        assert found == released + 9 * 16 * more * (1 + env.num_agents) + 17 * (env.num_agents - 1)
+    else:
+        assert found == released + 25 * 32 * more

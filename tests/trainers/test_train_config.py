@@ -32,6 +32,9 @@ from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, make_config, make_
         ({"algorithm": "vdn", "epsilon_fraction": 0}, "`epsilon_fraction` must be more than 0.0, not 0"),
         ({"algorithm": "vdn", "num_epochs": 2}, "`num_epochs`"),
         ({"buffer_size": 2}, "`buffer_size`"),
+        ({"convolution_sides": (5, 4)}, "`convolution_sides` must be odd, so that a window has a middle, not 4"),
+        ({"convolution_sides": "5,x"}, "`convolution_sides` must be a whole number, not 'x'"),
+        ({"convolution_sides": ()}, "`convolution_sides` must be one number or more"),
     ],
 )
 def test_wrong_values_are_explained(values: dict[str, Any], message: str) -> None:
