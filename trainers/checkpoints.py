@@ -4,7 +4,6 @@ A checkpoint is a folder that orbax names only when all of it is written. Beside
 read back as it was written is not gone on from.
 """
 
-import hashlib
 import os
 import re
 import shutil
@@ -14,9 +13,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax.tree_util import keystr, tree_flatten_with_path
 
+from .digest import digest_of
 from .run_files import naming
 
 CHECKPOINTS = "checkpoints"
@@ -46,7 +45,7 @@ class Checkpoints:
     def save(self, update: int, state: Any, known: Mapping[str, Any]) -> None:
         """Writes the state after an update, and what else is known, JSON values. Raises OSError when there is no room."""
         arrays = _named_arrays(state)
-        known = {**known, "digest": _digest(arrays)}
+        known = {**known, "digest": digest_of(arrays)}
         parts = self._ocp.args.Composite(state=self._ocp.args.StandardSave(arrays), known=self._ocp.args.JsonSave(known))
         try:
             with naming(self.folder / str(update)):
@@ -71,7 +70,7 @@ class Checkpoints:
             arrays, known = found["state"], dict(found["known"])
         except Exception as error:  # orbax and tensorstore have no common class of errors
             raise CheckpointError(f"{self.folder / str(update)} cannot be read: {_first_line(error)}") from None
-        if _digest(arrays) != known.pop("digest", None):
+        if digest_of(arrays) != known.pop("digest", None):
             raise CheckpointError(f"{self.folder / str(update)} is damaged: its arrays are not those that were written")
         return _with_arrays(like, arrays), known
 
@@ -104,25 +103,6 @@ def _as(leaf: Any, array: Any) -> Any:
     if jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key):
         return jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf))
     return array
-
-
-def _digest(arrays: Mapping[str, Any]) -> str:
-    """Returns the SHA-256 of arrays, their names, dtypes and shapes."""
-    found = hashlib.sha256()
-    for name in sorted(arrays):
-        array = _gathered(arrays[name])
-        found.update(f"{name} {array.dtype} {array.shape}".encode())
-        found.update(np.ascontiguousarray(array).tobytes())
-    return found.hexdigest()
-
-
-def _gathered(array: Any) -> np.ndarray:
-    """Returns an array as NumPy has it; one that other processes hold parts of is fetched from them."""
-    if isinstance(array, jax.Array) and not array.is_fully_addressable:
-        from jax.experimental.multihost_utils import process_allgather
-
-        return np.asarray(process_allgather(array, tiled=True))
-    return np.asarray(array)
 
 
 def _first_line(error: Exception) -> str:

@@ -24,6 +24,7 @@ __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
 Algorithm = Literal["ippo", "mappo", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
+SEEDS = 2**32  # how many there are: JAX makes a key of the lower 32 bits, so that a larger seed would be another's run
 
 
 def _whole_number(value: Any) -> Any:
@@ -94,7 +95,11 @@ class Config(BaseModel):
     convolution_channels: Count = 32  # of cnn: features that each gives a cell
     precision: Literal["float32", "bfloat16"] = "float32"  # of the network's layers; parameters stay float32
 
-    checkpoint_every: CountOrZero = 50  # updates; 0 keeps only the last
+    checkpoint_minutes: NonNegativeFloat = 10.0  # between two checkpoints, at least
+    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0)] = 0.05  # of the time, at most, that writing checkpoints may take
+    checkpoint_updates: CountOrZero = 0  # instead: one after so many updates, however long writing takes; 0: by time
+    policy_every: CountOrZero = 0  # updates between policies stored by number; 0: a twentieth of the run
+    keep_policies: CountOrZero = 5  # how many of them are kept, the last; 0: all
     evaluate_every: CountOrZero = 0  # updates; 0 only what the caller does at the end
     evaluation_episodes: Count = 30
 
@@ -102,9 +107,13 @@ class Config(BaseModel):
     @classmethod
     def _explain(cls, values: Any, validate: Any) -> "Config":
         try:
-            return validate(values)
+            config = validate(values)
         except ValidationError as error:
             raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in error.errors())) from None
+        if config.seed + config.seeds > SEEDS:
+            last = "" if config.seeds == 1 else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
+            raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, for random keys are made of 32 bits, not {config.seed}{last}")
+        return config
 
     @model_validator(mode="after")
     def _smoothing_of_this_reward(self) -> "Config":
@@ -124,6 +133,11 @@ class Config(BaseModel):
     def num_updates(self) -> int:
         """Updates of the whole run."""
         return math.ceil(self.total_timesteps / self.steps_per_update)
+
+    @property
+    def policy_updates(self) -> int:
+        """Updates between two policies stored by number; over as many, the best is looked for where nothing is evaluated."""
+        return self.policy_every or max(1, self.num_updates // 20)
 
     @property
     def seed_numbers(self) -> tuple[int, ...]:

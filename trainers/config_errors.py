@@ -4,6 +4,11 @@ import difflib
 from collections.abc import Mapping
 from typing import Any
 
+RETIRED: Mapping[str, str] = {
+    "checkpoint_every": "checkpoints are written by time now, see `checkpoint_minutes` and `checkpoint_share`, or every `checkpoint_updates` "
+    "updates; policies are stored every `policy_every` updates",
+}  # keys that configurations had once, and what there is instead
+
 
 class ConfigError(Exception):
     """A wrong key or value; the message has one line a fault."""
@@ -13,6 +18,8 @@ def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Map
     """Returns one of pydantic's faults as a sentence; `known` has the configuration's keys, `keys_of` those of every algorithm."""
     key = str(fault["loc"][0]) if fault["loc"] else "config"
     match fault["type"]:
+        case "extra_forbidden" if key in RETIRED:
+            return f"`{key}` is no key any more: {RETIRED[key]}"
         case "extra_forbidden":
             owners = [algorithm for algorithm, keys in keys_of.items() if key in keys]
             if owners:

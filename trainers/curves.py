@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .metrics_files import METRICS_JSONL, Row
 from .resuming import RunError, read_manifest
-from .run_folder import METRICS_JSONL, Row
 
 POINTS = 200  # of a curve: updates are averaged to as many
 

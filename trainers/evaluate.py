@@ -53,6 +53,17 @@ class Estimate:
     high: float
 
 
+EVALUATION = 0x6576616C  # "eval": apart from the numbers under which a run splits and folds its own keys
+
+
+def evaluation_key(seed: int, update: int = 0) -> Array:
+    """Returns the key of the episodes that evaluate a policy after an update, or, with 0, whenever it is asked for.
+
+    It is none of the keys that the run of the same seed learns with: `fold_in(key, i)` is `split(key, n)[i]`.
+    """
+    return jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), EVALUATION), update)
+
+
 def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 30) -> Evaluation:
     """Plays `num_episodes` episodes side by side, each to its end.
 

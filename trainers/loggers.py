@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from .config import Config, ConfigError
-from .run_folder import Row
+from .metrics_files import Row
 
 LoggerName = Literal["tensorboard", "wandb"]
 PACKAGE = {"tensorboard": "tensorboardX", "wandb": "wandb"}

@@ -1,6 +1,7 @@
 """Stored policies: parameters as safetensors, and beside them, as JSON, what they are parameters of."""
 
 import json
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,14 +10,17 @@ from typing import Any
 import jax
 import numpy as np
 from jax.tree_util import keystr, tree_flatten_with_path
-from safetensors import SafetensorError
-from safetensors.numpy import load, save
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save
 
 from .config import Config, ConfigError, make_config
+from .config_errors import RETIRED
+from .digest import digest_of
 from .run_files import write_json, write_whole
 
 POLICIES = "policies"
 SUFFIX = ".safetensors"
+DIGEST = "sha256"  # in the metadata of the file: of its tensors, their names, dtypes and shapes
 
 
 class PolicyError(Exception):
@@ -39,7 +43,15 @@ def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> N
     leaves, _ = tree_flatten_with_path(jax.device_get(parameters))
     tensors = {keystr(place): np.ascontiguousarray(leaf) for place, leaf in leaves}
     write_json(path.with_suffix(".json"), described)
-    write_whole(path, save(tensors))
+    write_whole(path, save(tensors, {DIGEST: digest_of(tensors)}))
+
+
+def remove_policies(folder: Path, kept: int) -> None:
+    """Removes the policies stored by number, but for the last; 0 keeps all."""
+    numbered = sorted(path.stem for path in folder.glob(f"*{SUFFIX}") if path.stem.isdigit())
+    for stem in numbered[:-kept] if kept else ():
+        for suffix in (SUFFIX, ".json"):  # the tensors first: a description alone is no policy
+            (folder / stem).with_suffix(suffix).unlink(missing_ok=True)
 
 
 def policy_path(source: Path, which: str | int) -> Path:
@@ -78,12 +90,13 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
       path: the `.safetensors` file.
       shapes_of: the tree of shapes that a configuration's parameters have.
     Raises:
-      PolicyError: a file is missing, damaged, or of no configuration this version knows.
+      PolicyError: a file is missing, damaged, or of no configuration this version knows; or a number in it is not finite.
     """
     try:
         content = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-        described = Described(content["game"], make_config(content["config"]), content["update"], content["env_steps"])
-        tensors = load(path.read_bytes())
+        config = {key: value for key, value in content["config"].items() if key not in RETIRED}
+        described = Described(content["game"], make_config(config), content["update"], content["env_steps"])
+        tensors = _read_tensors(path)
     except (OSError, ValueError, KeyError, SafetensorError, ConfigError) as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
     leaves, structure = tree_flatten_with_path(shapes_of(described.config))
@@ -91,3 +104,18 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     if {name: tensor.shape for name, tensor in tensors.items()} != wanted:
         return None, described
     return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
+
+
+def _read_tensors(path: Path) -> dict[str, np.ndarray]:
+    """Returns the tensors of a file that are those written, and finite."""
+    with safe_open(path, "np") as file:
+        metadata = file.metadata() or {}
+        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (it is no mapping)
+    if DIGEST not in metadata:
+        warnings.warn(f"{path} has no digest, as files of earlier versions: whether it is damaged cannot be told", stacklevel=2)
+    elif digest_of(tensors) != metadata[DIGEST]:
+        raise PolicyError(f"{path} is damaged: its tensors are not those that were written; take another policy of the run")
+    bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
+    if bad:
+        raise PolicyError(f"{path} holds numbers that are not finite, in {', '.join(bad)}: no agent can act by it; take another policy")
+    return tensors

@@ -70,7 +70,7 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, networks.start_memory(config.num_envs), worlds_key)
         learners = tuple(start_learner(parameters, config) for parameters in networks.init(network_key, env))
-        return TrainState(key, learners, worlds, jnp.int32(0))
+        return TrainState(key, learners, worlds, jnp.int32(0), jnp.bool_(False))
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         key, rollout_key = jax.random.split(state.key)
@@ -88,7 +88,7 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
         )
         batch = make_batch(rollout, memory, last_value, config)
         learners, losses = learn_teams(state.learner, batch, shuffle_key, networks, config)
-        learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner)
+        learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner, state.diverged)
         metrics = {
             **mean_episode(finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
@@ -97,12 +97,15 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
             "explained_variance": explained_variance(batch.value, batch.target),
             "learning_rate": learning_rate_schedule(config)(state.learner[0].step.ravel()[0]),
         }
-        return TrainState(key, learners, worlds, state.updates + 1), metrics
+        return TrainState(key, learners, worlds, state.updates + 1, ~jnp.isfinite(losses["loss"])), metrics
 
     def parameters(state: TrainState) -> tuple[Any, ...]:
         return tuple(learner.params for learner in state.learner)
 
-    return Train(init, collect, learn, parameters)
+    def adopt(state: TrainState, parameters: Any) -> TrainState:
+        return state.replace(learner=tuple(learner.replace(params=own) for learner, own in zip(state.learner, parameters, strict=True)))
+
+    return Train(init, collect, learn, parameters, adopt)
 
 
 def check_minibatches(config: PPOConfig) -> None:

@@ -24,6 +24,7 @@ class TrainState:
     learner: Any  # parameters, optimiser state, replayed steps: as the algorithm has it
     worlds: Worlds  # the B environments
     updates: Array  # [] int32, updates done
+    diverged: Array  # [] bool, the loss or a parameter was not finite in some update: since then nothing is learnt
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Train:
     collect: Callable[[TrainState], tuple[TrainState, Any]]  # plays; what was played goes to `learn`
     learn: Callable[[TrainState, Any], tuple[TrainState, Metrics]]  # gradient steps on what was played
     parameters: Callable[[TrainState], Any]  # of the agents' networks, from a state
+    adopt: Callable[[TrainState, Any], TrainState] | None = None  # a state that goes on from other parameters, of a policy trained before
 
     def update(self, state: TrainState) -> tuple[TrainState, Metrics]:
         """Plays and learns."""
@@ -60,11 +62,12 @@ def make_train(env: Environment, config: Config) -> Train:
     raise TypeError(f"no algorithm takes a {type(config).__name__}")
 
 
-def keep_if_finite(loss: Array, new: Any, old: Any) -> tuple[Any, Array]:
-    """Returns `new` and the loss; or, where the loss or an entry of `new` is not finite, `old` and NaN.
+def keep_if_finite(loss: Array, new: Any, old: Any, diverged: Array) -> tuple[Any, Array]:
+    """Returns `new` and the loss; or, where the loss or an entry of `new` is not finite, or was not before, `old` and NaN.
 
-    So the last good parameters outlive a run that diverges, though the memory of `old` may be reused.
+    So the last good parameters outlive a run that diverges, though the memory of `old` may be reused; and of several seeds side by
+    side the one that diverged stands still while the others go on.
     """
     numbers = [leaf for leaf in jax.tree.leaves(new) if jnp.issubdtype(leaf.dtype, jnp.floating)]
-    good = jnp.isfinite(loss) & jnp.stack([jnp.isfinite(leaf).all() for leaf in numbers]).all()
+    good = ~diverged & jnp.isfinite(loss) & jnp.stack([jnp.isfinite(leaf).all() for leaf in numbers]).all()
     return jax.tree.map(lambda a, b: jnp.where(good, a, b), new, old), jnp.where(good, loss, jnp.nan)

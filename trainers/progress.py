@@ -8,7 +8,7 @@ from typing import Literal
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from .run_folder import Row
+from .metrics_files import Row
 
 ProgressStyle = Literal["auto", "bar", "lines", "none"]
 SECONDS_BETWEEN_LINES = 5.0

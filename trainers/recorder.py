@@ -3,33 +3,72 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import jax
 from jax import Array
 
 from .config import Config
 from .environment import Environment
-from .evaluate import Evaluation, make_evaluator, summarise
+from .evaluate import Evaluation, evaluation_key, make_evaluator, summarise
 from .loggers import LoggerName, Loggers, open_loggers
+from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
 from .policies import trained_policy
-from .policy_file import POLICIES, SUFFIX, write_policy
+from .policy_file import POLICIES, SUFFIX, remove_policies, write_policy
 from .processes import is_first
-from .run_folder import (
-    EVALUATIONS,
-    Metrics,
-    Row,
-    append_line,
-    cut_metrics,
-    describe_game,
-    draw_learning_curve,
-    open_metrics,
-    read_evaluations,
-)
+from .run_folder import describe_game, draw_learning_curve
 
 Evaluator = Callable[[Array, Any], Evaluation]
+POINTS = 1000  # of a learning curve, at most
+
+
+@dataclass
+class Earned:
+    """What the finished episodes earned between two stored policies, and what they earned at best between any two before."""
+
+    total: float = 0.0  # collective return
+    episodes: float = 0.0
+    best: float = -math.inf  # mean of an episode
+
+    def add(self, row: Row) -> None:
+        """Counts the episodes of an update."""
+        if row["episodes"] > 0:
+            self.total += row["episodes"] * row["collective_return"]
+            self.episodes += row["episodes"]
+
+    def close(self) -> bool:
+        """Begins anew after a stored policy; returns whether more was earned than between any two before."""
+        mean = self.total / self.episodes if self.episodes else math.nan
+        is_best = mean > self.best
+        self.best = mean if is_best else self.best
+        self.total = self.episodes = 0.0
+        return is_best
+
+
+class History:
+    """What is kept in memory of the rows written so far, which are not."""
+
+    def __init__(self, config: Config) -> None:
+        self.updates = 0
+        self.seconds = 0.0  # that they took
+        self.earned = Earned()
+        self._config = config
+
+    def count(self, row: Row) -> None:
+        """Takes note of a row."""
+        self.updates, self.seconds = row["update"], row["seconds"]
+        self.earned.add(row)
+
+    def recall(self, row: Row) -> None:
+        """Takes note of a row that was written before the run was stopped."""
+        self.count(row)
+        if self.is_mark(row["update"]):
+            self.earned.close()
+
+    def is_mark(self, update: int) -> bool:
+        """Whether the policy of an update is stored by its number."""
+        return update % self._config.policy_updates == 0 or update == self._config.num_updates
 
 
 class Recorder:
@@ -42,13 +81,13 @@ class Recorder:
         config: Config,
         seed: int,
         metrics: Metrics,
-        rows: list[Row],
+        history: History,
         loggers: Loggers,
         evaluator: Evaluator,
     ) -> None:
         self.folder = folder
-        self.rows = rows  # of all updates so far
-        self._evaluations = read_evaluations(folder)
+        self.history = history
+        self._best_evaluated = max((row["collective return"]["mean"] for row in read_rows(folder / EVALUATIONS)), default=-math.inf)
         self._config = config
         self._seed = seed
         self._metrics = metrics
@@ -59,56 +98,47 @@ class Recorder:
     def append(self, row: Row) -> None:
         """Writes the row of an update."""
         self._metrics.append(row)
-        self.rows.append(row)
+        self.history.count(row)
         self._loggers.log(row)
 
+    def mark(self, parameters: Any, update: int) -> None:
+        """Stores the policy of an update by its number, as `last`, and, where nothing is evaluated, as `best` if it is."""
+        is_best = self.history.earned.close()
+        best = ("best",) if is_best and not self._config.evaluate_every else ()
+        self._store(parameters, update, f"{update:08d}", "last", *best)
+        remove_policies(self.folder / POLICIES, self._config.keep_policies)
+
     def keep(self, parameters: Any, update: int) -> None:
-        """Stores the policy of an update: under its number, as `last`, and, where nothing is evaluated, as `best` if it is."""
+        """Stores the policy of an update as `last`."""
+        self._store(parameters, update, "last")
+
+    def keep_good(self, parameters: Any, update: int) -> None:
+        """Stores the policy of the update before the one that diverged."""
+        self._store(parameters, update, f"{update:08d}", "last")
+
+    def _store(self, parameters: Any, update: int, *names: str) -> None:
         self._metrics.to_disk()
-        names = [f"{update:08d}", "last"]
-        if not self._config.evaluate_every and earned_most(self.rows, self._config.checkpoint_every):
-            names.append("best")
         for name in names:
             self._write(name, parameters, update)
 
     def evaluate(self, parameters: Any, update: int) -> None:
         """Plays episodes with the policy of an update, writes what they came to, and stores the policy as `best` if it is."""
-        figures = summarise(self._evaluator(jax.random.fold_in(jax.random.key(self._seed), update), parameters))
+        figures = summarise(self._evaluator(evaluation_key(self._seed, update), parameters))
         start = {"update": update, "env_steps": update * self._config.steps_per_update}
         earned = figures["collective return"].mean
-        best = max((row["collective return"]["mean"] for row in self._evaluations), default=-math.inf)
-        row = start | {name: asdict(figure) for name, figure in figures.items()}
-        append_line(self.folder / EVALUATIONS, row)
-        self._evaluations.append(row)
+        append_line(self.folder / EVALUATIONS, start | {name: asdict(figure) for name, figure in figures.items()})
         self._loggers.log(start | {"evaluation_collective_return": earned})
-        if earned > best:
+        if earned > self._best_evaluated:
+            self._best_evaluated = earned
             self._write("best", parameters, update)
 
     def draw(self, title: str) -> None:
         """Draws the learning curve so far."""
-        draw_learning_curve(self.folder, self.rows, f"{title}, seed {self._seed}")
+        draw_learning_curve(self.folder, thinned_rows(self.folder, POINTS), f"{title}, seed {self._seed}")
 
     def _write(self, name: str, parameters: Any, update: int) -> None:
         described = self._of | {"update": update, "env_steps": update * self._config.steps_per_update}
         write_policy(self.folder / POLICIES / f"{name}{SUFFIX}", parameters, described)
-
-
-def earned_most(rows: Sequence[Row], every: int) -> bool:
-    """Whether the episodes finished since the last checkpoint earned more than those before any other.
-
-    Args:
-      rows: of all updates so far.
-      every: updates between checkpoints; 0: there is none before the last.
-    """
-    size = every or max(len(rows), 1)
-    earned = [_mean_return(rows[start : start + size]) for start in range(0, len(rows), size)]
-    return bool(earned) and not math.isnan(earned[-1]) and all(not other >= earned[-1] for other in earned[:-1])
-
-
-def _mean_return(rows: Sequence[Row]) -> float:
-    finished = [row for row in rows if row["episodes"] > 0]
-    episodes = sum(row["episodes"] for row in finished)
-    return sum(row["episodes"] * row["collective_return"] for row in finished) / episodes if episodes else math.nan
 
 
 @contextmanager
@@ -124,9 +154,11 @@ def open_recorders(
         recorders: list[Recorder] = []
         for folder, seed in zip(folders, config.seed_numbers, strict=True) if is_first() else ():
             folder.mkdir(parents=True, exist_ok=True)
-            rows = cut_metrics(folder, done)
+            history = History(config)
+            for row in cut_metrics(folder, done):
+                history.recall(row)
             opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config))
             metrics = stack.enter_context(open_metrics(folder))
-            recorders.append(Recorder(folder, env, config, seed, metrics, rows, opened, evaluator))
+            recorders.append(Recorder(folder, env, config, seed, metrics, history, opened, evaluator))
             stack.callback(recorders[-1].draw, title)
         yield recorders

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from .run_folder import Row
+from .metrics_files import Row
 
 
 def flatten_metrics(metrics: dict[str, Any]) -> Row:

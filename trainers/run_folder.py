@@ -1,35 +1,24 @@
-"""The files of a run: everything is on disk as soon as it is known, so that an interrupted run keeps it."""
+"""The folder of a run: its manifest, the folders of its seeds, and the picture of what was learnt."""
 
-import csv
 import importlib.metadata
-import json
-import math
-import os
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from io import BytesIO
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import jax
 from jax.tree_util import keystr, tree_leaves_with_path
 
 from .config import Config
 from .environment import Environment, reset_shapes
-from .run_files import naming, plain, write_whole
+from .metrics_files import Row
+from .run_files import plain, write_whole
 from .shaping import kept_share
 
 MANIFEST = "manifest.json"
-METRICS_JSONL = "metrics.jsonl"
-METRICS_CSV = "metrics.csv"
-EVALUATIONS = "evaluations.jsonl"
 LEARNING_CURVE = "learning_curve.png"
-
-Row = dict[str, Any]  # one line of the metrics: column -> number; NaN where there is none
-Show = Callable[[Row], None]  # what is done with a row for people to see
 
 PACKAGES = ("sjdsl", "jax", "jaxlib", "flax", "optax", "numpy")
 
@@ -88,82 +77,6 @@ def seed_folders(run_dir: Path, config: Config) -> tuple[Path, ...]:
     if config.seeds == 1:
         return (run_dir,)
     return tuple(run_dir / f"seed_{number}" for number in config.seed_numbers)
-
-
-@dataclass(frozen=True)
-class Metrics:
-    """The open metrics of one seed: `metrics.jsonl` and `metrics.csv`. All rows have the same columns."""
-
-    lines: TextIO
-    table: TextIO
-
-    def append(self, row: Row) -> None:
-        """Writes one row to both files, past the buffers of this process."""
-        known = plain(row)
-        writer = csv.writer(self.table)
-        if self.table.tell() == 0:
-            writer.writerow(known)
-        writer.writerow(known.values())
-        self.lines.write(json.dumps(known) + "\n")
-        for file in (self.table, self.lines):
-            with naming(file.name):
-                file.flush()
-
-    def to_disk(self) -> None:
-        """Has the system write what was appended: nothing of it is lost even if the machine stops."""
-        for file in (self.lines, self.table):
-            os.fsync(file.fileno())
-
-
-@contextmanager
-def open_metrics(folder: Path) -> Iterator[Metrics]:
-    """Opens the metrics of one seed for appending."""
-    with (
-        open(folder / METRICS_JSONL, "a", encoding="utf-8") as lines,
-        open(folder / METRICS_CSV, "a", encoding="utf-8", newline="") as table,
-    ):
-        yield Metrics(lines, table)
-
-
-def cut_metrics(folder: Path, update: int) -> list[Row]:
-    """Drops what was written after an update, half a line included; returns the rows of the metrics that stay."""
-    rows = _whole_rows(folder / METRICS_JSONL, update)
-    text = "".join(json.dumps(row) + "\n" for row in rows)
-    write_whole(folder / METRICS_JSONL, text.encode())
-    table = folder / METRICS_CSV
-    lines = table.read_bytes().splitlines(keepends=True) if table.exists() else []
-    write_whole(table, b"".join(lines[: len(rows) + 1]) if rows else b"")
-    evaluations = _whole_rows(folder / EVALUATIONS, update)
-    if (folder / EVALUATIONS).exists():
-        write_whole(folder / EVALUATIONS, "".join(json.dumps(row) + "\n" for row in evaluations).encode())
-    return [{name: math.nan if value is None else value for name, value in row.items()} for row in rows]
-
-
-def _whole_rows(path: Path, update: int) -> list[Row]:
-    """Returns the rows of a file of JSON lines up to an update."""
-    rows: list[Row] = []
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            try:
-                row = json.loads(line)
-            except ValueError:
-                break  # cut off when the process was killed
-            if row["update"] <= update:
-                rows.append(row)
-    return rows
-
-
-def read_evaluations(folder: Path) -> list[Row]:
-    """Returns the rows of evaluations so far."""
-    return _whole_rows(folder / EVALUATIONS, 2**62)
-
-
-def append_line(path: Path, row: Row) -> None:
-    """Appends a row to a file of JSON lines."""
-    with naming(path), open(path, "a", encoding="utf-8") as file:
-        file.write(json.dumps(plain(row)) + "\n")
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:

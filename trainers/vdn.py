@@ -88,7 +88,7 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
         online = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(step=jnp.int32(0))
         target = jax.tree.map(jnp.copy, parameters)
         replay = empty_replay(_entry_shapes(env, packing, masks), config.buffer_size)
-        return TrainState(key, ValueLearner(online, target, replay), worlds, jnp.int32(0))
+        return TrainState(key, ValueLearner(online, target, replay), worlds, jnp.int32(0), jnp.bool_(False))
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         key, rollout_key = jax.random.split(state.key)
@@ -107,7 +107,7 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
         after, losses = take_gradient_steps(network, packing, before, target, replay, learn_key, config)
         begun = replay.filled >= config.learning_starts
         after, losses = jax.tree.map(lambda new, old: jnp.where(begun, new, old), (after, losses), (before, _no_losses(losses)))
-        after, losses["loss"] = keep_if_finite(losses["loss"], after, before)
+        after, losses["loss"] = keep_if_finite(losses["loss"], after, before, state.diverged)
         updates = state.updates + 1
         target = follow_target(target, after.params, updates, config)
         metrics = {
@@ -119,9 +119,14 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
             "replayed": replay.filled,
             "learning_rate": learning_rate_schedule(config)(after.step),
         }
-        return TrainState(key, ValueLearner(after, target, replay), state.worlds, updates), metrics
+        diverged = ~jnp.isfinite(losses["loss"])
+        return TrainState(key, ValueLearner(after, target, replay), state.worlds, updates, diverged), metrics
 
-    return Train(init, collect, learn, lambda state: state.learner.online.params)
+    def adopt(state: TrainState, parameters: Any) -> TrainState:
+        online = state.learner.online.replace(params=parameters)
+        return state.replace(learner=state.learner.replace(online=online, target=jax.tree.map(jnp.copy, parameters)))
+
+    return Train(init, collect, learn, lambda state: state.learner.online.params, adopt)
 
 
 def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:

@@ -23,9 +23,9 @@ from sjdsl.trainers.compiled import Compiled, compile_train
 
 OF_THE_CLOCK = ("seconds", "steps_per_second", "rollout_share")
 
-# Twelve updates of 64 steps, with a checkpoint after every second and an evaluation after every third.
+# Twelve updates of 64 steps, with a checkpoint and a policy after every second and an evaluation after every third.
 SHORT = make_config(
-    {**QUICK, "num_envs": 8, "num_steps": 8, "total_timesteps": 64 * 12, "checkpoint_every": 2, "evaluate_every": 3},
+    {**QUICK, "num_envs": 8, "num_steps": 8, "total_timesteps": 64 * 12, "checkpoint_updates": 2, "policy_every": 2, "evaluate_every": 3},
     evaluation_episodes=8,
     seed=5,
 )
@@ -42,14 +42,14 @@ def counting(diverges_after: int = 1_000_000, seed_that_diverges: int = 0) -> Tr
     """Returns a run that learns nothing and compiles at once; its parameter counts the updates. Keys are those of seeds."""
 
     def init(key: jax.Array) -> TrainState:
-        return TrainState(key, {"updates": jnp.zeros(())}, Worlds(jnp.zeros(2, jnp.int32)), jnp.int32(0))
+        return TrainState(key, {"updates": jnp.zeros(())}, Worlds(jnp.zeros(2, jnp.int32)), jnp.int32(0), jnp.bool_(False))
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         return state.replace(worlds=Worlds(state.worlds.steps + 1)), state.worlds.steps.sum()
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, dict[str, jax.Array]]:
         updates = state.updates + 1
-        bad = (updates > diverges_after) & (jax.random.key_data(state.key)[1] == seed_that_diverges)
+        bad = state.diverged | (updates > diverges_after) & (jax.random.key_data(state.key)[1] == seed_that_diverges)
         good = jnp.where(bad, state.learner["updates"], updates.astype(jnp.float32))
         metrics = {
             "episodes": updates,
@@ -58,7 +58,7 @@ def counting(diverges_after: int = 1_000_000, seed_that_diverges: int = 0) -> Tr
             "loss": jnp.where(bad, jnp.nan, 1.0),
             "played": played,
         }
-        return state.replace(learner={"updates": good}, updates=updates), metrics
+        return state.replace(learner={"updates": good}, updates=updates, diverged=bad), metrics
 
     return Train(init, collect, learn, lambda state: state.learner)
 
@@ -106,7 +106,7 @@ def compiled_once() -> Iterator[None]:
         yield
 
 
-_ALIKE = {"checkpoint_every": 2, "evaluate_every": 3}
+_ALIKE = {"checkpoint_updates": 2, "policy_every": 2, "evaluate_every": 3}
 
 
 @cache
@@ -131,7 +131,7 @@ def copy_run(source: Path, target: Path) -> Path:
 # The command line in processes of its own.
 
 ORCHARD = ("num_envs=4", "num_steps=4", "num_minibatches=2", "num_epochs=1", "network=mlp", "network_width=8")
-TWELVE = ("total_timesteps=192", "checkpoint_every=2", "evaluate_every=3", "evaluation_episodes=4")
+TWELVE = ("total_timesteps=192", "checkpoint_updates=2", "policy_every=2", "evaluate_every=3", "evaluation_episodes=4")
 VALUES = ("num_envs=4", "num_steps=4", "network=mlp", "network_width=8", "buffer_size=64", "batch_size=8", "learning_starts=32")
 
 

@@ -69,8 +69,8 @@ def test_another_digest_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
     checkpoints = Checkpoints(tmp_path)
     checkpoints.save(1, _state(1), {})
-    made = module._digest
-    monkeypatch.setattr(module, "_digest", lambda arrays: made({**arrays, ".flag": jnp.bool_(0)}))
+    made = module.digest_of
+    monkeypatch.setattr(module, "digest_of", lambda arrays: made({**arrays, ".flag": jnp.bool_(0)}))
     with pytest.raises(CheckpointError, match="is damaged"):
         checkpoints.restore(1, _state(1))
     checkpoints.close()

@@ -30,7 +30,7 @@ def test_environments_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) 
 def arguments(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     folder = tmp_path_factory.mktemp("games")
     (folder / "orchard.sj").write_text(GAME)
-    more = sets("total_timesteps=96", "checkpoint_every=2", "evaluate_every=3", "evaluation_episodes=4")
+    more = sets("total_timesteps=96", "checkpoint_updates=2", "policy_every=2", "evaluate_every=3", "evaluation_episodes=4")
     return [str(folder / "orchard.sj"), *sets(*ORCHARD), *more, "--episodes", "0"]
 
 

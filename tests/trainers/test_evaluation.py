@@ -10,6 +10,7 @@ import pytest
 from probes import matching, uneven
 
 from sjdsl.trainers import Evaluation, estimate, evaluate, random_policy, save_evaluation, summarise
+from sjdsl.trainers.evaluate import evaluation_key
 
 EPISODES = 64
 
@@ -87,3 +88,13 @@ def test_an_evaluation_can_be_stored(tmp_path: Path) -> None:
     assert stored["per_episode"]["equalities"] == [0.5] * 3
     assert stored["per_episode"]["metric_means"]["step"] == ((evaluation.lengths + 1) / 2).tolist()
     assert stored["summary"]["return of agent 1"] == {"mean": 0.0, "low": 0.0, "high": 0.0}
+
+
+def test_the_keys_of_evaluations_are_none_of_the_runs() -> None:
+    """JAX's fold_in(key, i) is split(key, n)[i]: numbers alone would meet the keys that a run of the seed is made of."""
+    words = {
+        tuple(map(int, jax.random.key_data(key)))
+        for seed in range(3)
+        for key in (jax.random.key(seed), *jax.random.split(jax.random.key(seed), 64), *(evaluation_key(seed, n) for n in range(64)))
+    }
+    assert len(words) == 3 * (1 + 64 + 64)

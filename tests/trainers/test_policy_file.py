@@ -129,3 +129,38 @@ def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
     returns = evaluate(matching(), policy, jax.random.key(1), 50).returns
     assert returns.shape == (50, 2)
     assert 0 < returns.mean() < 1
+
+
+def test_a_flipped_byte_of_a_tensor_is_noticed(tmp_path: Path) -> None:
+    """Wherever it is: safetensors themselves look at the header alone."""
+    path = _store(tmp_path, fill=0.5)
+    content = path.read_bytes()
+    start = 8 + int.from_bytes(content[:8], "little")
+    for place in range(start, len(content), max(1, (len(content) - start) // 7)):
+        flipped = bytearray(content)
+        flipped[place] ^= 1
+        path.write_bytes(flipped)
+        with pytest.raises(PolicyError, match=r"best\.safetensors is damaged: its tensors are not those that were written"):
+            load_policy(path, matching())
+    path.write_bytes(content)
+    load_policy(path, matching())
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) -> None:
+    path = _store(tmp_path, fill=number)
+    with pytest.raises(PolicyError, match=r"best\.safetensors holds numbers that are not finite, in .*kernel"):
+        load_policy(path, matching())
+
+
+def test_a_file_of_an_earlier_version_is_read_with_a_warning(tmp_path: Path) -> None:
+    """It has no digest, and its configuration a key that is gone."""
+    from safetensors.numpy import load_file, save_file
+
+    path = _store(tmp_path)
+    save_file(load_file(path), path)
+    described = json.loads(path.with_suffix(".json").read_text())
+    described["config"]["checkpoint_every"] = 50
+    path.with_suffix(".json").write_text(json.dumps(described))
+    with pytest.warns(UserWarning, match=r"best\.safetensors has no digest"):
+        load_policy(path, matching())

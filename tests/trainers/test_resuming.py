@@ -16,7 +16,7 @@ import pytest
 from probes import matching
 from run_outcomes import SHORT, assert_same_end, compiled_once, copy_run, counting, read_lines, read_manifest
 
-from sjdsl.trainers import RunError, make_config, resume, run, run_folder, train
+from sjdsl.trainers import RunError, make_config, metrics_files, resume, run, train, updates
 from sjdsl.trainers.checkpoints import Checkpoints
 from sjdsl.trainers.recorder import Recorder
 
@@ -85,7 +85,7 @@ def test_a_run_goes_on_from_every_moment(tmp_path: Path, evaluate_every: int) ->
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "replace", copy_around(os.replace))
-        patch.setattr(run_folder.Metrics, "append", copy_around(run_folder.Metrics.append))
+        patch.setattr(metrics_files.Metrics, "append", copy_around(metrics_files.Metrics.append))
         patch.setattr(Checkpoints, "save", copy_around(Checkpoints.save))
         patch.setattr(Recorder, "evaluate", copy_around(Recorder.evaluate))
         train(matching(), config, run_dir, "none")
@@ -132,14 +132,14 @@ def test_a_finished_run_stays_as_it_is(whole: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("pressed_in", [5, 6])
 def test_ctrl_c_ends_the_update_and_saves_it(tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch, pressed_in: int) -> None:
     """In update 5, after which no checkpoint is due, and in 6, after which one is."""
-    check = run._check_finite
+    record = updates._record
 
-    def press(rows: Any, *others: Any) -> None:
+    def press(rows: Any, *others: Any) -> Any:
         if rows[0]["update"] == pressed_in:
             os.kill(os.getpid(), signal.SIGINT)
-        check(rows, *others)
+        return record(rows, *others)
 
-    monkeypatch.setattr(run, "_check_finite", press)
+    monkeypatch.setattr(updates, "_record", press)
     before = signal.getsignal(signal.SIGINT)
     run_dir = tmp_path / "run"
     with pytest.raises(KeyboardInterrupt):
@@ -149,10 +149,8 @@ def test_ctrl_c_ends_the_update_and_saves_it(tmp_path: Path, whole: Path, monkey
     assert [row["update"] for row in read_lines(run_dir / "metrics.jsonl")] == list(range(1, pressed_in + 1))
     assert (run_dir / "checkpoints" / str(pressed_in)).is_dir()
     assert (run_dir / "learning_curve.png").exists()
-    monkeypatch.setattr(run, "_check_finite", check)
+    monkeypatch.setattr(updates, "_record", record)
     resume(matching(), run_dir, "none")
-    for extra in (run_dir / "policies").glob("00000005.*"):
-        extra.unlink()  # an update after which only the stopped run saved
     assert_same_end(run_dir, whole)
 
 
@@ -288,21 +286,21 @@ def _full(*_: Any, **__: Any) -> None:
 
 def test_a_disk_that_is_full_when_metrics_are_written(tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Linux has a file that is always full; in update 6 the metrics are led into it."""
-    append = run_folder.Metrics.append
+    append = metrics_files.Metrics.append
 
-    def lead_astray(self: run_folder.Metrics, row: dict[str, Any]) -> None:
+    def lead_astray(self: metrics_files.Metrics, row: dict[str, Any]) -> None:
         if row["update"] == 6:
             full = os.open("/dev/full", os.O_WRONLY)
             os.dup2(full, self.lines.fileno())
             os.close(full)
         append(self, row)
 
-    monkeypatch.setattr(run_folder.Metrics, "append", lead_astray)
+    monkeypatch.setattr(metrics_files.Metrics, "append", lead_astray)
     run_dir = tmp_path / "run"
     with pytest.raises(RunError, match=r"metrics\.jsonl could not be written: No space left on device.*make room, and resume"):
         train(matching(), SHORT, run_dir, "none")
     assert "No space left" in read_manifest(run_dir)["status"]
-    monkeypatch.setattr(run_folder.Metrics, "append", append)
+    monkeypatch.setattr(metrics_files.Metrics, "append", append)
     resume(matching(), run_dir, "none")
     assert_same_end(run_dir, whole)
 

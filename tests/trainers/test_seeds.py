@@ -6,7 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import learn, matching, quick, run_of
+from jax import Array
+from probes import FAST_TO_COMPILE, learn, matching, quick, run_of
+
+from sjdsl.trainers import make_train
 
 VARIANTS: list[dict[str, Any]] = [
     {},
@@ -36,3 +39,28 @@ def test_other_seeds_are_other_runs() -> None:
     kernels = [np.asarray(state.learner[0].params["params"]["actor"]["out"]["kernel"]) for state, _ in runs]
     assert not np.allclose(kernels[0], kernels[1])
     assert not np.allclose(kernels[1], kernels[2])
+
+
+@pytest.mark.parametrize("changes", [{}, pytest.param({"algorithm": "vdn"}, marks=pytest.mark.slow)], ids=["ippo", "vdn"])
+def test_a_seed_that_diverges_stands_still_and_the_others_learn_on(changes: dict[str, Any]) -> None:
+    """One of three is given a parameter that is not finite: from then on its parameters stay, and its loss is not a number."""
+    program = make_train(matching(), quick(**changes))
+
+    def poison(seeds: Array, updates: int) -> tuple[Any, Any, Any]:
+        states = jax.vmap(lambda seed: program.init(jax.random.key(seed)))(seeds)
+        kernel = jax.tree.map(lambda leaf: leaf.at[1].set(jnp.inf), program.parameters(states))
+        states = jax.vmap(program.adopt)(states, kernel)
+        after, metrics = jax.lax.scan(lambda state, _: jax.vmap(program.update)(state), states, length=updates)
+        return kernel, after, metrics
+
+    with jax.debug_key_reuse(False):
+        before, after, metrics = jax.jit(poison, static_argnums=1, compiler_options=FAST_TO_COMPILE)(jnp.arange(3), 3)
+    assert after.diverged.tolist() == [False, True, False]
+    assert np.isfinite(metrics["loss"]).all(axis=0).tolist() == [True, False, True]
+    assert np.isnan(metrics["loss"][:, 1]).all()
+    for old, new in zip(jax.tree.leaves(before), jax.tree.leaves(program.parameters(after)), strict=True):
+        np.testing.assert_array_equal(new[1], old[1])
+    moved = [
+        np.any(new != old, axis=tuple(range(1, new.ndim))) for old, new in zip(*map(jax.tree.leaves, (before, program.parameters(after))))
+    ]
+    assert np.any(moved, axis=0).tolist() == [True, False, True]

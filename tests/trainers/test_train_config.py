@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import pytest
 from probes import constant, quick
 from pydantic import ValidationError
@@ -94,3 +95,14 @@ def test_a_rollout_must_divide_into_minibatches(changes: dict[str, Any], message
 
 def test_seeds_are_numbered_from_the_first() -> None:
     assert make_config(seed=3, seeds=4).seed_numbers == (3, 4, 5, 6)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"), [({"seed": 2**32}, "not 4294967296"), ({"seed": 2**32 - 2, "seeds": 3}, "the last is 4294967296")]
+)
+def test_seeds_are_numbers_of_32_bits(values: dict[str, int], said: str) -> None:
+    """`jax.random.key` takes the lower 32 bits without a word: 2^32 would be seed 0 again."""
+    assert (jax.random.key_data(jax.random.key(2**32)) == jax.random.key_data(jax.random.key(0))).all()
+    with pytest.raises(ConfigError, match=rf"`seed` must be below 2\^32 = 4294967296.*{said}"):
+        make_config(values)
+    assert make_config(seed=2**32 - 1).seed_numbers == (2**32 - 1,)

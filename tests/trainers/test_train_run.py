@@ -16,10 +16,10 @@ from probes import QUICK, matching
 from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
-from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, run, train
+from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, resume, run, train
 from sjdsl.trainers.progress import show_progress
 
-CONFIG = make_config({**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_every": 8, "seed": 5})
+CONFIG = make_config({**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_updates": 8, "policy_every": 8, "seed": 5})
 
 
 @pytest.fixture(scope="module")
@@ -153,13 +153,30 @@ def test_parameters_that_are_not_finite_are_never_kept(tmp_path: Path) -> None:
         assert np.isfinite(tensor).all()
 
 
-def test_seeds_are_runs_side_by_side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One of which diverges: it is named."""
+def test_one_seed_of_several_that_diverges_stops_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The others go on, also after a resume, and the manifest says which stopped."""
     monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=6))
-    with pytest.raises(RunError, match=r"update 10 of seed 6; the policy of update 9"):
-        train(matching(), CONFIG.model_copy(update={"seeds": 3}), tmp_path / "run", "none")
-    assert sorted(path.name for path in (tmp_path / "run").glob("seed_*")) == ["seed_5", "seed_6", "seed_7"]
-    assert _updates_of(tmp_path / "run" / "seed_6", "last") == 9.0
+    run_dir = tmp_path / "run"
+    result = train(matching(), CONFIG.model_copy(update={"seeds": 3}), run_dir, "none")
+    assert sorted(path.name for path in run_dir.glob("seed_*")) == ["seed_5", "seed_6", "seed_7"]
+    manifest = read_manifest(run_dir)
+    assert (manifest["status"], manifest["diverged"], manifest["updates"]) == ("finished", [{"seed": 6, "update": 10}], 20)
+    assert result.diverged == {6: 10}
+    assert _updates_of(run_dir / "seed_6", "last") == 9.0
+    assert [row["loss"] for row in read_lines(run_dir / "seed_6" / "metrics.jsonl")] == [1.0] * 9 + [None]
+    for other in ("seed_5", "seed_7"):
+        assert _updates_of(run_dir / other, "last") == 20.0
+        assert [row["loss"] for row in read_lines(run_dir / other / "metrics.jsonl")] == [1.0] * 20
+    assert [row["loss"] for row in result.rows] == [1.0] * 20, "means are of the seeds that learn"
+    again = resume(matching(), run_dir, "none")
+    assert again.diverged == {6: 10}
+    assert len(read_lines(run_dir / "seed_6" / "metrics.jsonl")) == 10
+
+
+def test_a_run_of_seeds_that_all_diverge_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=5))
+    with pytest.raises(RunError, match=r"update 10 of seed 5; the policy of update 9 is kept\. Try"):
+        train(matching(), CONFIG.model_copy(update={"seeds": 1}), tmp_path / "run", "none")
 
 
 def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:

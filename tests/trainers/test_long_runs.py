@@ -1,0 +1,182 @@
+"""Runs of very many updates: what they write is bounded by time and size, what they remember does not grow."""
+
+import tracemalloc
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+from probes import matching
+from run_outcomes import read_lines
+
+import sjdsl
+from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train, updates
+from sjdsl.trainers.checkpoint_pace import CheckpointPace
+from sjdsl.trainers.compiled import Compiled
+from sjdsl.trainers.metrics_files import cut_metrics, read_rows, thinned_rows
+from sjdsl.trainers.program import TrainState
+from sjdsl.trainers.recorder import open_recorders
+
+MINUTE = 60.0
+
+
+@pytest.fixture(scope="module")
+def paper() -> Config:
+    return load_preset("paper", {"algorithm": "vdn"}, "coins").config
+
+
+@pytest.fixture(scope="module")
+def num_bytes(paper: Config) -> int:
+    """What a checkpoint of VDN in Coins has to write: shapes alone, nothing is computed."""
+    program = make_train(sjdsl.make("coins"), paper)
+    return updates.state_bytes(jax.eval_shape(program.init, jax.eval_shape(lambda: jax.random.key(0))))
+
+
+def _count(config: Config, num_bytes: float, seconds_an_update: float, bytes_a_second: float) -> tuple[int, float, float]:
+    """Plays a run on a clock that only stands for one; returns checkpoints, seconds spent writing, and seconds in all."""
+    now = writing = 0.0
+    number = 0
+    pace = CheckpointPace(config, int(num_bytes), now)
+    for update in range(1, config.num_updates + 1):
+        now += seconds_an_update
+        if pace.is_due(update, now):
+            began, now = now, now + num_bytes / bytes_a_second
+            pace.written(began, now)
+            writing += now - began
+            number += 1
+    return number, writing, now
+
+
+@pytest.mark.parametrize("bytes_a_second", [50e6, 500e6, 5e9])
+@pytest.mark.parametrize("seconds_an_update", [0.003, 0.03])
+def test_vdn_of_the_paper_writes_few_checkpoints(paper: Config, num_bytes: int, seconds_an_update: float, bytes_a_second: float) -> None:
+    """156,250 updates; one every 50 would have been 3,125 copies of the replay buffer, hundreds of gigabytes."""
+    assert paper.num_updates == 156_250
+    assert num_bytes > 30e6, "the replay buffer is in it"
+    number, writing, seconds = _count(paper, num_bytes, seconds_an_update, bytes_a_second)
+    assert number <= seconds / (10 * MINUTE)
+    assert number >= seconds // (20 * MINUTE), "and no more than twenty minutes are lost"
+    assert writing <= 0.05 * seconds
+
+
+def test_a_large_state_on_a_slow_disk_is_written_less_often() -> None:
+    """A hundred gigabytes at 50 MB/s take 33 minutes: the next is due when they are a twentieth of the time."""
+    config = make_config(total_timesteps=1_000_000 * 8192)
+    number, writing, seconds = _count(config, 100e9, 1.0, 50e6)
+    assert 20 < number <= seconds / (2000 / 0.05) + 1
+    assert writing <= 0.051 * seconds
+
+
+def test_the_first_checkpoint_waits_for_what_its_size_lets_expect() -> None:
+    config = make_config(checkpoint_minutes=1, checkpoint_share=0.1)
+    small, large = CheckpointPace(config, 1000, 0.0), CheckpointPace(config, 10**11, 0.0)
+    assert (small.is_due(1, 59.0), small.is_due(1, 60.0)) == (False, True)
+    assert large.interval == pytest.approx(1000 / 0.1 - 1000)
+    large.written(0.0, 10.0)  # the disk is faster than was thought
+    assert large.interval == pytest.approx(90.0)
+
+
+def test_updates_may_be_asked_for_instead() -> None:
+    pace = CheckpointPace(make_config(checkpoint_updates=3), 10**12, 0.0)
+    assert [update for update in range(1, 10) if pace.is_due(update, 0.0)] == [3, 6, 9]
+
+
+def test_a_key_of_before_says_what_there_is_instead() -> None:
+    with pytest.raises(ConfigError, match=r"`checkpoint_every` is no key any more: .*`checkpoint_minutes`.*`policy_every`"):
+        make_config(checkpoint_every=50)
+
+
+# the loop itself, on a clock that moves when it is told to
+
+
+class _Clock:
+    """Seconds that pass only in updates and checkpoints."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def perf_counter(self) -> float:
+        return self.now
+
+
+def _play(
+    folder: Path, config: Config, monkeypatch: pytest.MonkeyPatch, seconds_an_update: float, seconds_a_checkpoint: float
+) -> list[int]:
+    """Runs the updates of a run that computes nothing; returns after which of them it wrote a checkpoint."""
+    clock, written = _Clock(), []
+    monkeypatch.setattr(updates, "time", clock)
+    parameters = {"weight": np.zeros(3, np.float32)}
+    metrics = {"episodes": 1, "collective_return": 2.0, "agent_return": np.ones(2), "loss": 1.0}
+
+    def collect(state: TrainState) -> tuple[TrainState, Any]:
+        clock.now += seconds_an_update
+        return state, ()
+
+    def save(number: int, _: Any, __: Any) -> None:
+        clock.now += seconds_a_checkpoint
+        written.append(number)
+
+    compiled = Compiled(None, collect, lambda state, _: (state, metrics), lambda _: parameters, None, 0.0, 0.0)  # type: ignore[arg-type]
+    state: Any = {"replay": np.zeros(10)}
+    with open_recorders([folder], matching(), config, 0, (), "long") as recorders:  # type: ignore[arg-type]
+        keeping = updates.Keeping(recorders, SimpleNamespace(save=save), lambda _: None)  # type: ignore[arg-type]
+        updates.run_updates(compiled, state, updates.Progress(0), config, keeping)
+    return written
+
+
+def test_the_loop_keeps_to_the_pace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """2,000 updates of a second, checkpoints that take 20: every 380 seconds; and one at the end. The last three policies stay."""
+    config = make_config(algorithm="vdn", total_timesteps=2000 * 32, buffer_size=32, keep_policies=3, checkpoint_minutes=1)
+    written = _play(tmp_path, config, monkeypatch, 1.0, 20.0)
+    assert written == [60, 440, 820, 1200, 1580, 1960, 2000]
+    names = {path.stem for path in (tmp_path / "policies").iterdir()}
+    assert names == {"00001800", "00001900", "00002000", "last", "best"}
+    assert len(read_lines(tmp_path / "metrics.jsonl")) == 2000
+
+
+def test_what_is_remembered_of_rows_does_not_grow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row of this run is some 200 bytes on disk, and would be more than a thousand in memory."""
+    config = make_config(algorithm="vdn", total_timesteps=1500 * 32, buffer_size=32)
+    held = {}
+    measure = {500, 1500}
+
+    def show(row: dict[str, Any]) -> None:
+        if row["update"] in measure:
+            held[row["update"]] = tracemalloc.get_traced_memory()[0]
+
+    keeping = updates.Keeping
+    monkeypatch.setattr(updates, "Keeping", lambda recorders, checkpoints, _: keeping(recorders, checkpoints, show))
+    tracemalloc.start()
+    try:
+        _play(tmp_path, config, monkeypatch, 0.001, 0.0)
+    finally:
+        tracemalloc.stop()
+    assert held[1500] - held[500] < 1000 * 20
+
+
+# rows on disk
+
+
+@pytest.fixture
+def rows_on_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    _play(tmp_path, make_config(algorithm="vdn", total_timesteps=50 * 32, buffer_size=32), monkeypatch, 1.0, 0.0)
+    return tmp_path
+
+
+def test_rows_are_cut_without_being_held(rows_on_disk: Path) -> None:
+    before = (rows_on_disk / "metrics.csv").read_text().splitlines()
+    assert [row["update"] for row in cut_metrics(rows_on_disk, 20)] == list(range(1, 21))
+    assert [row["update"] for row in read_rows(rows_on_disk / "metrics.jsonl")] == list(range(1, 21))
+    assert (rows_on_disk / "metrics.csv").read_text().splitlines() == before[:21]
+    assert list(cut_metrics(rows_on_disk, 0)) == []
+    assert (rows_on_disk / "metrics.jsonl").read_bytes() == (rows_on_disk / "metrics.csv").read_bytes() == b""
+
+
+def test_a_curve_has_no_more_points_than_can_be_seen(rows_on_disk: Path) -> None:
+    rows = list(read_rows(rows_on_disk / "metrics.jsonl"))
+    assert thinned_rows(rows_on_disk, 50) == rows
+    thinned = thinned_rows(rows_on_disk, 10)
+    assert [row["env_steps"] for row in thinned] == [np.mean([row["env_steps"] for row in rows[at : at + 5]]) for at in range(0, 50, 5)]

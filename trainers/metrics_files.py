@@ -1,0 +1,141 @@
+"""The metrics of a run on disk: a line an update, written at once, cut where a run goes on, and read a row at a time.
+
+A run of many small updates has more rows than fit into memory: nothing here holds them all but `read_rows`' caller.
+"""
+
+import csv
+import json
+import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TextIO
+
+from .run_files import naming, plain
+
+METRICS_JSONL = "metrics.jsonl"
+METRICS_CSV = "metrics.csv"
+EVALUATIONS = "evaluations.jsonl"
+
+Row = dict[str, Any]  # one line of the metrics: column -> number; NaN where there is none
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """The open metrics of one seed: `metrics.jsonl` and `metrics.csv`. All rows have the same columns."""
+
+    lines: TextIO
+    table: TextIO
+
+    def append(self, row: Row) -> None:
+        """Writes one row to both files, past the buffers of this process."""
+        known = plain(row)
+        writer = csv.writer(self.table)
+        if self.table.tell() == 0:
+            writer.writerow(known)
+        writer.writerow(known.values())
+        self.lines.write(json.dumps(known) + "\n")
+        for file in (self.table, self.lines):
+            with naming(file.name):
+                file.flush()
+
+    def to_disk(self) -> None:
+        """Has the system write what was appended: nothing of it is lost even if the machine stops."""
+        for file in (self.lines, self.table):
+            os.fsync(file.fileno())
+
+
+@contextmanager
+def open_metrics(folder: Path) -> Iterator[Metrics]:
+    """Opens the metrics of one seed for appending."""
+    with (
+        open(folder / METRICS_JSONL, "a", encoding="utf-8") as lines,
+        open(folder / METRICS_CSV, "a", encoding="utf-8", newline="") as table,
+    ):
+        yield Metrics(lines, table)
+
+
+def cut_metrics(folder: Path, update: int) -> Iterator[Row]:
+    """Drops what was written after an update, half a line included; yields the rows of the metrics that stay, one at a time.
+
+    Nothing is dropped before the last row was taken.
+    """
+    size = kept = 0
+    for line, row in _whole_lines(folder / METRICS_JSONL):
+        if row["update"] > update:
+            break
+        size += len(line)
+        kept += 1
+        yield known_row(row)
+    _cut(folder / METRICS_JSONL, size)
+    table = folder / METRICS_CSV
+    _cut(table, _size_of_lines(table, kept + 1) if kept else 0)
+    evaluations = folder / EVALUATIONS
+    _cut(evaluations, sum(len(line) for line, row in _whole_lines(evaluations) if row["update"] <= update))
+
+
+def read_rows(path: Path) -> Iterator[Row]:
+    """Yields the rows of a file of JSON lines, one at a time; half a line, of a process that was killed, is none."""
+    return (known_row(row) for _, row in _whole_lines(path))
+
+
+def known_row(row: Row) -> Row:
+    """Returns a row as it was before it became JSON: NaN where there is nothing."""
+    return {name: math.nan if value is None else value for name, value in row.items()}
+
+
+def thinned_rows(folder: Path, most: int) -> list[Row]:
+    """Returns the rows in which episodes finished, averaged to at most `most`: neighbours together, and as they are if they are few."""
+    number = sum(row["episodes"] > 0 for row in read_rows(folder / METRICS_JSONL))
+    together = max(1, math.ceil(number / most))
+    thinned: list[Row] = []
+    size = 0
+    for row in read_rows(folder / METRICS_JSONL):
+        if not row["episodes"] > 0:
+            continue
+        if size in (0, together):
+            thinned.append(row)
+            size = 1
+        else:
+            size += 1
+            thinned[-1] = {name: before + (row[name] - before) / size for name, before in thinned[-1].items()}
+    return thinned
+
+
+def append_line(path: Path, row: Row) -> None:
+    """Appends a row to a file of JSON lines."""
+    with naming(path), open(path, "a", encoding="utf-8") as file:
+        file.write(json.dumps(plain(row)) + "\n")
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
+    """Yields the lines of a file of JSON lines and what they say, up to one that was cut off when the process was killed."""
+    if not path.exists():
+        return
+    with open(path, "rb") as file:
+        for line in file:
+            try:
+                row = json.loads(line)
+            except ValueError:
+                return
+            if not line.endswith(b"\n"):
+                return
+            yield line, row
+
+
+def _size_of_lines(path: Path, number: int) -> int:
+    """Returns the bytes of the first lines of a file."""
+    if not path.exists():
+        return 0
+    with open(path, "rb") as file:
+        return sum(len(line) for line, _ in zip(file, range(number), strict=False))
+
+
+def _cut(path: Path, size: int) -> None:
+    if path.exists() and path.stat().st_size > size:
+        with naming(path):
+            os.truncate(path, size)
