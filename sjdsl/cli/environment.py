@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 Command = Callable[..., Any]
+SEED = click.IntRange(0, 2**32 - 1)  # JAX makes a key of the lower 32 bits of a number: another beyond them would be one of these again
 
 
 def environment_options(command: Command) -> Command:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import make_environment
+from sjdsl.cli.environment import SEED, make_environment
 from sjdsl.cli.film import check_film, save_film
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ FILE = "evaluation.json"
 @click.command("evaluate")
 @click.argument("run", metavar="RUN")
 @click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True)
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option(
     "--greedy/--drawn",
     default=None,
@@ -50,11 +50,10 @@ def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str,
 
 def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str = "last") -> None:
     """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's."""
-    import jax
-
     from sjdsl.trainers import evaluate, random_policy, save_evaluation, summarise
+    from sjdsl.trainers.evaluate import evaluation_key
 
-    key = jax.random.key(seed)
+    key = evaluation_key(seed)
     trained = evaluate(env, stored_policy(path, env, greedy, which), key, episodes)
     save_evaluation(trained, path / FILE)
     chance = summarise(evaluate(env, random_policy(env), key, episodes))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment import SEED, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.evaluate import stored_policy
 from sjdsl.cli.film import check_film, save_film
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @click.option(
     "--policy", default="random", show_default=True, metavar="P", help="random, stay, the folder of a training run, or a stored policy."
 )
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second.")
 @environment_options
 def command(game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, **described: Any) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import environment_options, read_assignments
+from sjdsl.cli.environment import SEED, environment_options, read_assignments
 from sjdsl.cli.game_file import open_game, read_map, split_variants
 from sjdsl.compiler import Build, build, number_names
 from sjdsl.compiler.diagnostics import nearest
@@ -21,7 +21,7 @@ STEPS = 10
 @click.command("trace")
 @click.argument("game")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; {STEPS}, or as many as the actions say.")
-@click.option("--seed", type=int, default=0, show_default=True, help="With random actions the episode that `sjdsl render` shows.")
+@click.option("--seed", type=SEED, default=0, show_default=True, help="With random actions the episode that `sjdsl render` shows.")
 @click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`; may be given several times.")
 @click.option(
     "--actions", default="random", show_default=True, metavar="A", help="random, a file, or the actions: 'forward, stay; zap, stay'."

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment import SEED, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.evaluate import evaluate_run, list_files
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from sjdsl.trainers import Config, Result
 
 ALGORITHMS = ("ippo", "mappo", "vdn")
+EPISODES = 30  # of the evaluation at the end
 REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 
 
@@ -29,18 +30,22 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
     metavar="NAME=VALUE",
     help="A value of the configuration, such as total_timesteps=1e6; `sjdsl train --keys` lists them.",
 )
-@click.option("--seed", type=click.IntRange(min=0), help="0 unless the preset has another.")
+@click.option("--seed", type=SEED, help="0 unless the preset has another.")
 @click.option("--seeds", type=click.IntRange(min=1), metavar="K", help="Train K seeds side by side: seed, seed + 1 and so on.")
 @click.option("--run", "run_dir", metavar="DIR", help="Where the run's files go; by default a new folder in runs/.")
 @click.option("--resume", "resumed", metavar="DIR", help="Go on with the run in DIR, which was stopped.")
 @click.option(
     "--episodes",
     type=click.IntRange(min=0),
-    default=30,
-    show_default=True,
-    help="Episodes of the evaluation at the end; 0 for none.",
+    help="Episodes of the evaluation at the end; 0 for none.  [default: 30, or as the run that is resumed was started]",
 )
-@click.option("--log", "loggers", multiple=True, type=click.Choice(["tensorboard", "wandb"]), help="Where metrics go besides files.")
+@click.option(
+    "--log",
+    "loggers",
+    multiple=True,
+    type=click.Choice(["tensorboard", "wandb"]),
+    help="Where metrics go besides files; a run that is resumed keeps its own.",
+)
 @click.option("--distributed", is_flag=True, help="One of several processes that train together; see docs/training.md.")
 @click.option("--keys", is_flag=True, help="List the configuration's keys with their values, and stop.")
 @environment_options
@@ -54,7 +59,7 @@ def command(
     seeds: int | None,
     run_dir: str | None,
     resumed: str | None,
-    episodes: int,
+    episodes: int | None,
     loggers: tuple[str, ...],
     distributed: bool,
     keys: bool,
@@ -72,7 +77,7 @@ def command(
         ours = {"GAME": game, "--preset": preset, "--set": changes, "--run": run_dir}
         theirs = {name.removesuffix("_file").replace("params", "param"): value for name, value in described.items()}
         _refuse_beside_resume({**known, **ours, **theirs})
-        _resume(Path(resumed), episodes, loggers)
+        _resume(Path(resumed), episodes, loggers or None)
         return
     game, kept, config = _choose(game, preset, {**read_texts(changes), **known}, needed=not keys)
     if keys:
@@ -81,7 +86,7 @@ def command(
     described["params"] = {**kept.pop("params", {}), **read_assignments(described["params"])}
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
-    _start(provenance, config, run_dir, episodes, loggers)
+    _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers)
 
 
 def _start(provenance: dict[str, Any], config: "Config", run_dir: str | None, episodes: int, loggers: tuple[str, ...]) -> None:
@@ -91,42 +96,45 @@ def _start(provenance: dict[str, Any], config: "Config", run_dir: str | None, ep
     check_loggers(loggers)
     env = make_environment(provenance)
     path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{config.algorithm}_{config.reward}_seed{config.seed}")
-    result = train(env, config, path, provenance=provenance, loggers=loggers)
+    result = train(env, config, path, provenance=provenance, loggers=loggers, asked={"episodes": episodes})
     _finish(result, env, config, episodes)
 
 
-def _resume(path: Path, episodes: int, loggers: tuple[str, ...]) -> None:
+def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None) -> None:
     from sjdsl.trainers import make_config, resume
     from sjdsl.trainers.loggers import check_loggers
     from sjdsl.trainers.resuming import read_manifest
 
-    check_loggers(loggers)
     manifest = read_manifest(path)
+    check_loggers(manifest.get("loggers", ()) if loggers is None else loggers)
+    if episodes is None:
+        episodes = int(manifest.get("asked", {}).get("episodes", EPISODES))
     if "game" not in manifest.get("provenance", {}):
         raise click.ClickException(
             f"{path} does not say which game it was; go on with it from Python: sjdsl.trainers.resume(env, {str(path)!r})"
         )
     env = make_environment(manifest["provenance"])
-    _finish(resume(env, path, loggers=loggers), env, make_config(manifest["config"]), episodes)
+    result = resume(env, path, loggers=loggers, asked={"episodes": episodes})
+    _finish(result, env, make_config(manifest["config"]), episodes)
 
 
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
     """Evaluates each seed's policy, and says what the run took."""
     import jax
 
-    from sjdsl.trainers.run_folder import seed_folders
-
     if jax.process_index() != 0:
         return
-    for folder, seed in zip(seed_folders(result.run_dir, config), config.seed_numbers, strict=True):
+    for folder, seed in zip(result.folders, config.seed_numbers, strict=True):
         if episodes:
             evaluate_run(folder, env, episodes, seed)
-    steps = len(result.rows) * config.steps_per_update * config.seeds
+    steps = result.updates * config.steps_per_update * config.seeds
     training = result.seconds - result.compile_seconds
     click.echo(
         f"\n{steps:,} environment steps in {training:,.1f} s: {steps / training:,.0f} a second; "
         f"compiling {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
+    for seed, update in result.diverged.items():
+        click.echo(f"seed {seed} stopped in update {update}, for its loss became nan; its policy is that of update {update - 1}")
     list_files(result.run_dir)
 
 

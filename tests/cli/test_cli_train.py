@@ -171,3 +171,38 @@ def _stop() -> None:
     import click
 
     raise click.ClickException("far enough")
+
+
+@pytest.mark.parametrize("call", [["train", "orchard.sj"], ["evaluate", "runs/some"], ["render", "orchard.sj"], ["trace", "orchard.sj"]])
+def test_a_seed_beyond_32_bits_is_refused(sjdsl: Sjdsl, call: list[str]) -> None:
+    shown = sjdsl(*call, "--seed", str(2**32))
+    assert shown.status == 2
+    assert "4294967296 is not in the range 0<=x<=4294967295" in shown.err
+
+
+def test_a_resumed_run_keeps_its_episodes_and_loggers(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+    from sjdsl.cli import train as module
+
+    asked: list[object] = []
+    monkeypatch.setattr(module, "_finish", lambda *given: asked.append(given[-1]))
+    assert sjdsl("train", "orchard.sj", *QUICK, "--run", "kept", "--episodes", "7").status == 0
+    manifest = json.loads(Path("kept/manifest.json").read_text())
+    assert (manifest["asked"], manifest["loggers"]) == ({"episodes": 7}, [])
+    manifest["loggers"] = ["wandb"]
+    Path("kept/manifest.json").write_text(json.dumps(manifest))
+    shown = sjdsl("train", "--resume", "kept")
+    assert "pip install 'sjdsl[wandb]'" in shown.err, "the run's logger is asked for again"
+    manifest["loggers"] = []
+    Path("kept/manifest.json").write_text(json.dumps(manifest))
+    assert sjdsl("train", "--resume", "kept").status == 0
+    assert sjdsl("train", "--resume", "kept", "--episodes", "2").status == 0
+    assert sjdsl("train", "--resume", "kept").status == 0
+    assert asked == [7, 7, 2, 2], "and the last that was asked for stays"
+
+
+def test_the_end_says_which_seed_stopped(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    from sjdsl.cli.train import _finish
+    from sjdsl.trainers import Result, make_config
+
+    _finish(Result(tmp_path, None, 5, {3: 4}, (tmp_path,) * 2, 0.0, 1.0, 1.0), None, make_config(seed=2, seeds=2), 0)  # type: ignore[arg-type]
+    assert "seed 3 stopped in update 4, for its loss became nan; its policy is that of update 3" in capsys.readouterr().out
