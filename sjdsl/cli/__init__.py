@@ -13,6 +13,7 @@ import click
 from sjdsl.cache import keep_programs
 from sjdsl.cli.faults import report_fault
 from sjdsl.cli.pointer import pointed
+from sjdsl.cli.terminal import leave_at_once_if_compiling
 
 COMMANDS = {
     "bench": "Measure how fast games run.",
@@ -90,4 +91,5 @@ def main() -> NoReturn:
     keep_programs()
     status = run()
     gc.freeze()
+    leave_at_once_if_compiling(status)
     sys.exit(status)

@@ -1,33 +1,28 @@
 """`sjdsl play`: a person steers one agent in the terminal."""
 
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
-from sjdsl.cli.render import choose_policy
+from sjdsl.cli.terminal import can_show_screen, run_screen
+from sjdsl.cli.trace import build_game
 
 if TYPE_CHECKING:
-    from sjdsl.replay import Course, Moment
+    from sjdsl.compiler import ir
     from sjdsl.runtime.env import Environment
+    from sjdsl.screen.frame import Frame
+    from sjdsl.screen.session import Choose, Session
 
-KEYS = {
-    "\x1b[A": "forward",
-    "\x1b[B": "backward",
-    "\x1b[D": "turn_left",
-    "\x1b[C": "turn_right",
-    ",": "step_left",
-    ".": "step_right",
-    " ": "stay",
-}
-NAMES = {"\x1b[A": "up", "\x1b[B": "down", "\x1b[D": "left", "\x1b[C": "right", " ": "space", "\r": "enter"}
-QUIT = ("q", "\x03", "\x04")
-Show = Callable[["Moment", str], None]
+LITTLE = 60_000  # cells times steps that the interpreter plays sooner than a game is compiled
+NO_TERMINAL = (
+    "there is no terminal to play in: keys are read from the standard input and the screen is drawn on the standard error, and one of "
+    "them is a file or a pipe. Run `sjdsl play` in a terminal; or let all agents act by themselves with --watch, and keep what they do "
+    "with --record FILE"
+)
 
 
 @click.command("play")
@@ -37,7 +32,7 @@ Show = Callable[["Moment", str], None]
 @click.option(
     "--others", default="random", show_default=True, metavar="P", help="What the others do: random, stay, a run, or a stored policy."
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the episode.")
+@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, show_default=True, help="Of the episode.")
 @click.option("--steps", type=click.IntRange(min=1), help="At most so many; by default the whole episode.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=1000), default=8.0, show_default=True, help="Steps a second, with --watch.")
 @click.option("--record", metavar="FILE", help="Keep the episode for `sjdsl replay`.")
@@ -48,101 +43,91 @@ def command(
     """Plays one episode of GAME: arrow keys move and turn, `,` and `.` step aside, space stays, digits are the game's own actions."""
     described["params"] = read_assignments(described["params"])
     environment = describe_environment(game, **described)
-    env = make_environment(environment)
-    if agent >= env.num_agents:
-        raise click.ClickException(f"{env.name} has no agent {agent}: 0 to {env.num_agents - 1}")
-    if not watch and not sys.stdin.isatty():
-        raise click.ClickException("steering an agent takes a terminal; --watch does not")
-
-    from sjdsl.replay import Course, save_recording
-
-    course = Course(env, seed)
-    keys = None if watch else own_keys(env)
-    show = make_show(env, speed) if sys.stdout.isatty() else _show_nothing
-    legend = "" if keys is None else f"agent {agent}: {describe_keys(keys, env.action_names)}  q stops"
+    if not watch and not can_show_screen():
+        raise click.ClickException(NO_TERMINAL)
     try:
-        for moment in moments(course, choose_policy(others, env), agent, keys, click.getchar, steps or sys.maxsize):
-            show(moment, legend)
-    except KeyboardInterrupt:
-        click.echo()
+        made, values = build_game(game, described["params"], described["variant"], described["map_file"], described["agents"])
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    if agent >= made.game.agents.number:
+        raise click.ClickException(f"{made.game.name} has no agent {agent}; its agents are 0 to {made.game.agents.number - 1}")
+    choose = _choice_of(others, made.game, seed)
+    session = begin_session(made.game, values, seed, choose, None if watch else agent, steps)
+    play_on(session, made.game, values, environment, others, seed, speed)
+
+    from sjdsl.compiler.render import game_hash
+    from sjdsl.replay import save_recording
+
     if record is not None:
-        save_recording(course.recording(environment), Path(record))
-        click.echo(f"{record}  {len(course.actions)} steps of {env.title or env.name}")
-    click.echo(f"returns {'  '.join(f'{number}: {value:g}' for number, value in enumerate(course.returns))}")
+        save_recording(session.recording(environment, game_hash(made.game), seed), Path(record))
+        click.echo(f"{record}  {len(session.actions)} steps of {made.game.title or made.game.name}")
+    click.echo(describe_returns(session.frame.returns))
     return 0
 
 
-def own_keys(env: "Environment") -> dict[str, int]:
-    """Returns the number of the action of each key; digits from 1 stand for the game's own actions."""
-    names = list(env.action_names)
-    keys = {key: names.index(name) for key, name in KEYS.items() if name in names}
-    own = [name for name in names if name not in KEYS.values()]
-    return keys | {str(digit): names.index(name) for digit, name in enumerate(own[:9], 1)} | ({"\r": names.index(own[0])} if own else {})
+def begin_session(
+    game: "ir.Game", values: dict[str, Any], seed: int, choose: "Choose", agent: int | None, steps: int | None = None
+) -> "Session":
+    """Returns a session on the interpreter. `steps`: at most so many; None is the whole episode."""
+    from sjdsl.interpreter.board import board_of, declared_world
+    from sjdsl.interpreter.evaluate import evaluate
+    from sjdsl.interpreter.instance import Instance
+    from sjdsl.screen.interpreted import Interpreted
+    from sjdsl.screen.session import Session
+
+    board = board_of(game)
+    whole = int(evaluate(game.episode, Instance(board, declared_world(board, values))))
+    return Session(Interpreted(game, values, seed), choose, agent, min(whole, steps or sys.maxsize))
 
 
-def describe_keys(keys: dict[str, int], action_names: Sequence[str]) -> str:
-    """Returns `up forward  left turn_left  1 zap` and so on."""
-    return "  ".join(f"{NAMES.get(key, key)} {action_names[number]}" for key, number in keys.items())
+def play_on(
+    session: "Session",
+    game: "ir.Game",
+    values: dict[str, Any],
+    environment: dict[str, Any],
+    others: str,
+    seed: int,
+    speed: float,
+    show: Callable[["Frame"], object] = lambda _: None,
+) -> None:
+    """Plays a session to its end, or until the person stops: on the screen, or where there is none with each moment given to `show`."""
+
+    def compiled() -> Any:
+        from sjdsl.screen.compiled import Compiled
+        from sjdsl.screen.session import Prepared
+
+        env = make_environment(environment)
+        choose = None if others in ("random", "stay") else _trained_choice(others, env, seed)
+        return Prepared(Compiled(env, values, seed), choose)
+
+    trained = others not in ("random", "stay")
+    if can_show_screen():
+        run_screen(game, session, compiled, speed, waits=trained)
+        return
+    if trained or session.length * len(game.rows) * len(game.rows[0]) > LITTLE:
+        ready = compiled()
+        session.hand_over(ready.player, 0, ready.choose)
+    show(session.frame)
+    while not session.is_over:
+        show(session.step())
 
 
-def moments(
-    course: "Course", policy: Any, agent: int, keys: dict[str, int] | None, read_key: Callable[[], str], steps: int
-) -> Iterator["Moment"]:
-    """Yields the first moment and the one after each step, until the episode ends or the person stops.
+def _choice_of(others: str, game: "ir.Game", seed: int) -> "Choose":
+    """Returns what the others do as far as it is known without JAX. Raises ClickException for what is no policy."""
+    from sjdsl.screen.session import random_choice, stay_choice
 
-    Args:
-      policy: of the others; of all where `keys` is None.
-      keys: the number of the action of each key; others are not heard.
-    """
-    import jax
-
-    from sjdsl.runtime.policy import take_actions, with_memory
-
-    remembering = with_memory(policy)
-    memory, act = remembering.start, jax.jit(partial(take_actions, course.env, remembering))
-    key = jax.random.fold_in(jax.random.key(course.seed), 2**32 - 1)  # not one of the steps' keys
-    yield course.now()
-    while not course.done and len(course.actions) < steps:
-        chosen = None
-        while keys is not None and chosen is None:
-            pressed = read_key()
-            if pressed in QUIT:
-                return
-            chosen = keys.get(pressed)
-        memory, actions = act(memory, jax.random.fold_in(key, len(course.actions)), course.observation, course.state)
-        everybody = actions.tolist()
-        if chosen is not None:
-            everybody[agent] = chosen
-        yield course.step(everybody)
+    if others not in ("random", "stay") and not Path(others).exists():
+        raise click.ClickException(f"there is no policy `{others}`; it is random, stay, the folder of a training run, or a stored policy")
+    return random_choice(game, seed) if others == "random" else stay_choice(game)
 
 
-def make_show(env: "Environment", speed: float, hold: Callable[[float], None] = time.sleep) -> Show:
-    """Returns what draws moments in the terminal, each for its time where nobody steers."""
-    from rich.console import Console
+def _trained_choice(others: str, env: "Environment", seed: int) -> "Choose":
+    from sjdsl.cli.render import choose_policy
+    from sjdsl.screen.session import policy_choice
 
-    from sjdsl.render.look import make_look
-    from sjdsl.render.terminal import board_text
-
-    console, look, tiles = Console(highlight=False), make_look(env), {}
-
-    def show(moment: "Moment", legend: str) -> None:
-        console.clear()
-        console.print(board_text(look, moment.snapshot, tiles), end="", no_wrap=True, crop=True)
-        console.print(describe_moment(moment))
-        if legend:
-            console.print(legend, style="dim")
-        else:
-            hold(1 / speed)
-
-    return show
+    return policy_choice(env, choose_policy(others, env), seed)
 
 
-def describe_moment(moment: "Moment") -> str:
-    """Returns the step, the returns and what has just happened, a line each."""
-    returns = "  ".join(f"{number}: {value:g}" for number, value in enumerate(moment.snapshot.returns))
-    events = ", ".join(f"{name} {int(count.sum())}" for name, count in moment.events.items())
-    return f"step {moment.snapshot.step}\nreturns {returns}\n{events or '-'}"
-
-
-def _show_nothing(moment: "Moment", legend: str) -> None:
-    """Where the output is no terminal."""
+def describe_returns(returns: Any) -> str:
+    """Returns `returns 0: 3  1: 5`: the number of each agent and what it has earned."""
+    return f"returns {'  '.join(f'{number}: {value:g}' for number, value in enumerate(returns))}"

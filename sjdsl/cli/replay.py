@@ -1,12 +1,20 @@
 """`sjdsl replay`: a recorded episode, in the terminal or as a film."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from sjdsl.cli.environment import make_environment
 from sjdsl.cli.film import SPEED, check_film, write_film
-from sjdsl.cli.play import make_show
+from sjdsl.cli.play import begin_session, describe_returns, play_on
+from sjdsl.cli.trace import build_game
+
+if TYPE_CHECKING:
+    from sjdsl.compiler import ir
+    from sjdsl.replay import Recording
+    from sjdsl.screen.frame import Frame
 
 
 @click.command("replay")
@@ -18,18 +26,55 @@ def command(file: str, output: str | None, speed: float) -> int:
     if output is not None:
         check_film(Path(output))
 
-    from sjdsl.replay import RecordingError, load_recording, replayed
+    from sjdsl.replay import RecordingError, load_recording
 
     try:
         recording = load_recording(Path(file))
+        if output is None:
+            show(recording, speed)
+            return 0
+
+        from sjdsl.replay import replayed
+
         env = make_environment(recording.environment)
         moments = replayed(recording, env)
-        if output is None:
-            show = make_show(env, speed)
-            for moment in moments:
-                show(moment, "")
-            return 0
         click.echo(write_film(env, (moment.snapshot for moment in moments), Path(output), speed))
     except RecordingError as error:
         raise click.ClickException(str(error)) from None
     return 0
+
+
+def show(recording: "Recording", speed: float) -> None:
+    """Shows an episode on the screen, or where there is none prints its moments one after the other.
+
+    Raises RecordingError: the rules are others now, or the actions come to other returns than were recorded.
+    """
+    from sjdsl.compiler.render import game_hash
+    from sjdsl.replay.recording import check_returns, check_rules
+    from sjdsl.screen.session import written_choice
+
+    given = recording.environment
+    try:
+        made, values = build_game(given["game"], given.get("params") or {}, given.get("variant"), given.get("map"), given.get("num_agents"))
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    check_rules(recording, game_hash(made.game), made.game.name)
+    session = begin_session(made.game, values, recording.seed, written_choice(recording.actions), None, len(recording.actions))
+    play_on(session, made.game, values, given, "random", recording.seed, speed, make_printer(made.game))
+    if session.is_over:
+        check_returns(recording, session.frame.returns)
+
+
+def make_printer(game: "ir.Game") -> Callable[["Frame"], None]:
+    """Returns what prints a moment: the map in letters, the step, the returns, what was tallied."""
+    from sjdsl.screen.board import board_text
+    from sjdsl.screen.looks import make_screen_looks
+    from sjdsl.screen.sidebar import event_line
+
+    looks = make_screen_looks(game)
+
+    def show(frame: "Frame") -> None:
+        click.echo(board_text(game, looks, frame).plain)
+        click.echo(f"step {frame.world.step}\n{describe_returns(frame.returns)}\n{event_line(frame)}".rstrip() + "\n")
+
+    return show

@@ -1,9 +1,12 @@
 """Pictures of any compiled game, from its rules and the arrays of a state alone."""
 
-from sjdsl.render.film import save_gif, save_mp4, save_png
-from sjdsl.render.frame import Painter, make_painter
-from sjdsl.render.play import play, random_policy, stay_policy
-from sjdsl.render.snapshot import Snapshot, take_snapshot
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sjdsl.render.film import save_gif, save_mp4, save_png
+    from sjdsl.render.frame import Painter, make_painter
+    from sjdsl.render.playing import play, random_policy, stay_policy
+    from sjdsl.render.snapshot import Snapshot, take_snapshot
 
 __all__ = [
     "Painter",
@@ -17,3 +20,27 @@ __all__ = [
     "stay_policy",
     "take_snapshot",
 ]
+
+_HOMES = {
+    "Painter": "frame",
+    "Snapshot": "snapshot",
+    "make_painter": "frame",
+    "play": "playing",
+    "random_policy": "playing",
+    "save_gif": "film",
+    "save_mp4": "film",
+    "save_png": "film",
+    "stay_policy": "playing",
+    "take_snapshot": "snapshot",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Loads public names when first used: colours need no JAX."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'sjdsl.render' has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(f"sjdsl.render.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value

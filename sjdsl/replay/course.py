@@ -8,7 +8,7 @@ import jax
 import numpy as np
 
 from sjdsl.render.snapshot import Snapshot, take_snapshot
-from sjdsl.replay.recording import Recording, RecordingError
+from sjdsl.replay.recording import Recording, check_returns, check_rules
 from sjdsl.runtime.env import Environment
 
 
@@ -73,13 +73,9 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     Raises:
       RecordingError: the environment has other rules, or the actions come to other returns than were recorded.
     """
-    if env.hash != recording.hash:
-        raise RecordingError(
-            f"the episode was recorded under other rules: their hash was {recording.hash}, that of {env.name} is {env.hash}"
-        )
+    check_rules(recording, env.hash, env.name)
     course = Course(env, recording.seed)
     yield course.now()
     for actions in recording.actions:
         yield course.step(actions)
-    if not np.allclose(course.returns, recording.returns, rtol=1e-5, atol=1e-5):
-        raise RecordingError(f"the episode came to returns {course.returns.tolist()}, but {recording.returns} were recorded")
+    check_returns(recording, course.returns.tolist())

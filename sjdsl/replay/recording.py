@@ -2,9 +2,11 @@
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 
@@ -48,4 +50,18 @@ def load_recording(path: Path) -> Recording:
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
     except (ValidationError, UnicodeDecodeError):
-        raise RecordingError(f"{path} is no recorded episode; `sjdsl play GAME --record {path.name}` writes one") from None
+        raise RecordingError(f"{path} does not hold a recorded episode; `sjdsl play GAME --record {path.name}` writes one") from None
+
+
+def check_rules(recording: Recording, game_hash: str, name: str) -> None:
+    """Raises RecordingError where the rules of a game, by their hash, are not those of the recording."""
+    if game_hash != recording.hash:
+        raise RecordingError(
+            f"the rules of {name} have changed since the episode was recorded: its hash was {recording.hash}, it is {game_hash}"
+        )
+
+
+def check_returns(recording: Recording, returns: Sequence[float]) -> None:
+    """Raises RecordingError where the actions have come to other returns than were recorded."""
+    if not np.allclose(returns, recording.returns, rtol=1e-5, atol=1e-5):
+        raise RecordingError(f"the episode came to returns {list(map(float, returns))}, but {recording.returns} were recorded")

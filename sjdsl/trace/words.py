@@ -34,6 +34,11 @@ def split(key: Key, count: int) -> list[Key]:
     return [threefry(key, (0, number), JAX_ROUNDS) for number in range(count)]
 
 
+def fold_in(key: Key, number: int) -> Key:
+    """Returns the key of `jax.random.fold_in(key, number)`."""
+    return threefry(key, (0, number & WORD), JAX_ROUNDS)
+
+
 def random_numbers(key: Key, count: int, below: int) -> list[int]:
     """Returns `jax.random.randint(key, (count,), 0, below)`: two words a number, so that every number is as likely as any other."""
     high, low = split(key, 2)

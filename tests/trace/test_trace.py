@@ -12,8 +12,8 @@ from sjdsl.compiler.read import read_source
 from sjdsl.compiler.source import Source
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.state import Cell, World, copied, default_params
-from sjdsl.render.play import play as play_compiled
-from sjdsl.render.play import random_policy
+from sjdsl.render.playing import play as play_compiled
+from sjdsl.render.playing import random_policy
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, begin, follow, play, random_actions
 from sjdsl.trace.words import key_of, random_numbers, split

@@ -1,0 +1,39 @@
+"""The terminal of a command: whether there is one, and a screen in it."""
+
+import os
+import sys
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+COMPILING = "sjdsl-compiling"  # the name of the thread in which a game is compiled while it is played
+
+if TYPE_CHECKING:
+    from sjdsl.compiler import ir
+    from sjdsl.screen.session import Session
+
+
+def can_show_screen() -> bool:
+    """Returns whether keys can be read and a screen drawn: textual reads the standard input and draws on the standard error."""
+    return sys.stdin.isatty() and sys.stderr.isatty() and os.environ.get("TERM", "") not in ("", "dumb")
+
+
+def leave_at_once_if_compiling(status: int) -> None:
+    """Ends the process where a game is still being compiled for a screen that has closed: XLA cannot be stopped, nor survives Python."""
+    if any(thread.name == COMPILING for thread in threading.enumerate()):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+
+
+def run_screen(game: "ir.Game", session: "Session", compiled: Callable[[], Any], speed: float, waits: bool) -> None:
+    """Shows a session and plays it until the person leaves; arguments are those of `sjdsl.screen.app.Screen`.
+
+    Raises what went wrong while compiling.
+    """
+    from sjdsl.screen.app import Screen
+
+    screen = Screen(game, session, compiled, speed, waits)
+    screen.run(mouse=False)
+    if screen.fault is not None:
+        raise screen.fault

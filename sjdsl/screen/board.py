@@ -1,0 +1,62 @@
+"""The map on the screen: two letters a cell. Agents are an arrow and a number, beams colour the cells they sweep."""
+
+from rich.style import Style
+from rich.text import Text
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.state import Cell, World
+from sjdsl.render.colours import Colour
+from sjdsl.screen.frame import Frame
+from sjdsl.screen.looks import OWN, ScreenLooks, letter_of
+from sjdsl.screen.palette import ink_on
+
+ARROWS = "▲▶▼◀"  # north, east, south, west
+WIDTH = 2  # letters of a cell
+
+
+def board_text(game: ir.Game, looks: ScreenLooks, frame: Frame, own: int | None = None) -> Text:
+    """Returns the map of one moment, a line for each row. `own`: the agent that is steered; it has a colour of its own."""
+    world, lines = frame.world, []
+    agents = {place: number for number, place in enumerate(world.position) if place is not None}
+    beams = {(row, col): looks.marks[name][1] for name, row, col in world.marks if name in looks.marks}
+    kind_of = board_of(game).kind_of
+    for row in range(len(game.rows)):
+        line = Text(no_wrap=True)
+        for col in range(len(game.rows[0])):
+            place = Cell(row, col)
+            if place in agents:
+                number = agents[place]
+                line.append(*agent_letters(looks, world, number, own, number in frame.held))
+            else:
+                _append_cell(line, game, looks, world, place, kind_of[place], beams.get((row, col)))
+        lines.append(line)
+    return Text("\n").join(lines)
+
+
+def agent_letters(looks: ScreenLooks, world: World, number: int, own: int | None, held: bool) -> tuple[str, Style]:
+    """Returns an agent: an arrow the way it faces, its number, its colour; who can only stay has pale letters."""
+    ground = OWN if number == own else looks.agents[number]
+    return f"{ARROWS[world.heading[number]]}{letter_of(number)}", Style(
+        color=hexadecimal(ink_on(ground)), bgcolor=hexadecimal(ground), bold=not held, dim=held
+    )
+
+
+def _append_cell(line: Text, game: ir.Game, looks: ScreenLooks, world: World, place: Cell, kind: str, beam: Colour | None) -> None:
+    number = board_of(game).number[place]
+    state = tuple((name, world.cells[kind, name][number]) for name in looks.letters.shown[kind])
+    ground, ink = (beam, ink_on(beam)) if beam else looks.tiles[kind, state]
+    style = Style(color=hexadecimal(ink), bgcolor=hexadecimal(ground))
+    line.append(looks.letters.characters[kind, state], style)
+    owner = world.cells[kind, looks.owners[kind]][number] if kind in looks.owners else None
+    if owner is not None:
+        colour = looks.agents[owner]
+        line.append(letter_of(owner), Style(color=hexadecimal(ink_on(colour)), bgcolor=hexadecimal(colour)))
+        return
+    amount = world.cells[kind, looks.amounts[kind]][number] if kind in looks.amounts else 0
+    line.append(" " if not amount else str(amount) if 0 < amount < 10 else "+", style)
+
+
+def hexadecimal(colour: Colour) -> str:
+    """Returns a colour as Rich and Textual read it."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)

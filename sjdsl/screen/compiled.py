@@ -1,0 +1,59 @@
+"""An episode on the compiled game, seen as the interpreter sees it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler.lower.content import marking_phases
+from sjdsl.interpreter.state import Value, World
+from sjdsl.promises.replay import world_of
+from sjdsl.replay.course import Course, Moment
+from sjdsl.runtime.env import Environment
+from sjdsl.screen.frame import Frame, make_frame
+
+
+class Compiled:
+    """The episode of a seed.
+
+    Attributes:
+      frame: of the moment; seen: what the agents see, `[N, ...]`, and the state.
+    """
+
+    def __init__(self, env: Environment, params: Mapping[str, Value], seed: int) -> None:
+        """Begins the episode, with a step compiled. `params`: as the interpreter has them."""
+        self._env, self._params, self._course = env, params, Course(env, seed)
+        Course(env, seed).step([0] * env.num_agents)  # JAX compiles it now, not at the first key
+        self.frame = make_frame(env.game, self._world(), self._course.returns)
+
+    @property
+    def seen(self) -> tuple[Any, Any]:
+        return self._course.observation, self._course.state
+
+    def step(self, actions: Sequence[int]) -> Frame:
+        """Takes one step. `actions`: a number of the game for each agent."""
+        moment = self._course.step(actions)
+        self.frame = make_frame(
+            self._env.game, self._world(), self._course.returns, actions, moment.reward.tolist(), _totals(moment), moment.done
+        )
+        return self.frame
+
+    def _world(self) -> World:
+        world = world_of(self._env, self._course.state)
+        return replace(world, params=dict(self._params), marks=list(_marks(self._env, self._course.state)))
+
+
+def _totals(moment: Moment) -> dict[str, int]:
+    return {name: int(count.sum()) for name, count in moment.events.items()}
+
+
+def _marks(env: Environment, state: Any) -> list[tuple[str, int, int]]:
+    """Returns the cells of the map that phases have marked in this step, with the names of the phases."""
+    (_, cols), pad, found = env.module.FRAME, env.module.PAD, []
+    height, width = len(env.game.rows), len(env.game.rows[0])
+    for phase in marking_phases(env.game):
+        cells = np.unique(np.asarray(getattr(state, f"mark_{phase.name}")))
+        places = ((int(cell) // cols - pad, int(cell) % cols - pad) for cell in cells if cell)
+        found += [(phase.name, row, col) for row, col in places if 0 <= row < height and 0 <= col < width]
+    return found

@@ -1,0 +1,46 @@
+"""An episode on the reference interpreter, with the draws of the compiled game; it needs no JAX and begins at once."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.draws import Threefry
+from sjdsl.interpreter.state import Value, copied
+from sjdsl.interpreter.step import reset, step
+from sjdsl.screen.frame import Frame, make_frame
+from sjdsl.trace.words import fold_in, key_of
+
+
+class Interpreted:
+    """The episode of a seed: state by state what `sjdsl.replay.Course` plays for the same seed and actions.
+
+    Attributes:
+      frame: of the moment; seen: nothing, for policies of the compiled game are not asked here.
+    """
+
+    def __init__(self, game: ir.Game, params: Mapping[str, Value], seed: int) -> None:
+        """Begins the episode. `params`: every parameter of the game, reals as float32."""
+        self._game, self._params, self._key = game, params, key_of(seed)
+        world = reset(game, params, Threefry(*fold_in(self._key, 0)))
+        self.frame = make_frame(game, copied(world), [0.0] * game.agents.number)
+        self.seen = (None, None)
+
+    def step(self, actions: Sequence[int]) -> Frame:
+        """Takes one step. `actions`: a number of the game for each agent."""
+        draws = Threefry(*fold_in(self._key, self.frame.world.step + 1))
+        world, outcome = step(self._game, self.frame.world, actions, self._params, draws)
+        rewards = [float(reward) for reward in outcome.reward]
+        returns = [before + reward for before, reward in zip(self.frame.returns, rewards, strict=True)]
+        events = dict(_totals(self._game, outcome.events))
+        self.frame = make_frame(self._game, world, returns, actions, rewards, events, outcome.terminated or outcome.truncated)
+        return self.frame
+
+
+def _totals(game: ir.Game, counted: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
+    """Yields each count of a step summed over agents; an event with words gives `name[word]` for each."""
+    for event in game.events:
+        rows = counted[event.name] if event.per_agent else [counted[event.name]]
+        if event.by:
+            yield from ((f"{event.name}[{word}]", sum(row[number] for row in rows)) for number, word in enumerate(event.by))
+        else:
+            yield event.name, sum(rows)

@@ -1,0 +1,104 @@
+"""Colours and letters: told apart in a terminal of 256 colours, as Rich makes them there."""
+
+import numpy as np
+import pytest
+from rich.color import Color, ColorSystem
+from rich.console import Console
+from rich.style import Style
+from rich.text import Text
+
+from sjdsl.cli.game_file import open_game
+from sjdsl.compiler import build, ir
+from sjdsl.games_folder import bundled
+from sjdsl.render.colours import Colour
+from sjdsl.screen.board import ARROWS, board_text, hexadecimal
+from sjdsl.screen.looks import OWN, make_screen_looks
+from sjdsl.screen.palette import TABLE, faint_on, ink_on, oklab, told_apart
+from sjdsl.screen.sidebar import legend
+from tests.screen.conftest import Begin
+
+
+def in_256(colour: Colour) -> int:
+    """Returns the number of a colour in a terminal of 256, as Rich converts it."""
+    number = Color.parse(hexadecimal(colour)).downgrade(ColorSystem.EIGHT_BIT).number
+    assert number is not None
+    return number
+
+
+@pytest.mark.parametrize("game", [*bundled(), "harvest_open crowd"])
+def test_what_differs_on_the_map_differs_in_256_colours(game: str) -> None:
+    name, *variant = game.split()
+    looks = make_screen_looks(build(open_game(name), tuple(variant)).game)
+    grounds = [ground for ground, _ in looks.tiles.values()]
+    marks = [colour for _, colour in looks.marks.values()]
+    shown = [in_256(colour) for colour in (*grounds, *marks, *looks.agents, OWN)]
+    assert len(set(shown)) == len(shown)
+    letters = [looks.letters.characters[state] for state in looks.tiles]
+    assert len(set(letters)) == len(letters), "without colours the letters tell"
+
+
+def test_the_table_is_that_of_the_terminal() -> None:
+    """Rich's own table is the oracle."""
+    from rich._palettes import EIGHT_BIT_PALETTE
+
+    assert [tuple(EIGHT_BIT_PALETTE[number]) for number in range(16, 256)] == list(TABLE)
+
+
+def test_like_colours_are_pushed_apart() -> None:
+    wanted = [(236, 234, 228), (236, 234, 229), (235, 234, 228)]
+    found = told_apart(wanted, [TABLE[0]])
+    apart = [np.linalg.norm(a - b) for i, a in enumerate(oklab(found)) for b in oklab(found)[:i]]
+    assert min(apart) >= 0.06
+    assert np.linalg.norm(oklab(found[:1]) - oklab(wanted[:1])) < 0.05, "the first is as wanted"
+    assert len(set(told_apart([(0, 0, 0)] * 240))) == 240, "all there are"
+
+
+def test_letters_can_be_read() -> None:
+    for ground in TABLE:
+        lightness = oklab([ground, ink_on(ground), faint_on(ground)])[:, 0]
+        assert abs(lightness[0] - lightness[1]) > 0.35
+        assert 0.05 < abs(lightness[0] - lightness[2]) < abs(lightness[0] - lightness[1])
+
+
+def test_the_board_shows_agents_owners_amounts_and_beams(begin: Begin, orchard: ir.Game) -> None:
+    looks, session = make_screen_looks(orchard), begin(agent=1)
+    session.step(4)
+    session.frame.world.cells["soil", "owner"][0] = 0
+    session.frame.world.cells["soil", "eaten"][1] = 7
+    world = session.frame.world
+    text = board_text(orchard, looks, session.frame, own=1)
+    lines = text.plain.splitlines()
+    assert [len(line) for line in lines] == [16] * 4, "two letters a cell"
+    assert lines[1][6:8] == "A0"
+    assert lines[1][8:10] == "A7"
+    for number, place in enumerate(world.position):
+        assert place is not None
+        assert lines[place.row][2 * place.col : 2 * place.col + 2] == f"{ARROWS[world.heading[number]]}{number}"
+        style = style_at(text, place.row, place.col)
+        assert (style.bgcolor == Color.parse(hexadecimal(OWN))) == (number == 1)
+        assert style.dim == (number == 1), "who sang is held"
+    (_, mark), *_ = looks.marks.values()
+    reached = {(row, col) for _, row, col in world.marks} - set(world.position)
+    assert reached
+    for row in range(4):
+        for col in range(8):
+            assert (style_at(text, row, col).bgcolor == Color.parse(hexadecimal(mark))) == ((row, col) in reached)
+
+
+def style_at(text: Text, row: int, col: int) -> Style:
+    """Returns the style of the first letter of a cell."""
+    return text.get_style_at_offset(Console(), sum(len(line) + 1 for line in text.plain.splitlines()[:row]) + 2 * col)
+
+
+def test_the_legend_names_what_is_on_the_map(orchard: ir.Game) -> None:
+    said = legend(make_screen_looks(orchard), own=1).plain
+    for line in (
+        "A  soil, ripe",
+        "n  soil, none",
+        "#  wall",
+        "cells that `sing` reaches",
+        "▲1 the agent you steer",
+        "soil (owner)",
+        "soil (eaten)",
+    ):
+        assert line in said

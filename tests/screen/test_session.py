@@ -1,0 +1,86 @@
+"""A session: the interpreter's episode is the compiled game's, draw by draw, so that nothing jumps where one takes over from the other."""
+
+import jax
+import numpy as np
+import pytest
+
+import sjdsl
+from sjdsl.compiler import ir
+from sjdsl.interpreter.state import World, default_params
+from sjdsl.render import random_policy
+from sjdsl.replay import Course
+from sjdsl.runtime.env import Environment
+from sjdsl.screen.compiled import Compiled
+from sjdsl.screen.session import policy_choice, random_choice
+from sjdsl.trace.words import fold_in, key_of
+from tests.screen.conftest import ORCHARD, Begin
+
+FORWARD, STAY, SING = 2, 3, 4
+SEED = 2**31 + 5
+
+
+@pytest.fixture(scope="module")
+def env() -> Environment:
+    return sjdsl.make(ORCHARD)
+
+
+def shown(world: World) -> tuple:
+    """Returns everything in a state that the screen can show."""
+    return world.step, world.cells, world.agents, world.position, world.heading, sorted(set(world.marks))
+
+
+def test_keys_are_folded_as_jax_folds_them() -> None:
+    for seed in (0, 7, SEED):
+        for number in (0, 1, 1000, 2**32 - 1):
+            found = jax.random.key_data(jax.random.fold_in(jax.random.key(seed), np.uint32(number)))
+            assert fold_in(key_of(seed), number) == tuple(int(word) for word in found)
+
+
+def test_the_interpreter_plays_the_episode_of_the_compiled_game(begin: Begin, env: Environment) -> None:
+    session, course = begin(SEED, agent=None, at_random=True), Course(env, SEED)
+    while not session.is_over:
+        frame = session.step()
+        moment = course.step(session.actions[-1])
+        assert frame.rewards == tuple(moment.reward.tolist())
+        assert frame.returns == tuple(moment.snapshot.returns.tolist())
+        assert [place or (-1, -1) for place in frame.world.position] == [*zip(moment.snapshot.row, moment.snapshot.col, strict=True)]
+        assert frame.events == {name: int(count.sum()) for name, count in moment.events.items()}
+        assert frame.held == frozenset(np.flatnonzero(moment.snapshot.held))
+    assert frame.done
+    assert moment.done
+    assert sum(frame.returns) > 0, "something happened"
+
+
+def test_the_others_draw_what_the_random_policy_draws(orchard: ir.Game, env: Environment) -> None:
+    ours, theirs = random_choice(orchard, SEED), policy_choice(env, random_policy(env), SEED)
+    player = Compiled(env, default_params(orchard), 0)
+    assert [list(ours(number, player)) for number in range(20)] == [theirs(number, player) for number in range(20)]
+
+
+@pytest.mark.parametrize("before", [0, 3])
+def test_nothing_jumps_where_the_compiled_game_takes_over(begin: Begin, orchard: ir.Game, env: Environment, before: int) -> None:
+    """Two sessions with the same keys, one of them handed over in the middle, while a step more was taken than was known."""
+    keys = [SING, STAY, FORWARD, FORWARD, SING, STAY, FORWARD]
+    whole, handed = begin(SEED, at_random=True), begin(SEED, at_random=True)
+    for number, key in enumerate(keys):
+        whole.step(key)
+        handed.step(key)
+        if number == before + 1:
+            player = Compiled(env, default_params(orchard), SEED)
+            for actions in handed.actions[:before]:
+                player.step(actions)
+            handed.hand_over(player, before)
+        assert shown(handed.frame.world) == shown(whole.frame.world)
+        assert handed.frame.returns == whole.frame.returns
+        assert handed.frame.held == whole.frame.held
+    assert isinstance(handed.player, Compiled)
+    assert handed.recording({}, env.hash, SEED) == whole.recording({}, env.hash, SEED)
+
+
+def test_a_session_ends_with_the_episode_or_its_steps(begin: Begin) -> None:
+    for asked, taken in ((4, 4), (12, 12)):
+        session = begin(steps=asked)
+        while not session.is_over:
+            session.step(FORWARD)
+        assert len(session.actions) == taken
+        assert session.frame.done == (taken == 12)
