@@ -51,7 +51,8 @@ def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) 
     from sjdsl.compiler.lower import NotSupported, lower
 
     try:
-        return lower(optimise(made.game, passes), Path(source.name).name)
+        rules = made.game.model_copy(update={"looks": ()})
+        return lower(optimise(rules, passes), Path(source.name).name)
     except NotSupported as refused:
         span = refused.origin or Span(source.name, 0, 0, 1, 1)
         raise CompileError([Diagnostic(errors.NOT_SUPPORTED, span, {"what": refused.what})]) from None

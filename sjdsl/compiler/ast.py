@@ -181,6 +181,23 @@ class Observe(Node):
     sights: tuple[Window | Show | Hide, ...]
 
 
+class Paint(Node):
+    """A colour, a sprite, or both, in any order: `red apple`, `"#2e7d32"`"""
+
+    span: Span
+    words: tuple[Name | String, ...]
+
+
+class Look(Node):
+    """`look tree where tree.fruit is ripe as green tree with red apple`"""
+
+    span: Span
+    what: Name
+    where: Expr | None
+    body: Paint | None
+    badge: Paint | None
+
+
 class Event(Node):
     span: Span
     name: Name
@@ -299,6 +316,7 @@ Section = (
     | Schedule
     | Phase
     | Observe
+    | Look
     | Metrics
     | Checks
     | Variant

@@ -41,6 +41,7 @@ class Composition:
     phases: dict[str, ast.Phase] = field(default_factory=dict)
     window: ast.Window | None = None
     sights: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
+    looks: dict[str, tuple[ast.Look, ...]] = field(default_factory=dict)  # by what they are of
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
     checks: dict[str, tuple[ast.Check, ...]] = field(default_factory=dict)  # by the name of their block, "" without one
     variants: dict[str, ast.Variant] = field(default_factory=dict)
@@ -117,6 +118,8 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             return [(f"agents {key}", node.span, node) for key, node in _agent_entries(section)]
         case ast.Observe():
             return [(f"observe {key}", node.span, node) for key, node in _sight_entries(section)]
+        case ast.Look():
+            return [(f"look {section.what.text}", section.span, section)]
         case ast.Metrics():
             return [(f"metric {m.name.text}", m.name.span, m) for m in section.metrics]
         case ast.Override():
@@ -131,6 +134,8 @@ def _check_duplicates(game: Composition, sections: tuple[ast.Section | ast.Overr
     seen: dict[str, Span] = {}
     for section in sections:
         for key, span, node in section_names(section):
+            if isinstance(node, ast.Look):  # one kind looks this way or that
+                continue
             over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
             if key in seen or over:
                 if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
@@ -165,6 +170,9 @@ def _content(game: Composition, node: object) -> str:
 
 
 def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.Drop, ...]) -> None:
+    looks = [section for section in sections if isinstance(section, ast.Look)]
+    for name in dict.fromkeys(look.what.text for look in looks):
+        game.looks[name] = tuple(look for look in looks if look.what.text == name)
     for section in sections:
         match section:
             case ast.Cite():

@@ -14,6 +14,7 @@ from sjdsl.compiler.declare import Declarations, blocks, declare_numbers, declar
 from sjdsl.compiler.diagnostics import Diagnostic
 from sjdsl.compiler.expressions import number
 from sjdsl.compiler.identifiers import STATE, state_names
+from sjdsl.compiler.looks import looks
 from sjdsl.compiler.phases import schedule, start
 from sjdsl.compiler.placing import check_placing
 from sjdsl.compiler.promises import check_requires, checks, events, measures, requires
@@ -94,6 +95,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
     seen = sights(game, static, problems)
     measured = measures(game, Scope(static, problems, place="`metrics`"))
     promises = checks(game, promised)
+    drawn = looks(game, static, problems)
     counted: tuple[ir.Event, ...] = ()
     with problems.survive():
         counted = events([p for p in (begin, *turns) if p is not None], scope)
@@ -122,6 +124,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         events=counted,
         measures=measured,
         checks=promises,
+        looks=drawn,
     )
     _check_attributes(built, problems)
     check_time(built, problems, game)

@@ -85,6 +85,12 @@ BAD_NAME = Code(
 )
 ARGUMENTS = Code("SJ118", "Wrong number of arguments", "`{name}` takes {wanted}, not {given}", "{help}")
 DEFINE_CYCLE = Code("SJ119", "A define that uses itself", "`{name}` is used inside its own definition", "break the circle")
+NO_PAINT = Code(
+    "SJ120",
+    "No such sprite or colour",
+    "`{name}` is no sprite and no colour",
+    '{lead} sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
+)
 
 # ---- 2xx types and units
 
@@ -260,6 +266,12 @@ NEVER_COUNTED = Code(
     "the event `{name}` is listed in `metrics`, but no rule counts it: it is always 0",
     "count it where it happens, `tally {path}`, or take it out of `metrics`",
     "warning",
+)
+LOOK_READS = Code(
+    "SJ510",
+    "What `look` may read",
+    "`look` reads {what}",
+    "it may compare the fields of the cell, or of the agent, with words and numbers",
 )
 
 # ---- 6xx limits of the compiler

@@ -139,6 +139,27 @@ class Sight(Node):
     hidden_when: Expr | None = None
 
 
+class Paint(Node):
+    """`colour`: a name of `looks.COLOURS` or `#rrggbb`; `sprite`: one of `looks.SPRITES`; empty for one that is not said."""
+
+    colour: str = ""
+    sprite: str = ""
+
+
+class Look(Node):
+    """How cells of some kinds, or the agents, are drawn where the condition over Member `name` holds; no rule reads it.
+
+    `body`: the cell or the agent itself; `badge`: a small sprite in its corner.
+    """
+
+    what: Literal["cell", "agent"]
+    name: str
+    kinds: tuple[str, ...] = ()
+    condition: Expr | None = None
+    body: Paint | None = None
+    badge: Paint | None = None
+
+
 class Window(Node):
     ahead: int
     behind: int
@@ -189,6 +210,7 @@ class Game(Node):
     events: tuple[Event, ...] = ()
     measures: tuple[Measure, ...] = ()
     checks: tuple[Check, ...] = ()
+    looks: tuple[Look, ...] = ()
 
 
 def children(node: Node) -> list[Node]:

@@ -36,7 +36,7 @@ MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
 CHAINS = ("sum", "prod", "expr", "and_e")
 STATEMENTS = frozenset((
     "cite", "about", "size", "param", "episode", "kind", "group", "field", "timer", "map", "agents", "shape", "define",
-    "schedule", "phase", "observe", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
+    "schedule", "phase", "observe", "look", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
     "moves", "forbid", "window", "show", "hide", "event", "mean", "final", "require", "always", "once", "conserved",
     "monotone", "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
     "add", "give", "tally", "send", "remove", "move", "mark", "end",

@@ -123,6 +123,11 @@ def relabel(span: Span, *items: Any) -> ast.Relabel:
     return ast.Relabel(span, label, clauses.get("where"))
 
 
+def look(span: Span, *items: Any) -> ast.Look:
+    (what,), clauses = split(items)
+    return ast.Look(span, what, clauses.get("where"), clauses.get("body"), clauses.get("badge"))
+
+
 def event(span: Span, *items: Any) -> ast.Event:
     (name,), clauses = split(items)
     return ast.Event(span, name, clauses.get("by"))

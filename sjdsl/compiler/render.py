@@ -36,8 +36,8 @@ def template(name: str) -> jinja2.Template:
 
 
 def game_hash(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits that two games share if and only if their IR is equal (positions, `cite` and `about` aside)."""
-    rules = game.model_copy(update={"cites": (), "about": ()})
+    """Returns 16 hexadecimal digits that two games share if and only if their IR is equal (positions, `cite`, `about` and `look` aside)."""
+    rules = game.model_copy(update={"cites": (), "about": (), "looks": ()})
     return hashlib.sha256(ir_text(rules).encode()).hexdigest()[:16]
 
 

@@ -20,7 +20,7 @@ SENTENCES = frozenset((
 ))  # fmt: skip
 SECTIONS = frozenset((
     "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS", "SHAPE", "DEFINE",
-    "SCHEDULE", "PHASE", "OBSERVE", "METRICS", "CHECKS", "VARIANT",
+    "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "VARIANT",
 ))  # fmt: skip
 ENTRIES = frozenset((
     "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN", "FINAL", "REQUIRE",

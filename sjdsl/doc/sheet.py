@@ -6,6 +6,7 @@ from sjdsl.doc.draws import draws
 from sjdsl.doc.entities import entities
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.observation import observation
+from sjdsl.doc.pictures import pictures
 from sjdsl.doc.promises import episode, metrics, promises
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
@@ -32,6 +33,7 @@ def rule_sheet(w: Written) -> str:
         ("Episode", episode(v)),
         ("Metrics", metrics(v)),
         ("Promises", promises(v)),
+        *([("Pictures", pictures(v))] if w.game.looks else []),
         ("Variants", variants(w)),
     )
     found = [*heading(w)]

@@ -92,6 +92,8 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
         case "define":
             equals = next(n for n in range(start, end) if tokens[n].type == "EQUAL")
             found.columns[start] = (rule, (equals,))
+        case "look":
+            found.columns[start] = (rule, tuple(n for n in range(start, end) if tokens[n].type in ("AS", "WITH"))[:1])
         case "entry":
             found.columns[start] = (rule, (start + 2,))
         case _:

@@ -15,6 +15,7 @@ SILENT = {
     "Kind": {"glyph"},  # also the first of its glyphs
     "VarField": {"place", "kind"},  # where it stands
     "Game": {"variants"},  # their titles are not in the rules
+    "Look": {"what", "name"},  # follow from what it is of
     "Narrowed": {"value"},
     "Pick": {"most"},  # follows from the type of its number
     "Shape": {"see_through"},  # a shape without a direction is

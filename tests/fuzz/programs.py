@@ -46,6 +46,7 @@ def program(random: Random) -> Program:
     loose += [[t] for t in w.shape_texts] + [[d.text] for d in w.defines]
     turns, phases = schedule(w)
     loose += [start(w), [f"schedule {' -> '.join(turns)}"], *phases, metrics(w), *checks(w), *observe(w)]
+    loose += [[line] for line in looks(w)]
     if w.is_now(0.3):
         random.shuffle(loose)
     names = ("alpha", "beta", "gamma")[: random.choice((0, 0, 1, 1, 2, 3))]
@@ -179,6 +180,22 @@ def agents(w: World) -> Lines:
     return braces(f"agents {w.random.choice([*sizes, number])}", lines)
 
 
+def looks(w: World) -> Lines:
+    """Says how some kinds, groups and the agents are drawn."""
+    found = []
+    for name in w.random.sample(["agent", *w.kinds, *w.groups], w.random.randint(0, 2)):
+        fields = w.agent_fields if name == "agent" else w.cell_fields(w.kinds_of(name))
+        words = [f for f in fields if f.type.kind == "word" and not f.type.by]
+        test = ""
+        if words and w.is_now(0.7):
+            field = w.random.choice(words)
+            test = f" where {name}.{field.name} {w.random.choice(('is', 'is not'))} {w.random.choice(field.type.words)}"
+        paints = [w.random.choice(("apple", "red", "red apple", 'apple "#102030"', '"#AABBCC"')) for _ in range(2)]
+        form = w.random.choice(("as {}", "with {}", "as {} with {}"))
+        found.append(f"look {name}{test} {form.format(*paints)}")
+    return found
+
+
 def more_agents(w: World) -> Lines:
     """Says nothing, or one more field, of the agents there are."""
     number = f" {w.random.randint(1, w.agents)}" if w.is_now(0.3) else ""
@@ -248,7 +265,7 @@ def _needs_tick(w: World, phases: list[Lines]) -> bool:
 
 def changes(w: World, turns: list[str]) -> Lines:
     """Returns what a variant, or a game upon this one, says differently."""
-    makers: list[Callable[[World], Lines]] = [_set, _set, _other_param, more_agents, _new_map, _dropped, _other_phase, _seen]
+    makers: list[Callable[[World], Lines]] = [_set, _set, _other_param, more_agents, _new_map, _dropped, _other_phase, _seen, looks]
     lines: Lines = []
     for make in w.random.sample(makers, w.random.randint(1, 3)):
         lines += make(w)

@@ -15,7 +15,7 @@ game lanes "Lanes, groups and blocking" {
         "pD..oo.p"
         "H.q.p.#H" }
   agents players {
-    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, look, cut
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, peer, cut
     moves relative
     field score : 0 .. 20 capped = 0
     field team  : { red, blue } = red
@@ -30,7 +30,7 @@ game lanes "Lanes, groups and blocking" {
   phase toggle { each door { chance 0.3 { set door.state = case door.state { shut: open, open: shut } } } }
   phase walk { move each agent where agent.team is red or step % 2 == 0 }
   phase see {
-    each agent as looker where looker chose look {
+    each agent as looker where looker chose peer {
       mark fork of looker
       first agent as seen in fork of looker where seen.team is not looker.team { add 1 to looker.score  tally sights for looker }
       otherwise { tally blanks for looker }

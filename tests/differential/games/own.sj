@@ -8,7 +8,7 @@ game own "Writes that are one instance's own" {
   field chosen : agent = nobody
   field luck   : 0 .. 40 = 0
   agents 5 {
-    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, look
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, peer
     moves relative
     field mood  : { plain, glad, sad } = plain
     field last  : agent = nobody
@@ -16,7 +16,7 @@ game own "Writes that are one instance's own" {
   }
   shape ray = line(4)
   phase start { each agent { send agent to grass } }
-  schedule walk -> weather -> underfoot -> look -> claim -> lottery -> share
+  schedule walk -> weather -> underfoot -> peer -> claim -> lottery -> share
   phase walk { move each agent }
   phase weather {
     chance 0.4 { each tree { set tree.fruit = ripe } }
@@ -30,11 +30,11 @@ game own "Writes that are one instance's own" {
     each agent on pond { set agent.mood = sad }
     each agent where not agent on tree and not agent on pond { set agent.mood = plain }
   }
-  phase look {
-    each agent as a where a chose look {
+  phase peer {
+    each agent as a where a chose peer {
       first agent as b in ray of a { set a.last = b  set a.score = b.index + 1 } otherwise { set a.last = nobody }
     }
-    each agent as a where not a chose look {
+    each agent as a where not a chose peer {
       pick 1 agent as b in disc(2) of a { set a.last = b } otherwise { set a.score = 7 }
     }
   }

@@ -7,8 +7,8 @@ game found {
   map { "..."  "..." }
   agents 2 { acts forward, zap, stay }
   phase start { each agent { send agent to grass } }
-  schedule look
-  phase look {
+  schedule glance
+  phase glance {
     each agent where agent chose zap { mark line(2) of agent }
     each agent on pond { mark disc(1) of agent }
   }

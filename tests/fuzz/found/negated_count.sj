@@ -6,11 +6,11 @@ game found {
   map { "..." }
   agents 2 { acts forward, turn_left, stay }
   phase start { each agent { send agent to grass } }
-  schedule leave -> tick -> look
+  schedule leave -> tick -> glance
   phase leave {
     each agent where agent chose stay { send agent to grass after 2 }
   }
-  phase look { each agent as one { tally seen by count(grass where not one.away) } }
+  phase glance { each agent as one { tally seen by count(grass where not one.away) } }
   metrics {
     event seen
     final away = sum(count(grass where agent.away) over agent)
