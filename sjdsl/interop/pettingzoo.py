@@ -57,7 +57,6 @@ class ParallelGame(ParallelEnv):
         self._returns = np.zeros(self.env.num_agents)
         self._painter: Any = None
         self._look: Any = None
-        self._tiles: dict = {}
 
     def observation_space(self, agent: str) -> spaces.Space:
         """Returns the same object at each call."""
@@ -127,7 +126,7 @@ class ParallelGame(ParallelEnv):
             self._painter = self._painter or make_painter(self.env)
             return np.asarray(self._painter.draw(snapshot))
         self._look = self._look or make_look(self.env)
-        text = board_letters(self._look, snapshot, self._tiles)
+        text = board_letters(self._look, snapshot)
         if self.render_mode == "ansi":
             return text
         print(text, flush=True)

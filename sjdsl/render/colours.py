@@ -1,40 +1,45 @@
-"""Colours: the natural ones of common words, and palettes for everything else."""
+"""Colours: what files can name, the natural ones of common words, and palettes for everything else.
+
+Colours that tell words or agents apart differ for people with any kind of colour vision (tests simulate it).
+"""
 
 import re
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.looks import COLOURS as NAMED
 
 Colour = tuple[int, int, int]
 
+
+def read_colour(text: str) -> Colour:
+    """Returns the colour of a name that files know, or of `#rrggbb`."""
+    code = NAMED.get(text, text)
+    return int(code[1:3], 16), int(code[3:5], 16), int(code[5:7], 16)
+
+
+def mixed(first: Colour, second: Colour, share: float) -> Colour:
+    """Returns `first` with a share (0 .. 1) of `second`."""
+    return tuple(round(a + (b - a) * share) for a, b in zip(first, second, strict=True))  # type: ignore[return-value]
+
+
 # Words of fields and names of phases that mark, and the colour most people would give them.
 WORDS: dict[str, Colour] = {
-    "red": (214, 69, 65),
-    "green": (62, 150, 81),
-    "blue": (57, 106, 177),
-    "orange": (230, 134, 38),
-    "yellow": (230, 190, 40),
-    "purple": (131, 84, 168),
-    "pink": (222, 120, 160),
-    "brown": (140, 98, 57),
-    "black": (40, 40, 40),
-    "white": (245, 245, 245),
-    "grey": (140, 140, 140),
-    "gray": (140, 140, 140),
-    "ripe": (196, 54, 44),
-    "dirty": (122, 84, 46),
-    "polluted": (122, 84, 46),
-    "iron": (94, 108, 128),
-    "gold": (232, 185, 35),
-    "partial": (240, 218, 140),
-    "silver": (176, 184, 194),
-    "copper": (184, 115, 51),
-    "coop": (76, 158, 110),
-    "cooperate": (76, 158, 110),
-    "defect": (200, 76, 72),
-    "raw": (134, 98, 62),
-    "cut": (104, 160, 196),
-    "fine": (150, 96, 190),
-    "poison": (120, 60, 140),
+    **{name: read_colour(name) for name in NAMED},
+    "gray": read_colour("grey"),
+    "ripe": read_colour("red"),
+    "dirty": (104, 72, 40),
+    "polluted": (104, 72, 40),
+    "iron": (150, 164, 184),
+    "gold": (240, 190, 30),
+    "silver": (190, 198, 206),
+    "copper": (190, 110, 50),
+    "raw": (140, 90, 43),
+    "cut": (86, 180, 233),
+    "fine": (106, 61, 154),
+    "poison": (106, 61, 154),
+    "coop": read_colour("blue"),
+    "cooperate": read_colour("blue"),
+    "defect": read_colour("orange"),
     "fire": (240, 120, 40),
     "zap": (240, 120, 40),
     "scrub": (80, 190, 235),
@@ -44,98 +49,108 @@ WORDS: dict[str, Colour] = {
     "offer": (235, 120, 190),
 }
 
-# Names of kinds of cells, by the part of the name that says what it is.
+# Sprites and the colour each has unless it is given one.
+SPRITES: dict[str, Colour] = {
+    "tree": (58, 132, 72),
+    "apple": read_colour("red"),
+    "water": (164, 204, 230),
+    "mushroom": read_colour("red"),
+    "ore": (240, 190, 30),
+    "gem": read_colour("blue"),
+    "coin": read_colour("orange"),
+    "wall": (96, 102, 112),
+    "floor": (120, 126, 136),
+    "animal": (160, 102, 44),
+    "raft": (168, 116, 63),
+    "pot": (74, 79, 88),
+}
+
+# Grounds by the part of a kind's name that says what it is: pale, so that what stands there is seen first.
 KINDS: dict[str, Colour] = {
-    "wall": (86, 92, 102),
-    "water": (164, 200, 224),
-    "river": (164, 200, 224),
-    "channel": (140, 182, 212),
-    "sea": (140, 182, 212),
-    "grass": (214, 226, 196),
-    "orchard": (200, 220, 178),
-    "forest": (178, 204, 160),
+    "wall": (96, 102, 112),
+    "water": (164, 204, 230),
+    "river": (164, 204, 230),
+    "channel": (134, 180, 214),
+    "sea": (134, 180, 214),
+    "grass": (222, 234, 206),
+    "orchard": (205, 224, 182),
+    "forest": (190, 214, 172),
     "soil": (226, 214, 190),
-    "ground": (226, 216, 198),
-    "sand": (238, 228, 200),
-    "floor": (236, 234, 228),
-    "rock": (216, 210, 204),
+    "ground": (232, 224, 208),
+    "sand": (240, 231, 206),
+    "floor": (238, 236, 231),
+    "rock": (214, 209, 203),
     "stone": (202, 200, 200),
-    "brick": (190, 166, 150),
-    "tile": (232, 230, 226),
-    "gate": (228, 222, 238),
-    "camp": (228, 222, 238),
-    "corner": (228, 222, 238),
-    "den": (236, 218, 226),
-    "home": (228, 222, 238),
+    "brick": (196, 160, 140),
+    "tile": (234, 232, 228),
 }
 
 # Words that are colours: a field with no others shows its first word like the rest.
-COLOURS = frozenset({"red", "green", "blue", "orange", "yellow", "purple", "pink", "brown", "black", "white", "grey", "gray"})
+COLOURS = frozenset({*NAMED, "gray"})
 
 TILES: tuple[Colour, ...] = (
-    (236, 234, 228),
-    (222, 230, 214),
-    (228, 222, 238),
-    (238, 226, 208),
-    (212, 226, 232),
-    (236, 218, 222),
-    (220, 222, 210),
-    (226, 230, 240),
+    (238, 236, 231),
+    (222, 232, 214),
+    (240, 228, 208),
+    (214, 228, 234),
+    (238, 220, 224),
+    (224, 226, 212),
+    (228, 222, 240),
+    (214, 214, 214),
 )
-SOLID_TILES: tuple[Colour, ...] = ((86, 92, 102), (112, 100, 92), (84, 104, 100), (104, 94, 116))
+SOLID_TILES: tuple[Colour, ...] = ((96, 102, 112), (122, 108, 98), (92, 114, 108), (112, 102, 126))
 MARKS: tuple[Colour, ...] = (
     (240, 120, 40),
     (80, 190, 235),
     (235, 120, 190),
     (250, 214, 80),
-    (120, 200, 120),
+    (0, 158, 115),
     (160, 130, 220),
 )
-INKS: tuple[Colour, ...] = (
-    (57, 106, 177),
-    (218, 124, 48),
-    (62, 150, 81),
-    (204, 57, 73),
-    (107, 76, 154),
-    (146, 114, 36),
-    (30, 140, 150),
-    (90, 90, 100),
+# For words that name no colour: Okabe and Ito's, in an order that keeps neighbours far apart.
+INKS: tuple[Colour, ...] = tuple(map(read_colour, ("blue", "orange", "green", "pink", "sky", "brown", "purple", "black")))
+
+# An own colour for each agent a game can have: Okabe and Ito's, then those farthest from all before them, by the smallest CIE76
+# distance as people with normal colour vision, deuteranopes and protanopes see them (Machado, Oliveira and Fernandes 2009).
+_AGENTS = (
+    "d55e00 0072b2 009e73 e69f00 6a3d9a 56b4e9 cc79a7 f0e442 1414f8 802014 8cec98 5c68f8 5c3850 f8c8d4 ec1450 3820bc "
+    "f8985c 5098f8 b03814 683874 5cc88c bcd4f8 5c7444 8c5c74 5044bc 5c44f8 f8c85c 742c2c 14bcc8 80bca4 8c5c8c d46838 "
+    "3874d4 80ecb0 2c8cbc f88038 2014d4 68a468 5098e0 5c2098 14d474 8cec80 983850 5c80f8 5044d4 a4382c 50bc50 f88cc8 "
+    "e0c838 209898 741480 984498 d42cb0 209880 4468e0 684468 8cd4b0 c84414 8cc8f8 385038 38ecd4 2074a4 442cb0 a45c2c"
 )
-AGENTS: tuple[Colour, ...] = (
-    (230, 75, 53),
-    (0, 114, 178),
-    (0, 158, 115),
-    (230, 159, 0),
-    (148, 80, 180),
-    (86, 180, 233),
-    (214, 100, 160),
-    (120, 110, 60),
-    (60, 60, 150),
-    (150, 200, 60),
-    (120, 70, 50),
-    (100, 110, 120),
-)
+AGENTS: tuple[Colour, ...] = tuple(read_colour(f"#{code}") for code in _AGENTS.split())
 OUTSIDE: Colour = (250, 250, 250)
-INK: Colour = (52, 56, 64)
+INK: Colour = (34, 38, 44)
 PAPER: Colour = (255, 255, 255)
 
 
-def kind_colours(game: ir.Game) -> dict[str, Colour]:
-    """Returns the tile colour of each kind: what its name says, else the next of the palette; all distinct if it can be."""
+def kind_colours(game: ir.Game, plain: tuple[str, ...] = ()) -> dict[str, Colour]:
+    """Returns the ground of each kind: what its name says, else the next of the palette; all distinct if it can be.
+
+    Args:
+      plain: kinds whose ground is that of the first kind that is neither one of them nor solid.
+    """
     colours: dict[str, Colour] = {}
-    for kind in game.kinds:
-        solid = any(block.what == "agents" and block.condition is None for block in kind.blocks)
-        palette = SOLID_TILES if solid else TILES
+    for kind in (k for k in game.kinds if k.name not in plain):
+        palette = SOLID_TILES if is_solid(kind) else TILES
         wanted = [KINDS[part] for part in reversed(kind.name.split("_")) if part in KINDS]
         free = [colour for colour in (*wanted, *palette) if colour not in colours.values()]
         colours[kind.name] = (free or palette)[0]
-    return colours
+    open_ = [kind.name for kind in game.kinds if kind.name in colours and not is_solid(kind)]
+    return colours | dict.fromkeys(plain, colours[open_[0]] if open_ else TILES[0])
+
+
+def is_solid(kind: ir.Kind) -> bool:
+    """Returns whether no agent ever enters a cell of the kind by walking."""
+    return any(block.what == "agents" and block.condition is None for block in kind.blocks)
 
 
 def word_colours(words: tuple[str, ...]) -> tuple[Colour, ...]:
     """Returns a colour for each word of a field; the first is plain and its colour only counts where all words have one."""
     spare = [ink for ink in INKS if ink not in {WORDS.get(word) for word in words}]
-    return tuple(WORDS[word] if word in WORDS else spare[index % len(spare)] for index, word in enumerate(words))
+    others = [word for word in words[1:] if word not in WORDS]
+    numbers = {word: number for number, word in enumerate([*others, *(w for w in words[:1] if w not in WORDS)])}
+    return tuple(WORDS[word] if word in WORDS else spare[numbers[word] % len(spare)] for word in words)
 
 
 def mark_colours(labels: tuple[str, ...]) -> tuple[Colour, ...]:

@@ -1,27 +1,33 @@
 """How a game looks: everything about its pictures that does not change from step to step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.render.colours import COLOURS, WORDS, Colour, agent_colour, kind_colours, mark_colours, word_colours
+from sjdsl.compiler.facts import conjuncts
+from sjdsl.compiler.print_ir import expression
+from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, is_solid, kind_colours, mark_colours, read_colour
+from sjdsl.render.colours import word_colours as colours_of
+from sjdsl.render.conditions import fields_read, holds
+from sjdsl.render.usual import Picture, is_taken, spawn_kinds, usual_body, usual_words
 from sjdsl.runtime.env import Environment
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
-TIMER_BAR = 10.0  # steps that fill the bar of a timer
+Values = Mapping[str, np.ndarray]  # attribute of the state -> array
 
 
 @dataclass(frozen=True)
 class FieldLook:
-    """A field of a kind.
+    """A field of a kind, or of the agents, as it is drawn where no `look` reads it.
 
     sort: a word is a `shape` if rules change it, else a `tint`; an agent is an `edge` of its colour; all that can be counted is a
     `bar`, and `full` fills it.
     holds: `word`, `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
+    pictures: of its words; of each entry of a row of numbers; one for a number of the agents.
     """
 
     name: str
@@ -30,7 +36,9 @@ class FieldLook:
     holds: Literal["word", "number", "agent", "agents"]
     words: tuple[str, ...] = ()
     colours: tuple[Colour, ...] = ()
+    pictures: tuple[Picture, ...] = ()
     full: float = 1.0
+    start: int = 0
 
     def is_drawn(self, word: int) -> bool:
         """Returns whether a shape or a tint shows this word: the first is plain unless it is a colour like all others."""
@@ -38,13 +46,33 @@ class FieldLook:
 
 
 @dataclass(frozen=True)
+class Rule:
+    """A `look` of the file. `label`: what its condition says, in short; `reads`: names of fields."""
+
+    condition: ir.Expr | None
+    reads: frozenset[str]
+    label: str
+    sprite: str | None
+    colour: Colour | None
+    badge: Picture | None
+
+    def applies(self, prefix: str, values: Values, count: int) -> np.ndarray:
+        """Returns for which cells or agents it is, `[count]` bool; `prefix`: of the attributes of their fields."""
+        if self.condition is None:
+            return np.ones(count, bool)
+        return holds(self.condition, {name: values[f"{prefix}_{name}"] for name in self.reads}, count)
+
+
+@dataclass(frozen=True)
 class KindLook:
-    """A kind that is on the map: its tile, its fields, and where it is."""
+    """A kind that is on the map: its ground, what all its cells show, its fields, its looks, and where it is."""
 
     name: str
-    colour: Colour
+    ground: Colour
+    body: Picture | None
     solid: bool
     fields: tuple[FieldLook, ...]
+    rules: tuple[Rule, ...]
     rows: np.ndarray  # [S] int, in reading order
     cols: np.ndarray  # [S] int
 
@@ -53,7 +81,8 @@ class KindLook:
 class Look:
     """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any.
 
-    roles: the words of that field, if they do not say themselves which colour they are.
+    roles: the words of that field, if they do not say themselves which colour they are. carried: fields of the agents that are
+    drawn as badges; rules: looks of the agents.
     """
 
     title: str
@@ -64,13 +93,15 @@ class Look:
     marks: tuple[tuple[str, str, Colour], ...]  # label, attribute of the state, colour
     colour_field: tuple[str, tuple[Colour, ...]] | None
     roles: tuple[str, ...]
+    carried: tuple[FieldLook, ...]
+    rules: tuple[Rule, ...]
     num_agents: int
     can_be_held: bool
     frame: tuple[int, int]
     pad: int
 
-    def agent_colours(self, fields: dict[str, np.ndarray]) -> list[Colour]:
-        """Returns the colour of each agent in a state."""
+    def agent_colours(self, fields: Values) -> list[Colour]:
+        """Returns the colour of each agent in a state, where no `look` gives it another."""
         if self.colour_field is None:
             return [agent_colour(number) for number in range(self.num_agents)]
         attribute, colours = self.colour_field
@@ -92,8 +123,10 @@ def make_look(env: Environment) -> Look:
         tile=tile,
         kinds=tuple(_kinds(game)),
         marks=tuple((phase.label, f"mark_{phase.name}", colour) for phase, colour in marks),
-        colour_field=None if colour_field is None else (f"agent_{colour_field.name}", word_colours(colour_field.type.words)),
+        colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(colour_field.type.words)),
         roles=() if colour_field is None or set(colour_field.type.words) <= set(WORDS) else colour_field.type.words,
+        carried=tuple(_carried_fields([f for f in game.agents.fields if f is not colour_field and _is_carried(f)])),
+        rules=tuple(_rule(look) for look in game.looks if look.what == "agent"),
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
         frame=env.module.FRAME,
@@ -107,30 +140,90 @@ def _marks(phase: ir.Phase) -> bool:
 
 def _kinds(game: ir.Game) -> Iterator[KindLook]:
     """Yields the kinds on the map in the order of the file."""
-    colours = kind_colours(game)
+    spawns = spawn_kinds(game)
+    grounds = kind_colours(game, spawns)
     kind_of = {meaning.glyph: meaning.kind for meaning in game.glyphs}
     grid = np.array([[kind_of[glyph] for glyph in row] for row in game.rows])
     for kind in game.kinds:
         rows, cols = np.nonzero(grid == kind.name)
         if len(rows):
-            solid = any(block.what == "agents" and block.condition is None for block in kind.blocks)
-            fields = tuple(_field(f, kind.name, game) for f in kind.fields if f.type.kind != "word" or not f.type.by)
-            yield KindLook(kind.name, colours[kind.name], solid, fields, rows, cols)
+            drawn = [f for f in kind.fields if not f.timer and (f.type.kind != "word" or not f.type.by)]
+            words = [max(0, len(f.type.words) - 1) for f in drawn]
+            fields = tuple(_field(f, kind.name, game, sum(words[:place])) for place, f in enumerate(drawn))
+            rules = tuple(_rule(look) for look in game.looks if kind.name in look.kinds)
+            ground = grounds[kind.name]
+            yield KindLook(kind.name, ground, usual_body(kind, ground, spawns), is_solid(kind), fields, rules, rows, cols)
 
 
-def _field(field: ir.VarField, kind: str, game: ir.Game) -> FieldLook:
+def _rule(look: ir.Look) -> Rule:
+    body, badge = look.body or ir.Paint(), look.badge
+    shown = None
+    if badge is not None:
+        sprite = badge.sprite or "disc"
+        shown = Picture(sprite, read_colour(badge.colour) if badge.colour else SPRITES[sprite])
+    return Rule(
+        condition=look.condition,
+        reads=frozenset() if look.condition is None else fields_read(look.condition),
+        label="" if look.condition is None else _label(look.condition, look.name),
+        sprite=body.sprite or None,
+        colour=read_colour(body.colour) if body.colour else None,
+        badge=shown,
+    )
+
+
+def _label(condition: ir.Expr, name: str) -> str:
+    """Returns a condition in short: the words that hold, or what else it says, without the name of the cell."""
+    parts = []
+    for part in conjuncts(condition):
+        match part:
+            case ir.Same(right=ir.Word(value=word)) | ir.Same(left=ir.Word(value=word)):
+                parts.append(word)
+            case ir.InWords():
+                parts.append(" or ".join(part.words))
+            case _:
+                text = expression(part).replace(f"{name}.", "")
+                parts.append(text[1:-1] if text.startswith("(") and text.endswith(")") else text)
+    return ", ".join(parts)
+
+
+def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLook:
     attribute = f"{kind}_{field.name}"
     match field.type.kind:
         case "word":
             sort = "shape" if _is_written(field.name, kind, game) else "tint"
-            return FieldLook(field.name, attribute, sort, "word", field.type.words, word_colours(field.type.words))
+            pictures = usual_words(field, is_taken(field.name, kind, game), shapes)
+            words = field.type.words
+            return FieldLook(field.name, attribute, sort, "word", words, colours_of(words), pictures)
         case "agents":
             return FieldLook(field.name, attribute, "bar", "agents", full=game.agents.number)
         case "agent":
             return FieldLook(field.name, attribute, "edge", "agent", colours=tuple(map(agent_colour, range(game.agents.number))))
         case _:
-            most = field.type.high if np.isfinite(field.type.high) and not field.timer else TIMER_BAR
+            most = field.type.high if np.isfinite(field.type.high) else 10.0
             return FieldLook(field.name, attribute, "bar", "number", full=max(1.0, most))
+
+
+def _is_carried(field: ir.VarField) -> bool:
+    """Returns whether an agent shows the field in its corners: words and numbers; timers say what it may do, not what it has."""
+    return not field.timer and (field.type.kind in ("int", "real") or (field.type.kind == "word" and not field.type.by))
+
+
+def _carried_fields(fields: list[ir.VarField]) -> Iterator[FieldLook]:
+    shapes = 0
+    for field in fields:
+        yield (carried := _carried(field, shapes))
+        shapes += len(carried.pictures) - (field.type.kind == "word")
+
+
+def _carried(field: ir.VarField, shapes: int) -> FieldLook:
+    attribute = f"agent_{field.name}"
+    if field.type.kind == "word":
+        start = field.type.words.index(str(field.start))
+        return FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=usual_words(field, False, shapes), start=start)
+    words = field.type.by[0] if field.type.by else (field.name,)
+    row = ir.VarField(name=field.name, place="agent", type=ir.Type(kind="word", words=("nothing", *words)))
+    pictures = usual_words(row, False, shapes)[1:]
+    return FieldLook(field.name, attribute, "shape", "number", field.type.by[0] if field.type.by else (), pictures=pictures)
 
 
 def _is_written(name: str, kind: str, game: ir.Game) -> bool:
@@ -141,11 +234,11 @@ def _is_written(name: str, kind: str, game: ir.Game) -> bool:
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:
-    """Returns the field that colours the agents: one whose words all have a colour, else one that no phase changes, a role."""
-    fields = [field for field in game.agents.fields if field.type.kind == "word" and not field.type.by]
-    coloured = [field for field in fields if all(word in WORDS for word in field.type.words)]
-    roles = [field for field in fields if len(field.type.words) > 1 and not _changes(field.name, game)]
-    return next(iter(coloured + roles), None)
+    """Returns the field that colours the agents: one that no phase changes, whose words are colours if there is such, else a role."""
+    fields = [f for f in game.agents.fields if f.type.kind == "word" and not f.type.by and len(f.type.words) > 1]
+    lasting = [field for field in fields if not _changes(field.name, game)]
+    coloured = [field for field in fields if set(field.type.words) <= COLOURS]
+    return next(iter([f for f in coloured if f in lasting] + lasting + coloured), None)
 
 
 def _changes(name: str, game: ir.Game) -> bool:

@@ -1,113 +1,82 @@
-"""Tiles: the picture of one cell for each combination of kind and field values, drawn large and shrunk."""
-
-from collections.abc import Callable
+"""Tiles: a cell's drawing as pixels."""
 
 import numpy as np
-from PIL import Image, ImageDraw
 
-from sjdsl.render.colours import INK, Colour
-from sjdsl.render.look import FieldLook, KindLook
+from sjdsl.render.colours import INK, PAPER, Colour, mixed
+from sjdsl.render.drawings import BAR_STEPS, BARS, Drawing
+from sjdsl.render.sprites import FILLING, draw_sprite, lay
+from sjdsl.render.usual import Picture
 
-FINE = 8  # a tile is drawn this many times larger, then shrunk
-BAR_STEPS = 8
-EDGE = 0.16  # of a cell's side
-Box = tuple[float, float, float, float]
-
-
-def mixed(first: Colour, second: Colour, share: float) -> Colour:
-    """Returns `first` with a share (0 .. 1) of `second`."""
-    return tuple(round(a + (b - a) * share) for a, b in zip(first, second, strict=True))  # type: ignore[return-value]
+EDGE = 0.12  # of a cell's side
+BAR = 0.13
+BODY, OBJECT, HALF, BADGE = 0.88, 0.74, 0.5, 0.42  # sides of sprites, as shares of a cell's side
+GRIDDED = 8  # pixels from which on cells are told apart by lines
 
 
-def draw_tile(kind: KindLook, values: tuple[int, ...], size: int) -> np.ndarray:
-    """Returns a tile, `[size, size, 3]` uint8; `values` holds a number for each field: a word's, an agent's and 1, eighths of a bar."""
-    ground = kind.colour
-    for field, value in zip(kind.fields, values, strict=True):
-        if field.sort == "tint" and field.is_drawn(value):
-            ground = mixed(ground, field.colours[value], 0.4)
-    side = size * FINE
-    image = Image.new("RGB", (side, side), ground)
-    pen = ImageDraw.Draw(image)
-    if size >= 8 and not kind.solid:
-        edge = mixed(ground, INK, 0.12)
-        pen.rectangle((0, side - FINE, side, side), fill=edge)
-        pen.rectangle((side - FINE, 0, side, side), fill=edge)
-    for field, value in zip(kind.fields, values, strict=True):
-        if field.sort == "edge" and value > 0:
-            pen.rectangle((0, 0, side - 1, side - 1), outline=field.colours[value - 1], width=round(side * EDGE))
-    shapes = [(f, v) for f, v in zip(kind.fields, values, strict=True) if f.sort == "shape"]
-    for place, (field, value) in enumerate(shapes):
-        if field.is_drawn(value):
-            draw_shape(pen, value if value > 0 else len(field.words), field.colours[value], _slot(place, len(shapes), side))
-    bars = [(f, v) for f, v in zip(kind.fields, values, strict=True) if f.sort == "bar" and v > 0]
-    for place, (_, value) in enumerate(bars):
-        low = side - (place + 1) * side / 7
-        pen.rectangle((0, low, side * value / BAR_STEPS, low + side / 8.5), fill=mixed(INK, ground, 0.25))
-    return np.asarray(image.resize((size, size), Image.Resampling.BOX))
+def draw_tile(drawing: Drawing, size: int) -> np.ndarray:
+    """Returns a tile, `[size, size, 3]` uint8."""
+    tile = np.full((size, size, 3), drawing.ground, np.uint8)
+    filled = drawing.body is not None and drawing.body.sprite in ("wall", "water")
+    if size >= GRIDDED and not filled:
+        tile[-1, :] = tile[:, -1] = mixed(drawing.ground, INK, 0.08)
+    if drawing.body is not None:
+        _put(tile, drawing.body, 1.0 if drawing.body.sprite in FILLING else BODY, (0.5, 0.5))
+    if drawing.edge is not None:
+        width = max(1, round(size * EDGE))
+        for part in (tile[:width], tile[-width:], tile[:, :width], tile[:, -width:]):
+            part[...] = drawing.edge
+    for picture, (side, centre) in zip(drawing.objects, _slots(len(drawing.objects)), strict=False):
+        _put(tile, picture, side, centre)
+    for place, eighths in drawing.bars:
+        _bar(tile, place, eighths)
+    put_badges(tile, drawing.badges)
+    return tile
 
 
-def _slot(place: int, count: int, side: int) -> Box:
-    """Returns where the shape of field number `place` of `count` is drawn: the middle, two halves, or four quarters."""
+def put_badges(tile: np.ndarray, badges: tuple[Picture, ...]) -> None:
+    """Puts small sprites into the corners of a cell, in place: bottom right, bottom left, top right, top left."""
+    size = tile.shape[0]
+    side = max(3, round(size * BADGE))
+    for picture, (row, col) in zip(badges, ((1, 1), (1, 0), (0, 1), (0, 0)), strict=False):
+        top, left = row * (size - side), col * (size - side)
+        lay(tile, _badge(picture, side), top, left)
+
+
+def _badge(picture: Picture, side: int) -> np.ndarray:
+    """Returns a sprite on a pale disc, so that it is seen on any ground."""
+    disc = draw_sprite("disc", PAPER, side)
+    inner = max(2, round(side * 0.74))
+    badge = disc.copy()
+    edge = (side - inner) // 2
+    lay(badge[..., :3], draw_sprite(picture.sprite, picture.colour, inner), edge, edge)
+    return badge
+
+
+def _put(tile: np.ndarray, picture: Picture, share: float, centre: tuple[float, float]) -> None:
+    size = tile.shape[0]
+    side = max(1, round(size * share))
+    top, left = (min(max(0, round(size * c - side / 2)), size - side) for c in centre)
+    lay(tile, draw_sprite(picture.sprite, picture.colour, side), top, left)
+
+
+def _slots(count: int) -> list[tuple[float, tuple[float, float]]]:
+    """Returns side and centre of each of `count` objects: the middle, two halves, or four quarters."""
     if count == 1:
-        return side * 0.2, side * 0.2, side * 0.8, side * 0.8
-    row, col = (0.25, place) if count == 2 else divmod(place % 4, 2)
-    left, top = side * (0.04 + 0.48 * col), side * (0.04 + 0.48 * row)
-    return left, top, left + side * 0.44, top + side * 0.44
+        return [(OBJECT, (0.5, 0.5))]
+    if count == 2:
+        return [(HALF, (0.5, 0.25)), (HALF, (0.5, 0.75))]
+    return [(HALF, (row, col)) for row in (0.25, 0.75) for col in (0.25, 0.75)]
 
 
-def draw_shape(pen: ImageDraw.ImageDraw, number: int, colour: Colour, box: Box) -> None:
-    """Draws the shape of word `number` (from 1) of a field: colours alone would not do for everybody."""
-    width = max(1, round((box[2] - box[0]) * 0.07))
-    _SHAPES[(number - 1) % len(_SHAPES)](pen, box, colour, mixed(colour, INK, 0.55), width)
+def _bar(tile: np.ndarray, place: int, eighths: int) -> None:
+    """Draws a bar along one side of a cell: its length says how much, its colour and its side what."""
+    size = tile.shape[0]
+    width, length = max(1, round(size * BAR)), max(1, round(size * eighths / BAR_STEPS))
+    sides = (tile[-width:, :length], tile[:width, :length], tile[-length:, :width], tile[-length:, -width:])
+    sides[place][...] = BARS[place]
 
 
-Draw = Callable[[ImageDraw.ImageDraw, Box, Colour, Colour, int], None]
-
-
-def _circle(pen: ImageDraw.ImageDraw, box: Box, fill: Colour, edge: Colour, width: int) -> None:
-    pen.ellipse(box, fill=fill, outline=edge, width=width)
-
-
-def _ring(pen: ImageDraw.ImageDraw, box: Box, fill: Colour, edge: Colour, width: int) -> None:
-    pen.ellipse(box, outline=edge, width=width * 4)
-    inner = (box[0] + width, box[1] + width, box[2] - width, box[3] - width)
-    pen.ellipse(inner, outline=fill, width=width * 3)
-
-
-def _polygon(*points: tuple[float, float]) -> Draw:
-    """Returns a way to draw the polygon with these corners, each coordinate from 0 to 1."""
-
-    def draw(pen: ImageDraw.ImageDraw, box: Box, fill: Colour, edge: Colour, width: int) -> None:
-        left, top, right, bottom = box
-        pen.polygon([(left + x * (right - left), top + y * (bottom - top)) for x, y in points], fill, edge, width)
-
-    return draw
-
-
-_SHAPES: tuple[Draw, ...] = (
-    _circle,
-    _polygon((0.5, -0.08), (1.08, 0.5), (0.5, 1.08), (-0.08, 0.5)),
-    _polygon((0.08, 0.08), (0.92, 0.08), (0.92, 0.92), (0.08, 0.92)),
-    _polygon((0.5, 0.0), (1.0, 0.92), (0.0, 0.92)),
-    _ring,
-    _polygon(
-        (0.33, 0), (0.67, 0), (0.67, 0.33), (1, 0.33), (1, 0.67), (0.67, 0.67),
-        (0.67, 1), (0.33, 1), (0.33, 0.67), (0, 0.67), (0, 0.33), (0.33, 0.33),
-    ),
-    _polygon((0.25, 0.05), (0.75, 0.05), (1, 0.5), (0.75, 0.95), (0.25, 0.95), (0, 0.5)),
-    _polygon((0.0, 0.08), (1.0, 0.08), (0.5, 1.0)),
-)  # fmt: skip
-
-
-def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
-    """Returns `[S]` int: the number of each cell's word, of its agent and 1, or the eighths of its bar, rounded up."""
-    match field.holds:
-        case "word":
-            return values.astype(int)
-        case "agents":
-            counts = np.bitwise_count(values)
-        case "agent":
-            return values.astype(int) + 1
-        case _:
-            counts = values.reshape(len(values), -1).sum(axis=1)
-    return np.clip(np.ceil(counts / field.full * BAR_STEPS), 0, BAR_STEPS).astype(int)
+def tinted(pixels: np.ndarray, colour: Colour, share: float) -> np.ndarray:
+    """Returns pixels with a share of a colour."""
+    under = pixels.astype(np.float32)
+    return np.round(under + (np.array(colour) - under) * share).astype(np.uint8)

@@ -1,0 +1,76 @@
+"""How kinds and words look of which a file says nothing: by their names, or by what the rules do with them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.render.colours import SPRITES, WORDS, Colour, is_solid, read_colour, word_colours
+from sjdsl.render.sprites import SHAPES
+
+EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
+
+SPAWNS = (SPRITES["floor"], *map(read_colour, ("purple", "brown", "blue")))  # of several kinds on which agents appear
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A sprite in a colour."""
+
+    sprite: str
+    colour: Colour
+
+
+def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
+    """Returns the kinds without fields on which agents are put, but for the one that most of the open map is made of."""
+    targets = {kind for node in ir.walk(game) if isinstance(node, ir.Send) for kind in node.domain.var.kinds}
+    kind_of = {meaning.glyph: meaning.kind for meaning in game.glyphs}
+    names, counts = np.unique([kind_of[glyph] for row in game.rows for glyph in row], return_counts=True)
+    cells = dict(zip(names.tolist(), counts.tolist(), strict=True))
+    plain = [k.name for k in game.kinds if not k.fields and not k.blocks and k.name in cells]
+    most = max(plain, key=lambda name: cells[name], default="")
+    return tuple(name for name in plain if name in targets and name != most)
+
+
+def usual_body(kind: ir.Kind, ground: Colour, spawns: tuple[str, ...]) -> Picture | None:
+    """Returns the sprite of a whole cell: one with its name, a wall for what stops agents, a faint mark where agents appear."""
+    named = named_sprite(kind.name)
+    if named is not None and named != "floor":
+        return Picture(named, ground if named in ("wall", "water") else SPRITES[named])
+    if is_solid(kind):
+        return Picture("wall", ground)
+    return Picture("floor", SPAWNS[spawns.index(kind.name) % len(SPAWNS)]) if kind.name in spawns else None
+
+
+def usual_words(field: ir.VarField, taken: bool, first: int = 0) -> tuple[Picture, ...]:
+    """Returns the picture of each word of a field.
+
+    Args:
+      taken: agents change it where they stand, so it is an object.
+      first: the plain shape of its second word, so that the fields of one kind have others.
+    """
+    of_field, colours = named_sprite(field.name), word_colours(field.type.words)
+    found = []
+    for number, (word, colour) in enumerate(zip(field.type.words, colours, strict=True)):
+        of_word = named_sprite(word)
+        cycle = EATEN if taken else SHAPES
+        sprite = of_word or of_field or cycle[(number - 1 + (0 if taken else first)) % len(cycle)]
+        found.append(Picture(sprite, SPRITES[sprite] if of_word and word not in WORDS else colour))
+    return tuple(found)
+
+
+def is_taken(name: str, kind: str, game: ir.Game) -> bool:
+    """Returns whether agents change the field of the cell that they stand on."""
+    for node in ir.walk(game):
+        domain = getattr(node, "domain", None)
+        if isinstance(node, ir.Each | ir.Pick | ir.First) and domain.on is not None and kind in domain.on.kinds:
+            cell = domain.on.name
+            sets = (inner.target for inner in ir.walk(node) if isinstance(inner, ir.Set))
+            if any(isinstance(t, ir.FieldRead) and t.name == name and getattr(t.owner, "name", "") == cell for t in sets):
+                return True
+    return False
+
+
+def named_sprite(name: str) -> str | None:
+    """Returns the sprite that a name, or the last part of it that does, speaks of."""
+    return next((part for part in reversed(name.split("_")) if part in SPRITES), None)

@@ -1,0 +1,187 @@
+"""What a `look` does to pictures, and that it does nothing else."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sjdsl
+from sjdsl.compiler import build, compile_source
+from sjdsl.compiler.looks import COLOURS, SPRITES
+from sjdsl.compiler.render import game_hash
+from sjdsl.compiler.source import Source
+from sjdsl.render.colours import agent_colour, mixed, read_colour
+from sjdsl.render.drawings import TINTED, cell_keys, draw_cell, draw_figures
+from sjdsl.render.entries import cell_entries, figure_entries
+from sjdsl.render.look import Look, make_look
+from sjdsl.render.sprites import FILLING, SHAPES, draw_sprite
+from sjdsl.render.usual import Picture
+from sjdsl.runtime.env import Environment
+
+GAME = """sj 1
+game grove "Grove" {
+  episode 4
+  kind moss  "."
+  kind hedge "#" { blocks agents }
+  kind start_ "S"
+  kind bush "b" {
+    field hue : { red, blue } = red     glyph "B" with hue = blue
+    field crop : 0 .. 4 capped = 0
+    field fruit : { none, ripe } = none
+    field owner : agent
+    field pickers : set of agent
+  }
+  map { "..S#.."
+        ".bBbS." }
+  agents 3 {
+    acts turn_right, forward, stay
+    moves relative
+    field bag by { fresh, dry } : 0 .. 9 capped = 0
+    field mood : { calm, wild } = calm
+    timer tired
+  }
+  phase start { each agent { send agent to start_ or_moss } }
+  schedule tick -> walk -> pick_up
+  phase walk { move each agent }
+  phase pick_up {
+    each agent on bush {
+      set bush.fruit = none  add agent to bush.pickers  add 1 to bush.crop  add 1 to agent.bag[fresh]
+      set agent.mood = wild  set agent.tired = 3
+    }
+  }
+LOOKS
+}
+""".replace("start_ or_moss", "moss")
+ALL = """
+  look bush as "#102030"
+  look bush where bush.hue is blue as green gem
+  look bush where bush.crop >= 2 and bush.owner is nobody with coin
+  look bush where not (bush.pickers is nobody) with black
+  look agent where agent.bag[fresh] + agent.bag[dry] > 0 and agent.mood is wild as orange animal with pot
+""".replace("agent.bag[fresh] + agent.bag[dry]", "sum(agent.bag)")
+
+
+def made(looks: str, folder: Path) -> Environment:
+    file = folder / "grove.sj"
+    file.write_text(GAME.replace("LOOKS", looks), encoding="utf-8")
+    return sjdsl.make(file)
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    return made("", tmp_path_factory.mktemp("plain"))
+
+
+@pytest.fixture(scope="module")
+def looked(tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    return made(ALL, tmp_path_factory.mktemp("looked"))
+
+
+def bushes(look: Look, **fields: list) -> list:
+    """Returns the drawings of the three bushes with some of their fields given."""
+    kind = next(k for k in look.kinds if k.name == "bush")
+    values = {"hue": [0, 1, 0], "crop": [0] * 3, "fruit": [0] * 3, "owner": [-1] * 3, "pickers": [0] * 3} | fields
+    keys, number = cell_keys(
+        kind, {f"bush_{name}": np.array(v, np.uint32 if name == "pickers" else np.int32) for name, v in values.items()}
+    )
+    return [draw_cell(kind, keys[n]) for n in number]
+
+
+def figures(look: Look, bag: list, mood: list) -> list:
+    values = {"agent_bag": np.array(bag), "agent_mood": np.array(mood)}
+    return draw_figures(look, values, np.zeros(3, int), np.zeros(3, bool))
+
+
+def test_a_look_is_no_rule(plain: Environment, looked: Environment) -> None:
+    assert plain.hash == looked.hash
+    texts = [compile_source(Source("grove.sj", GAME.replace("LOOKS", looks))) for looks in ("", ALL)]
+    assert texts[0] == texts[1], "not even a draw"
+    assert looked.game.looks and game_hash(looked.game) == game_hash(plain.game)
+
+
+def test_conditions_read_words_numbers_owners_and_sets(looked: Environment) -> None:
+    look = make_look(looked)
+    first, blue, _ = bushes(look)
+    assert first.ground == mixed((16, 32, 48), read_colour("red"), TINTED), "no look reads its hue"
+    assert first.body is None
+    assert blue.body == Picture("gem", read_colour("green"))
+    assert blue.ground == (16, 32, 48), "what a later look does not speak of stays"
+    cropped = bushes(look, crop=[2, 1, 4], owner=[-1, -1, 1], pickers=[4, 0, 0])
+    coin, black = Picture("coin", read_colour("orange")), Picture("disc", read_colour("black"))
+    assert [set(d.badges) for d in cropped] == [{coin, black}, set(), set()]
+
+
+def test_a_field_that_a_look_reads_is_drawn_by_it_alone(looked: Environment, plain: Environment) -> None:
+    for env, places in ((looked, [{1}, {0, 1}]), (plain, [{0, 1}, {0, 1}])):
+        drawn = bushes(make_look(env), crop=[3, 3, 3], owner=[-1, -1, 2], pickers=[1, 1, 1])
+        assert [{place for place, _ in d.bars} for d in (drawn[0], drawn[2])] == (places if env is plain else [set(), {0}])
+        assert drawn[0].edge is None
+        assert drawn[2].edge == agent_colour(2)
+
+
+def test_agents_show_what_they_carry(looked: Environment, plain: Environment) -> None:
+    idle, busy, full = figures(make_look(plain), bag=[[0, 0], [2, 0], [1, 3]], mood=[0, 0, 1])
+    assert idle.badges == ()
+    assert len(busy.badges) == 1
+    assert len(set(full.badges)) == 3, "two entries and a mood"
+    assert busy.badges[0] in full.badges
+    calm, _, wild = figures(make_look(looked), bag=[[1, 0], [0, 0], [1, 3]], mood=[0, 1, 1])
+    assert (calm.sprite, calm.colour) == ("agent", agent_colour(0))
+    assert (wild.sprite, wild.colour, wild.badges[0].sprite) == ("animal", read_colour("orange"), "pot")
+    assert len(wild.badges) == 1, "its fields are read by the look"
+
+
+def test_what_is_usual_follows_from_the_rules(plain: Environment) -> None:
+    kinds = {kind.name: kind for kind in make_look(plain).kinds}
+    assert kinds["hedge"].body is not None and kinds["hedge"].body.sprite == "wall", "it blocks agents"
+    assert kinds["moss"].body is None
+    assert kinds["start_"].body is None, "nobody is sent there"
+    fruit = next(field for field in kinds["bush"].fields if field.name == "fruit")
+    assert fruit.pictures[1].sprite == "apple", "agents take it where they stand"
+    sent = GAME.replace("send agent to moss", "send agent to start_").replace('S"', '1"').replace("S#", "1#").replace("bS.", "b1.")
+    spawns = build(Source("grove.sj", sent.replace("LOOKS", "").replace("agents 3", "agents 2"))).game
+    from sjdsl.render.usual import spawn_kinds
+
+    assert spawn_kinds(spawns) == ("start_",)
+
+
+def test_the_looks_of_a_kind_are_replaced_together(tmp_path: Path) -> None:
+    text = GAME.replace("LOOKS", f"{ALL} variant grey {{ look bush as grey tree }}")
+    game = build(Source("grove.sj", text), ("grey",)).game
+    assert [look.body.sprite for look in game.looks if look.name == "bush" and look.body] == ["tree"]
+    assert [look.name for look in game.looks].count("agent") == 1
+    (tmp_path / "grove.sj").write_text(GAME.replace("LOOKS", ALL), encoding="utf-8")
+    above = build(Source("above.sj", 'sj 1\ngame above extends "grove.sj" { look agent as animal }\n', tmp_path)).game
+    assert [look.name for look in above.looks] == ["bush"] * 4 + ["agent"]
+    assert above.looks[-1].condition is None
+
+
+def test_the_legend_names_each_thing_once(looked: Environment, plain: Environment) -> None:
+    for env in (looked, plain):
+        look = make_look(env)
+        drawn = [*cell_entries(look), *figure_entries(look)]
+        assert len({text for _, text in drawn}) == len(drawn)
+    texts = [text for _, text in cell_entries(make_look(looked))]
+    assert "crop >= 2, owner is nobody" in texts
+    assert "blue" in texts
+
+
+@pytest.mark.parametrize("name", [*SPRITES, *SHAPES, "agent"])
+def test_each_sprite_is_drawn_at_any_size_in_its_colour(name: str) -> None:
+    for size in (1, 2, 7, 30, 200):
+        assert draw_sprite(name, (200, 40, 120), size).shape == (size, size, 4)
+    red, green = (draw_sprite(name, colour, 40).astype(int) for colour in ((250, 0, 0), (0, 250, 0)))
+    assert (red[..., 3] == green[..., 3]).all()
+    tinted = np.abs(red[..., :3] - green[..., :3]).sum(axis=-1) > 100
+    assert tinted.mean() > (0.02 if name == "floor" else 0.1)
+    assert (red[..., 3] > 0).mean() > 0.4
+    if name not in FILLING:
+        assert (red[0, 0, 3], red[-1, -1, 3]) == (0, 0), "it stands in its cell"
+    turned = draw_sprite(name, (250, 0, 0), 40, 1)
+    assert (turned == np.rot90(red, -1)).all()
+
+
+def test_every_file_and_every_name_of_a_sprite() -> None:
+    folder = Path(sjdsl.__file__).parent / "render" / "sprites"
+    assert {path.stem for path in folder.iterdir()} == {*SPRITES, *SHAPES, "agent"}
+    assert not set(SPRITES) & set(COLOURS)
