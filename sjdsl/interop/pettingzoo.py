@@ -10,8 +10,10 @@ from sjdsl.factory import make
 from sjdsl.games_folder import bundled
 from sjdsl.interop.missing import needs
 from sjdsl.render import make_painter, take_snapshot
-from sjdsl.render.look import make_look
-from sjdsl.render.terminal import board_letters
+from sjdsl.screen.board import board_letters
+from sjdsl.screen.compiled import marked_world
+from sjdsl.screen.frame import Frame
+from sjdsl.screen.looks import make_screen_looks
 
 with needs("pettingzoo"):
     from gymnasium import spaces
@@ -56,7 +58,7 @@ class ParallelGame(ParallelEnv):
         self._state: Any = None
         self._returns = np.zeros(self.env.num_agents)
         self._painter: Any = None
-        self._look: Any = None
+        self._looks: Any = None
 
     def observation_space(self, agent: str) -> spaces.Space:
         """Returns the same object at each call."""
@@ -125,8 +127,10 @@ class ParallelGame(ParallelEnv):
         if self.render_mode == "rgb_array":
             self._painter = self._painter or make_painter(self.env)
             return np.asarray(self._painter.draw(snapshot))
-        self._look = self._look or make_look(self.env)
-        text = board_letters(self._look, snapshot)
+        self._looks = self._looks or make_screen_looks(self.env.game)
+        held = frozenset(np.flatnonzero(snapshot.held).tolist())
+        frame = Frame(marked_world(self.env, self._state), held, (), (), tuple(self._returns.tolist()), {}, False)
+        text = board_letters(self.env.game, self._looks, frame)
         if self.render_mode == "ansi":
             return text
         print(text, flush=True)

@@ -79,6 +79,15 @@ def draw_cell(kind: KindLook, key: Key) -> Drawing:
     return drawing
 
 
+def main_colour(drawing: Drawing) -> tuple[Colour, bool]:
+    """Returns the colour that says most about a cell, and whether anything stands there: for where a cell has but one colour."""
+    things = (*drawing.objects, *drawing.badges)
+    if drawing.body is not None and drawing.body.sprite != "floor":
+        things = (*things, drawing.body)
+    stands = bool(things) and things[0].sprite not in FILLING
+    return (things[0].colour if things else drawing.ground), stands
+
+
 def _ruled(drawing: Drawing, rules: list[Rule]) -> Drawing:
     """Returns a drawing after the looks that apply: of body and ground the last one that speaks of it, of badges all."""
     for rule in rules:

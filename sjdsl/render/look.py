@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, 
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds
 from sjdsl.render.usual import Picture, is_taken, spawn_kinds, usual_body, usual_words
-from sjdsl.runtime.env import Environment
+
+if TYPE_CHECKING:  # the screen draws before JAX is there
+    from sjdsl.runtime.env import Environment
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
@@ -108,7 +110,7 @@ class Look:
         return [colours[int(word)] for word in fields[attribute]]
 
 
-def make_look(env: Environment) -> Look:
+def make_look(env: "Environment") -> Look:
     """Returns how the environment's game looks; equal games look equal."""
     game = env.game
     height, width = len(game.rows), len(game.rows[0])
@@ -121,7 +123,7 @@ def make_look(env: Environment) -> Look:
         height=height,
         width=width,
         tile=tile,
-        kinds=tuple(_kinds(game)),
+        kinds=tuple(kind_looks(game)),
         marks=tuple((phase.label, f"mark_{phase.name}", colour) for phase, colour in marks),
         colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(colour_field.type.words)),
         roles=() if colour_field is None or set(colour_field.type.words) <= set(WORDS) else colour_field.type.words,
@@ -138,7 +140,7 @@ def _marks(phase: ir.Phase) -> bool:
     return any(isinstance(node, ir.Mark) for node in ir.walk(phase))
 
 
-def _kinds(game: ir.Game) -> Iterator[KindLook]:
+def kind_looks(game: ir.Game) -> Iterator[KindLook]:
     """Yields the kinds on the map in the order of the file."""
     spawns = spawn_kinds(game)
     grounds = kind_colours(game, spawns)

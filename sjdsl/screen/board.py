@@ -1,5 +1,8 @@
 """The map on the screen: two letters a cell. Agents are an arrow and a number, beams colour the cells they sweep."""
 
+from io import StringIO
+
+from rich.console import Console
 from rich.style import Style
 from rich.text import Text
 
@@ -32,6 +35,14 @@ def board_text(game: ir.Game, looks: ScreenLooks, frame: Frame, own: int | None 
                 _append_cell(line, game, looks, world, place, kind_of[place], beams.get((row, col)))
         lines.append(line)
     return Text("\n").join(lines)
+
+
+def board_letters(game: ir.Game, looks: ScreenLooks, frame: Frame) -> str:
+    """Returns the map with the codes that colour it in any terminal of 256 colours, each row on a line."""
+    console = Console(file=StringIO(), force_terminal=True, color_system="256", width=WIDTH * len(game.rows[0]) + 1)
+    with console.capture() as shown:
+        console.print(board_text(game, looks, frame), no_wrap=True)
+    return shown.get()
 
 
 def agent_letters(looks: ScreenLooks, world: World, number: int, own: int | None, held: bool) -> tuple[str, Style]:

@@ -40,8 +40,12 @@ class Compiled:
         return self.frame
 
     def _world(self) -> World:
-        world = world_of(self._env, self._course.state)
-        return replace(world, params=dict(self._params), marks=list(_marks(self._env, self._course.state)))
+        return replace(marked_world(self._env, self._course.state), params=dict(self._params))
+
+
+def marked_world(env: Environment, state: Any) -> World:
+    """Returns a compiled state, with the marks of its step, as a world of the interpreter with the numbers of the file."""
+    return replace(world_of(env, state), marks=_marks(env, state))
 
 
 def _totals(moment: Moment) -> dict[str, int]:

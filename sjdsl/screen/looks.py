@@ -1,11 +1,15 @@
-"""How a game looks on the screen: a letter and a colour for each state of a cell, a colour for each agent and each beam."""
+"""How a game looks on the screen: a letter and a colour for each state of a cell, that of its picture, a colour for each agent and each beam."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of
-from sjdsl.render.colours import Colour, agent_colour, kind_colours, mark_colours, word_colours
+from sjdsl.render.colours import Colour, agent_colour, mark_colours
+from sjdsl.render.drawings import cell_keys, draw_cell, main_colour
+from sjdsl.render.look import KindLook, kind_looks
 from sjdsl.screen.palette import faint_on, ink_on, told_apart
 from sjdsl.trace.picture import Looks, State, make_looks
 
@@ -34,12 +38,16 @@ def make_screen_looks(game: ir.Game) -> ScreenLooks:
     on_map = set(board_of(game).kind_of.values())
     states = [key for key in letters.characters if key[0] in on_map]
     phases = [p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and p.marks]
-    tiles = told_apart([_wanted(game, *state) for state in states], [OWN])
+    kinds = {kind.name: kind for kind in kind_looks(game)}
+    drawn = [_drawn(game, kinds, *state) for state in states]
+    tiles = told_apart([colour for colour, _ in drawn], [OWN])
     marks = told_apart(mark_colours(tuple(p.label for p in phases)), [OWN, *tiles])
     agents = told_apart([agent_colour(number) for number in range(game.agents.number)], [OWN, *tiles, *marks])
     return ScreenLooks(
         letters=letters,
-        tiles={state: (tile, ink_on(tile) if _inks(game, *state) else faint_on(tile)) for state, tile in zip(states, tiles, strict=True)},
+        tiles={
+            state: (tile, ink_on(tile) if stands else faint_on(tile)) for state, tile, (_, stands) in zip(states, tiles, drawn, strict=True)
+        },
         marks={p.name: (p.label, colour) for p, colour in zip(phases, marks, strict=True)},
         agents=tuple(agents),
         owners={kind.name: f.name for kind in game.kinds for f in reversed(kind.fields) if f.type.kind == "agent" and not f.type.by},
@@ -52,19 +60,25 @@ def letter_of(agent: int) -> str:
     return NUMBERS[agent] if agent < len(NUMBERS) else "+"
 
 
-def _wanted(game: ir.Game, kind: str, state: State) -> Colour:
-    """Returns the colour of a state of a cell: that of its words where they say more than its kind does."""
-    inks = _inks(game, kind, state)
-    if not inks:
-        return kind_colours(game)[kind]
-    red, green, blue = (round(sum(ink[channel] for ink in inks) / len(inks)) for channel in range(3))
-    return red, green, blue
+def _drawn(game: ir.Game, kinds: Mapping[str, KindLook], kind: str, state: State) -> tuple[Colour, bool]:
+    """Returns the colour that a picture would show most of in a state of a cell, and whether anything stands there."""
+    declared = next(k for k in game.kinds if k.name == kind)
+    words = dict(state)
+    values = {f"{kind}_{f.name}": _one(f, words.get(f.name, f.start)) for f in declared.fields}
+    look = replace(kinds[kind], rows=np.zeros(1, int), cols=np.zeros(1, int))
+    (key,), _ = cell_keys(look, values)
+    return main_colour(draw_cell(look, key))
 
 
-def _inks(game: ir.Game, kind: str, state: State) -> list[Colour]:
-    """Returns the colours of the words that make a state more than plain: all but the first word of each field."""
-    declared = {f.name: f.type.words for k in game.kinds if k.name == kind for f in k.fields}
-    return [word_colours(declared[name])[declared[name].index(word)] for name, word in state if declared[name].index(word) > 0]
+def _one(field: ir.VarField, value: object) -> np.ndarray:
+    """Returns a value as the state of one cell holds it."""
+    if field.type.kind == "agents":
+        return np.zeros(1, np.uint32)
+    if field.type.kind == "word":
+        number: object = field.type.words.index(str(value))
+    else:
+        number = (-1 if field.type.kind == "agent" else 0) if value is None else value
+    return np.full((1, *(len(words) for words in field.type.by)), number)
 
 
 def _is_amount(field: ir.VarField) -> bool:

@@ -9,13 +9,14 @@ from rich.text import Text
 
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import build, ir
+from sjdsl.compiler.source import Source
 from sjdsl.games_folder import bundled
 from sjdsl.render.colours import Colour
 from sjdsl.screen.board import ARROWS, board_text, hexadecimal
 from sjdsl.screen.looks import OWN, make_screen_looks
 from sjdsl.screen.palette import TABLE, faint_on, ink_on, oklab, told_apart
 from sjdsl.screen.sidebar import legend
-from tests.screen.conftest import Begin
+from tests.screen.conftest import ORCHARD, Begin
 
 
 def in_256(colour: Colour) -> int:
@@ -102,3 +103,14 @@ def test_the_legend_names_what_is_on_the_map(orchard: ir.Game) -> None:
         "soil (eaten)",
     ):
         assert line in said
+
+
+def test_a_state_has_the_colour_of_its_picture(orchard: ir.Game) -> None:
+    text = ORCHARD.read_text(encoding="utf-8").rstrip().removesuffix("}")
+    looked = build(Source("orchard.sj", f'{text}  look soil where soil.fruit is ripe as blue gem\n  look floor as "#204060"\n}}\n')).game
+    plain, drawn = make_screen_looks(orchard).tiles, make_screen_looks(looked).tiles
+    ripe, floor = ("soil", (("fruit", "ripe"),)), ("floor", ())
+    for state, colour in ((ripe, (0, 114, 178)), (floor, (32, 64, 96))):
+        apart = np.linalg.norm(oklab([drawn[state][0]]) - oklab([colour]))
+        assert apart < 0.06 < np.linalg.norm(oklab([plain[state][0]]) - oklab([colour]))
+    assert drawn["wall", ()] == plain["wall", ()]
