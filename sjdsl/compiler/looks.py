@@ -89,7 +89,8 @@ def _paint(paint: ast.Paint, problems: Problems) -> ir.Paint:
         sort = "sprite" if isinstance(word, ast.Name) and word.text in SPRITES else "colour"
         is_colour = word.text in COLOURS if isinstance(word, ast.Name) else _is_hexadecimal(word.text)
         if sort == "colour" and not is_colour:
-            near = nearest(word.text, (*SPRITES, *COLOURS))
+            known = (*SPRITES, *COLOURS)
+            near = word.text if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
             lead = f"did you mean `{near}`? The" if near else "the"
             facts = {"lead": lead, "sprites": ", ".join(SPRITES), "colours": ", ".join(COLOURS)}
             raise problems.fail(errors.NO_PAINT, word.span, name=word.text, **facts)
