@@ -29,6 +29,7 @@ COMMANDS = {
     "new": "Start a game: a file, a map and a test.",
     "play": "Steer an agent of a game in the terminal.",
     "plot": "Draw learning curves of runs.",
+    "record": "Keep whole episodes as arrays: observations, actions, rewards.",
     "render": "Draw a game as a GIF, MP4 or PNG.",
     "replay": "Show an episode that was recorded.",
     "test": "Put the promises of a game to the test.",

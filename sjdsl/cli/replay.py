@@ -19,17 +19,18 @@ if TYPE_CHECKING:
 
 @click.command("replay")
 @click.argument("file")
+@click.option("--episode", type=int, default=0, show_default=True, help="Of a file of many: which; -1 is the last.")
 @click.option("-o", "output", metavar="FILE", help="Write a .gif or .mp4 instead of showing it here.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=1000), default=SPEED, show_default=True, help="Steps a second.")
-def command(file: str, output: str | None, speed: float) -> int:
-    """Shows an episode that `sjdsl play --record` kept, after seeing that its rules are still the same."""
+def command(file: str, episode: int, output: str | None, speed: float) -> int:
+    """Shows an episode that `sjdsl play --record` or `sjdsl record` kept, after seeing that its rules are still the same."""
     if output is not None:
         check_film(Path(output))
 
     from sjdsl.replay import RecordingError, load_recording
 
     try:
-        recording = load_recording(Path(file))
+        recording = load_recording(Path(file), episode)
         if output is None:
             show(recording, speed)
             return 0

@@ -1,36 +1,62 @@
-"""Gymnasium: a compiled game as a vector environment whose sub-environments are single agents."""
+"""Gymnasium: a compiled game as a vector environment whose sub-environments are single agents, or as one agent's environment."""
 
 from typing import Any
 
 import numpy as np
 
+from sjdsl.games_folder import bundled
 from sjdsl.interop.missing import needs
-from sjdsl.interop.slots import Slots, SlotStep
+from sjdsl.interop.slots import Autoreset, Slots, SlotStep
 
 with needs("gymnasium"):
+    import gymnasium
     from gymnasium import spaces
     from gymnasium.vector import AutoresetMode, VectorEnv
     from gymnasium.vector.utils import batch_space
+
+from sjdsl.interop.gymnasium_agent import AgentGame
+
+__all__ = ["AgentGame", "VectorGame", "environment_id"]
+
+MODES: dict[AutoresetMode, Autoreset] = {
+    AutoresetMode.SAME_STEP: "same step",
+    AutoresetMode.NEXT_STEP: "next step",
+    AutoresetMode.DISABLED: "never",
+}
 
 
 class VectorGame(VectorEnv):
     """`num_envs` environments of a game; sub-environment `b * num_agents + i` is agent i of environment b.
 
-    Autoreset happens in the same step: `observations` are those of the new episode, the last ones of the old episode are in
-    `infos["final_obs"]`. Rewards are raw, float64. Infos have the events of the step.
+    Autoreset happens in the same step unless another mode is asked for: `observations` are those of the new episode, the last ones of
+    the old episode are in `infos["final_obs"]`. Rewards are raw, float64. Infos have the events of the step.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012, as Gymnasium has it
 
-    def __init__(self, game: str, num_envs: int = 1, observation: str = "onehot", common_reward: bool = False, **arguments: Any) -> None:
+    def __init__(
+        self,
+        game: str,
+        num_envs: int = 1,
+        observation: str = "onehot",
+        common_reward: bool = False,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
+        **arguments: Any,
+    ) -> None:
         """Makes the environments.
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
           num_envs: environments of the game; Gymnasium's `num_envs` of the result is this times the number of agents.
           common_reward: every agent is paid the sum of its environment's rewards.
+          autoreset_mode: Gymnasium's, or its name: `SAME_STEP`; `NEXT_STEP`, in which the step after an episode's last begins the next
+            one, whatever the actions; `DISABLED`, in which `reset` does, `options={"reset_mask": …}` saying for whom.
+        Raises:
+          ValueError: there is no such mode.
         """
-        self._slots = Slots(game, num_envs, observation, common_reward, **arguments)
+        mode = _mode(autoreset_mode)
+        self.metadata = {**type(self).metadata, "autoreset_mode": mode}
+        self._slots = Slots(game, num_envs, observation, common_reward, MODES[mode], **arguments)
         self.env = self._slots.env
         self.num_envs = self._slots.num_slots
         self.single_observation_space = spaces.Box(0, 255, self._slots.window, np.uint8)
@@ -39,12 +65,21 @@ class VectorGame(VectorEnv):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts all episodes. The same seed, one number, gives the same episodes under the same actions."""
-        del options
+        """Starts all episodes, or those that `options["reset_mask"]`, `[num_envs]` bool, has; observations are of all.
+
+        The same seed, one number, gives the same episodes under the same actions.
+
+        Raises:
+          TypeError: several seeds, or another option. ValueError: a mask that has only some of the agents of an environment.
+        """
         if seed is not None and not isinstance(seed, int | np.integer):
             raise TypeError(f"the seed is one number for all environments, not {seed!r}")
+        asked = dict(options or {})
+        chosen = asked.pop("reset_mask", None)
+        if asked:
+            raise TypeError(f"there is no option `{next(iter(asked))}`; it is `reset_mask`")
         super().reset(seed=None if seed is None else int(seed))
-        return self._slots.reset(seed), {}
+        return self._slots.reset(seed, chosen), {}
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Plays one step; an action out of range is refused."""
@@ -58,7 +93,7 @@ class VectorGame(VectorEnv):
         every = np.ones(self.num_envs, bool)
         ended = np.zeros(self.num_envs, bool)
         ended[list(made.final)] = True
-        going = dict(made.events) | {f"_{name}": every & ~ended for name in made.events}
+        going = dict(made.events) | {f"_{name}": every & ~ended & ~made.began for name in made.events}
         if not made.final:
             return going
         last = np.full(self.num_envs, None, object)
@@ -66,3 +101,21 @@ class VectorGame(VectorEnv):
             last[slot] = observation
         events = dict(made.events) | {f"_{name}": ended for name in made.events}
         return going | {"final_obs": last, "_final_obs": ended, "final_info": events, "_final_info": ended}
+
+
+def environment_id(game: str) -> str:
+    """Returns the id of a bundled game in Gymnasium's registry: `sjdsl/CleanUp-v0` for `clean_up`."""
+    return f"sjdsl/{''.join(word.capitalize() for word in game.split('_'))}-v0"
+
+
+def _mode(given: AutoresetMode | str) -> AutoresetMode:
+    named = {mode.name: mode for mode in AutoresetMode} | {mode.value: mode for mode in AutoresetMode}
+    mode = given if isinstance(given, AutoresetMode) else named.get(str(given))
+    if mode is None:
+        raise ValueError(f"there is no autoreset mode {given!r}; they are {', '.join(mode.name for mode in AutoresetMode)}")
+    return mode
+
+
+for _name in bundled():  # `gymnasium.make("sjdsl/CleanUp-v0")`, once this module is imported
+    if environment_id(_name) not in gymnasium.registry:
+        gymnasium.register(environment_id(_name), "sjdsl.interop.gymnasium_agent:AgentGame", kwargs={"game": _name})

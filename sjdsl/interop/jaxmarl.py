@@ -16,6 +16,8 @@ with needs("jaxmarl"):
     from jaxmarl.environments import spaces
     from jaxmarl.environments.multi_agent_env import MultiAgentEnv, State
 
+from sjdsl.interop.jaxmarl_registry import register
+
 ByAgent = dict[str, Array]
 
 
@@ -170,3 +172,6 @@ def _state(game: Any, done: Array) -> GameState:
 def _game(state: GameState) -> Any:
     """Returns the game's state at the step that JaxMARL's state says, which its users may set."""
     return state.game.replace(step=jnp.asarray(state.step).astype(state.game.step.dtype))
+
+
+register()

@@ -1,7 +1,7 @@
 """Many environments of a game as slots of one agent each, for libraries that know single agents: NumPy arrays in and out."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -14,9 +14,9 @@ from sjdsl.factory import make
 class SlotStep:
     """What one step gives, S slots.
 
-    observations: `[S, rows, cols, channels]` uint8, of a new episode where one has ended; rewards: `[S]` float32;
-    terminated, truncated: `[S]` bool; events: counts by name, `[S]` int32; final: the last observations of the episodes that
-    have ended, by slot.
+    observations: `[S, rows, cols, channels]` uint8; rewards: `[S]` float32; terminated, truncated: `[S]` bool; events: counts by
+    name, `[S]` int32; began: `[S]` bool, where the step was the beginning of an episode instead; final: the last observations of the
+    episodes that have ended, by slot, where `observations` has them no more.
     """
 
     observations: np.ndarray
@@ -24,23 +24,39 @@ class SlotStep:
     terminated: np.ndarray
     truncated: np.ndarray
     events: dict[str, np.ndarray]
+    began: np.ndarray
     final: dict[int, np.ndarray]
+
+
+Autoreset = Literal["same step", "next step", "never"]
 
 
 class Slots:
     """`num_envs` environments stepped together; slot `b * num_agents + i` is agent i of environment b.
 
+    What follows an episode's last step is said by `autoreset`: the next episode begins in the `same step`; in the `next step`, which
+    takes no actions of that environment and pays nothing; or `never`, until `reset` is called for it.
+
     Attributes:
       env: the `sjdsl.Environment`; num_slots; window: `(rows, cols, channels)` of an observation.
     """
 
-    def __init__(self, game: str, num_envs: int, observation: str = "onehot", common_reward: bool = False, **arguments: Any) -> None:
+    def __init__(
+        self,
+        game: str,
+        num_envs: int,
+        observation: str = "onehot",
+        common_reward: bool = False,
+        autoreset: Autoreset = "same step",
+        **arguments: Any,
+    ) -> None:
         """Makes the environments.
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
           num_envs: how many.
           common_reward: every agent is paid the sum of its environment's rewards.
+          autoreset: see above.
         Raises:
           ValueError: `num_envs` is less than 1.
         """
@@ -51,21 +67,37 @@ class Slots:
         self.num_slots = num_envs * self.num_agents
         _, channels, rows, cols = self.env.observation_shape
         self.window = (rows, cols, channels)
-        self._common_reward = common_reward
+        self._common_reward, self._autoreset = common_reward, autoreset
         self._key: Any = None
         self._state: Any = None
+        self._over = np.zeros(num_envs, bool)  # who has ended and not begun again
         self._begin = jax.jit(self._reset)
         self._advance = jax.jit(self._step)
+        self._advance_alone = jax.jit(self._step_env)
         self._look = jax.jit(jax.vmap(self.env.observe))
 
-    def reset(self, seed: int | None = None) -> np.ndarray:
-        """Starts all episodes and returns the observations; without a seed the draws go on, or begin somewhere at first."""
+    def reset(self, seed: int | None = None, chosen: np.ndarray | None = None) -> np.ndarray:
+        """Starts episodes and returns the observations of all; without a seed the draws go on, or begin somewhere at first.
+
+        Args:
+          chosen: `[S]` bool, whose environments to reset; all by default, and the first time.
+        Raises:
+          ValueError: `chosen` has another shape, or only some of the agents of an environment.
+        """
+        envs = np.ones(self.num_envs, bool) if chosen is None else self._whole(chosen)
+        if self._state is None:
+            envs[:] = True
         if seed is not None:
             self._key = jax.random.key(seed)
         elif self._key is None:
             self._key = jax.random.key(int(np.random.SeedSequence().generate_state(1)[0]))
-        self._key, observation, self._state = self._begin(self._key)
-        return self._slots(observation)
+        self._key, observation, state = self._begin(self._key)
+        self._over = self._over & ~envs
+        if envs.all():
+            self._state = state
+            return self._slots(observation)
+        self._state = jax.tree.map(lambda new, old: _where(envs, new, old), state, self._state)
+        return self._slots(self._look(self._state))
 
     def step(self, actions: np.ndarray) -> SlotStep:
         """Plays one step of every environment.
@@ -73,7 +105,8 @@ class Slots:
         Args:
           actions: `[S]` integers.
         Raises:
-          RuntimeError: before the first reset. ValueError: another shape, or a number that is no action.
+          RuntimeError: before the first reset, or in an environment that has ended and waits for its reset.
+          ValueError: another shape, or a number that is no action.
         """
         if self._state is None:
             raise RuntimeError("call reset before step")
@@ -83,9 +116,17 @@ class Slots:
         wrong = (chosen < 0) | (chosen >= self.env.num_actions)
         if wrong.any():
             raise ValueError(f"{chosen[wrong][0]} is no action of slot {wrong.argmax()}: 0 .. {self.env.num_actions - 1}")
+        if self._autoreset == "never" and self._over.any():
+            raise RuntimeError(f"environment {self._over.argmax()} has ended; reset it before the next step")
         chosen = chosen.reshape(self.num_envs, self.num_agents).astype(np.int32)
-        self._key, observation, self._state, reward, info = self._advance(self._key, self._state, chosen)
+        begins, same = self._over, self._autoreset == "same step"
+        if same:
+            self._key, observation, self._state, reward, info = self._advance(self._key, self._state, chosen)
+        else:
+            self._key, observation, self._state, reward, info = self._advance_alone(self._key, self._state, chosen, begins)
         ended = np.asarray(info["terminated"] | info["truncated"])
+        if not same:
+            self._over = ended
         spread = lambda values: np.repeat(np.asarray(values), self.num_agents)  # noqa: E731
         return SlotStep(
             observations=self._slots(observation),
@@ -93,8 +134,20 @@ class Slots:
             terminated=spread(info["terminated"]),
             truncated=spread(info["truncated"]),
             events={name: np.asarray(count).reshape(-1) for name, count in info["events"].items()},
-            final=self._final(info["terminal_state"], ended),
+            began=spread(begins),
+            final=self._final(info["terminal_state"], ended) if same else {},
         )
+
+    def _whole(self, chosen: np.ndarray) -> np.ndarray:
+        """Returns which environments the chosen slots are."""
+        mask = np.asarray(chosen, bool)
+        if mask.shape != (self.num_slots,):
+            raise ValueError(f"the slots to reset have shape {mask.shape}, one for each slot is wanted: ({self.num_slots},)")
+        by_env = mask.reshape(self.num_envs, self.num_agents)
+        parted = by_env.any(axis=1) & ~by_env.all(axis=1)
+        if parted.any():
+            raise ValueError(f"only some agents of environment {parted.argmax()} are to be reset; they begin an episode together")
+        return by_env.all(axis=1)
 
     def _final(self, states: Any, ended: np.ndarray) -> dict[int, np.ndarray]:
         """Returns the last observations of the environments that have ended; observed only then."""
@@ -110,14 +163,39 @@ class Slots:
     def _step(self, key: Any, state: Any, actions: Any) -> tuple[Any, Any, Any, Any, Any]:
         key, steps = jax.random.split(key)
         observation, state, reward, _, info = jax.vmap(self.env.step)(jax.random.split(steps, self.num_envs), state, actions)
+        return key, observation, state, *self._outcome(reward, info)
+
+    def _step_env(self, key: Any, state: Any, actions: Any, begins: Any) -> tuple[Any, Any, Any, Any, Any]:
+        """Plays a step of the environments that go on; those that begin anew are reset, with nothing paid and nothing counted."""
+        key, steps = jax.random.split(key)
+        keys = jax.vmap(jax.random.split)(jax.random.split(steps, self.num_envs))
+        observation, stepped, reward, _, info = jax.vmap(self.env.step_env)(keys[:, 0], state, actions)
+
+        def with_fresh() -> tuple[Any, Any]:
+            fresh = jax.vmap(self.env.reset)(keys[:, 1])
+            return jax.tree.map(lambda new, old: _where(begins, new, old), fresh, (observation, stepped))
+
+        seen, state = jax.lax.cond(begins.any(), with_fresh, lambda: (observation, stepped))
+        reward, info = self._outcome(reward, info)
+        quiet = lambda leaf: _where(begins, jnp.zeros_like(leaf), leaf)  # noqa: E731
+        info = {"events": info["events"], "terminated": info["terminated"], "truncated": info["truncated"]}
+        return key, seen, state, quiet(reward), {**jax.tree.map(quiet, info), "terminal_state": state}
+
+    def _outcome(self, reward: Any, info: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """Returns rewards and infos with an entry for each agent."""
         if self._common_reward:
             reward = jnp.broadcast_to(reward.sum(axis=-1, keepdims=True), reward.shape)
         shape = (self.num_envs, self.num_agents)
         events = {n: jnp.broadcast_to(c if c.ndim == 2 else c[:, None], shape) for n, c in info["events"].items()}
         kept = {name: info[name] for name in ("terminated", "truncated", "terminal_state")}
-        return key, observation, state, reward, {**kept, "events": events}
+        return reward, {**kept, "events": events}
 
     def _slots(self, observation: Any) -> np.ndarray:
         """Returns `[S, rows, cols, channels]` of `[B, N, channels, rows, cols]`."""
         last = np.moveaxis(np.asarray(observation), 2, -1)
         return np.ascontiguousarray(last).reshape(self.num_slots, *self.window)
+
+
+def _where(chosen: Any, new: Any, old: Any) -> Any:
+    """Returns the leaves `[B, ...]` of the chosen environments from `new`, the others from `old`."""
+    return jnp.where(jnp.asarray(chosen).reshape(-1, *[1] * (new.ndim - 1)), new, old)

@@ -11,13 +11,25 @@ from flax import struct
 from jax import Array
 
 from sjdsl.factory import make as make_game
-from sjdsl.interop import spaces
 from sjdsl.interop.socialjax_log import LogWrapper, SVOLogWrapper
+from sjdsl.interop.socialjax_managers import CTRolloutManager, MAPPOWorldStateWrapper, load_params, save_params
 from sjdsl.interop.socialjax_observation import make_channels
 from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 from sjdsl.interop.socialjax_table import Entry, Figure, entries
+from sjdsl.interop.spaces import make_box, make_discrete
 
-__all__ = ["LogWrapper", "SVOLogWrapper", "SocialJaxGame", "State", "make", "registered_envs"]
+__all__ = [
+    "CTRolloutManager",
+    "LogWrapper",
+    "MAPPOWorldStateWrapper",
+    "SVOLogWrapper",
+    "SocialJaxGame",
+    "State",
+    "load_params",
+    "make",
+    "registered_envs",
+    "save_params",
+]
 
 # its compass is turned round: its `left` is a larger column, its `up` a larger row
 ACTIONS = {"turned round": (0, 1, 3, 2, 5, 4), "as ours": (0, 1, 2, 3, 4, 5)}
@@ -26,18 +38,28 @@ VARIANT = "socialjax"
 
 @struct.dataclass
 class State:
-    """The state of the game, and the suite's counters: steps in this episode, episodes so far."""
+    """The state of the game, and the suite's counters: steps in this episode, episodes so far. frame: see `agent_locs`."""
 
     game: Any
     inner_t: Array
     outer_t: Array
+    frame: tuple[int, int, bool] = struct.field(pytree_node=False)  # columns of the board, its border, whether the compass is turned
+
+    @property
+    def agent_locs(self) -> Array:
+        """Where the agents are, `[N, 3]` int32: row, column, heading by the suite's count, from 0 for its `up`, clockwise on its screen."""
+        cols, border, turned = self.frame
+        row, col = jnp.divmod(self.game.position.astype(jnp.int32), cols)
+        heading = self.game.heading.astype(jnp.int32)
+        return jnp.stack([row - border, col - border, (2 - heading) % 4 if turned else heading], axis=-1)
 
 
 class SocialJaxGame:
     """One environment: integer agents, `[N, rows, cols, channels]` float32 observations, rewards `[N]`, dones by "0", "1", … and "__all__".
 
     Attributes:
-      agents: 0, 1, …; num_agents; env: the `sjdsl.Environment`; name.
+      agents: 0, 1, …; num_agents; env: the `sjdsl.Environment`; name; observation_spaces, action_spaces: empty, as those of the
+        suite's environments are, which its `CTRolloutManager` asks for.
     """
 
     def __init__(self, entry: Entry, mode: Mode, num_inner_steps: int, num_outer_steps: int, cnn: bool, **arguments: Any) -> None:
@@ -46,9 +68,13 @@ class SocialJaxGame:
         self.num_agents = self.env.num_agents
         self.agents = list(range(self.num_agents))
         self.num_inner_steps, self.num_outer_steps = num_inner_steps, num_outer_steps
+        self.observation_spaces: dict[str, Any] = {}
+        self.action_spaces: dict[str, Any] = {}
         self._info, self._flat = entry.info, not cnn
+        self._frame = (self.env.module.FRAME[1], self.env.module.PAD, entry.compass == "turned round")
         depth, self._channels = make_channels(self.env, entry)
         self._rewards = make_rewards(mode, self.num_agents)
+        self._scale = 1 if mode.shared_rewards else self.num_agents  # of one's own reward, before it is shaped
         moves = ACTIONS[entry.compass]
         self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
         rows, cols = self.env.observation_shape[2:]
@@ -64,20 +90,21 @@ class SocialJaxGame:
         """The names of the suite's action numbers, by what they do on our map."""
         return tuple(self.env.action_names[number] for number in self._actions.tolist())
 
-    def observation_space(self) -> tuple[spaces.Box, tuple[int, ...]]:
-        """Returns the space of one agent and its shape, a pair as in the suite."""
-        return spaces.Box(0.0, 255.0, self._shape), self._shape
+    def observation_space(self, agent: int | str | None = None) -> tuple[Any, tuple[int, ...]]:
+        """Returns the space of an agent and its shape, a pair as in the suite; they are all alike."""
+        del agent
+        return make_box(0.0, 255.0, self._shape), self._shape
 
-    def action_space(self, agent: int | None = None) -> spaces.Discrete:
+    def action_space(self, agent: int | str | None = None) -> Any:
         """Returns the space of an agent; they are all alike."""
         del agent
-        return spaces.Discrete(self.env.num_actions)
+        return make_discrete(self.env.num_actions)
 
     @partial(jax.jit, static_argnums=(0,))
     def reset(self, key: Array) -> tuple[Array, State]:
         """Returns the first observations and state."""
         observation, game = self.env.reset(key)
-        return self._observation(observation), State(game, jnp.int32(0), jnp.int32(0))
+        return self._observation(observation), State(game, jnp.int32(0), jnp.int32(0), self._frame)
 
     @partial(jax.jit, static_argnums=(0,))
     def step(
@@ -130,7 +157,7 @@ class SocialJaxGame:
         return jnp.where(known, self._actions[jnp.where(known, given, 0)], -1)
 
     def _after(self, state: State, game: Any, ended: Array) -> State:
-        return State(game, jnp.where(ended, 0, state.inner_t + 1), state.outer_t + ended.astype(jnp.int32))
+        return State(game, jnp.where(ended, 0, state.inner_t + 1), state.outer_t + ended.astype(jnp.int32), self._frame)
 
     def _observation(self, observation: Array) -> Array:
         channels = self._channels(observation)
@@ -140,7 +167,7 @@ class SocialJaxGame:
         self, raw: Array, done: Array, info: dict, actions: Any, timestep: Any
     ) -> tuple[Array, dict[str, Array], dict[str, Array]]:
         rewards, further = self._rewards(raw, timestep)
-        infos = {"original_rewards": raw, "shaped_rewards": rewards, **further}
+        infos = {"original_rewards": self._scale * raw, "shaped_rewards": rewards, **further}
         infos |= {name: self._figure(figure, info, actions) for name, figure in self._info.items()}
         return rewards, {**{str(agent): done for agent in self.agents}, "__all__": done}, infos
 

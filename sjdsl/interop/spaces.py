@@ -1,10 +1,17 @@
-"""Spaces in the manner of gymnax, for adapters whose library is not installed with them."""
+"""Spaces in the manner of gymnax, for adapters whose library is not installed with them, and the classes that scripts test for."""
 
+import importlib
+import warnings
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
+
+# who else has classes of this manner, the first that can be imported is taken; SocialJax's wrappers accept both
+ELSEWHERE = ("socialjax.environments.spaces", "gymnax.environments.spaces")
 
 
 @dataclass(frozen=True)
@@ -40,3 +47,40 @@ class Box:
     def contains(self, x: Array) -> Array:
         """Returns whether all entries are within the bounds."""
         return jnp.all((x >= self.low) & (x <= self.high))
+
+
+class MultiDiscrete(Discrete):
+    """No game has one; scripts import the name."""
+
+
+def make_box(low: float, high: float, shape: tuple[int, ...]) -> Any:
+    """Returns a float32 box of the class that SocialJax's own wrappers test for, or of ours where neither it nor gymnax is installed."""
+    return space_classes()[0](low, high, shape)
+
+
+def make_discrete(n: int) -> Any:
+    """Returns the integers 0 .. n - 1, int32, as `make_box` does."""
+    made = space_classes()[1](n)
+    if made.dtype != jnp.int32:  # gymnax samples 64 bits, which JAX warns of
+        made.dtype = jnp.int32
+    return made
+
+
+@cache
+def space_classes() -> tuple[type, type]:
+    """Returns the classes of boxes and of discrete spaces: SocialJax's, else gymnax's, else ours.
+
+    A package that is installed and cannot be imported, as an old SocialJax under a new JAX, is warned of and passed over.
+    """
+    for name in ELSEWHERE:
+        try:
+            module = importlib.import_module(name)
+        except ModuleNotFoundError:
+            continue
+        except Exception as error:
+            warnings.warn(
+                f"{name} is installed but cannot be imported ({type(error).__name__}: {error}); its spaces are not used", stacklevel=2
+            )
+            continue
+        return module.Box, module.Discrete
+    return Box, Discrete

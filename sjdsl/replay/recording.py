@@ -39,8 +39,8 @@ def save_recording(recording: Recording, path: Path) -> None:
     os.replace(unfinished, path)
 
 
-def load_recording(path: Path) -> Recording:
-    """Returns the episode of a file.
+def read_recording(path: Path) -> Recording:
+    """Returns the episode of a file of one.
 
     Raises:
       RecordingError: there is no such file, or it holds something else.
@@ -50,7 +50,9 @@ def load_recording(path: Path) -> Recording:
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
     except (ValidationError, UnicodeDecodeError):
-        raise RecordingError(f"{path} does not hold a recorded episode; `sjdsl play GAME --record {path.name}` writes one") from None
+        raise RecordingError(
+            f"{path} does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, `sjdsl record GAME -o FILE.npz` many"
+        ) from None
 
 
 def check_rules(recording: Recording, game_hash: str, name: str) -> None:

@@ -1,10 +1,14 @@
 """The Gymnasium adapter: spaces, autoreset in the same step, seeds over 500 steps; each against the game's own step."""
 
+from pathlib import Path
+from typing import Any
+
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from sjdsl.interop.gymnasium import VectorGame
+from sjdsl.interop.gymnasium import AgentGame, VectorGame
 
 LENGTH = 10
 SHORT = {"params": {"length": LENGTH}}
@@ -88,8 +92,80 @@ def test_its_wrappers_work() -> None:
     assert info["episode"]["l"].tolist() == [LENGTH] * 4
 
 
+@pytest.fixture(scope="module")
+def certain(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Returns a game of one agent without chance, which ends by its rules or after 20 steps."""
+    text = (Path(__file__).parents[1] / "cases/endings.sj").read_text()
+    path = tmp_path_factory.mktemp("game") / "endings.sj"
+    path.write_text(text.replace("send agent to path", "send agent to path facing north"))
+    return str(path)
+
+
+def both(game: str, mode: AutoresetMode) -> tuple[VectorGame, SyncVectorEnv]:
+    """Returns a game of one agent in our vector environment and in Gymnasium's own."""
+    alone = [lambda: AgentGame(game, others="stay")] * 3
+    return VectorGame(game, 3, autoreset_mode=mode), SyncVectorEnv(alone, autoreset_mode=mode)
+
+
+def assert_alike(ours: Any, theirs: Any) -> None:
+    for mine, own in zip(ours[:4], theirs[:4], strict=True):
+        np.testing.assert_array_equal(mine, own)
+    assert ("_final_obs" in ours[4]) == ("_final_obs" in theirs[4])
+    for name in set(theirs[4]) & {"on_tree", "_on_tree", "_final_obs", "_final_info"}:
+        np.testing.assert_array_equal(ours[4][name], theirs[4][name])
+    for mine, own in zip(ours[4].get("final_obs", []), theirs[4].get("final_obs", []), strict=True):
+        assert (mine is None) == (own is None) and (mine is None or np.array_equal(mine, own))
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
+def test_autoreset_is_gymnasiums(certain: str, mode: AutoresetMode) -> None:
+    """Step by step what Gymnasium's own vector environment gives, through episodes that end at different times."""
+    ours, theirs = both(certain, mode)
+    assert ours.metadata["autoreset_mode"] == theirs.metadata["autoreset_mode"] == mode
+    np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
+    ends = np.zeros(3, int)
+    ways = np.random.default_rng(0).integers(0, ours.single_action_space.n, (60, 3))
+    for actions in ways:
+        made = ours.step(actions)
+        assert_alike(made, theirs.step(actions))
+        ends += made[2] | made[3]
+    assert len(set(ends.tolist())) > 1 and ends.min() > 1
+
+
+def test_without_autoreset_episodes_wait(certain: str) -> None:
+    """Those that are reset begin anew, the others go on, as in Gymnasium's own vector environment."""
+    ours, theirs = both(certain, AutoresetMode.DISABLED)
+    np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
+    resets = 0
+    for actions in np.random.default_rng(1).integers(0, ours.single_action_space.n, (40, 3)):
+        made = ours.step(actions)
+        assert_alike(made, theirs.step(actions))
+        over = made[2] | made[3]
+        if over.any():
+            with pytest.raises(RuntimeError, match=f"environment {over.argmax()} has ended; reset it"):
+                ours.step(actions)
+            np.testing.assert_array_equal(ours.reset(options={"reset_mask": over})[0], theirs.reset(options={"reset_mask": over.copy()})[0])
+            resets += 0 < over.sum() < 3
+    assert resets > 0
+
+
+def test_the_next_step_begins_an_episode() -> None:
+    """With several agents and chance: nothing is paid or counted, no action matters, all agents begin together."""
+    env = VectorGame("coins", 2, autoreset_mode="NEXT_STEP", **SHORT)
+    env.reset(seed=3)
+    for step in range(2 * (LENGTH + 1)):
+        _, reward, terminated, truncated, info = env.step(actions_of(env, step))
+        began = step % (LENGTH + 1) == LENGTH
+        assert truncated.tolist() == [step % (LENGTH + 1) == LENGTH - 1] * 4 and not terminated.any()
+        assert info["_own_coins"].tolist() == [not began] * 4
+        assert not (began and (reward.any() or info["own_coins"].any()))
+        assert np.asarray(env._slots._state.step).tolist() == [0 if began else step % (LENGTH + 1) + 1] * 2
+
+
 def test_wrong_calls_are_refused() -> None:
     env = VectorGame("coins", 2, **SHORT)
+    with pytest.raises(ValueError, match="there is no autoreset mode 'SOMETIMES'; they are NEXT_STEP, SAME_STEP, DISABLED"):
+        VectorGame("coins", 2, autoreset_mode="SOMETIMES")
     with pytest.raises(RuntimeError, match="call reset before step"):
         env.step(actions_of(env, 0))
     env.reset(seed=0)
@@ -99,6 +175,12 @@ def test_wrong_calls_are_refused() -> None:
         env.step(np.zeros(2, int))
     with pytest.raises(TypeError, match="the seed is one number"):
         env.reset(seed=[1, 2, 3, 4])
+    with pytest.raises(ValueError, match="only some agents of environment 1 are to be reset"):
+        env.reset(options={"reset_mask": np.array([True, True, False, True])})
+    with pytest.raises(ValueError, match=r"one for each slot is wanted: \(4,\)"):
+        env.reset(options={"reset_mask": np.array([True, True])})
+    with pytest.raises(TypeError, match="there is no option `mask`; it is `reset_mask`"):
+        env.reset(options={"mask": np.ones(4, bool)})
     with pytest.raises(ValueError, match="num_envs is at least 1"):
         VectorGame("coins", 0)
     env.close()

@@ -1,7 +1,12 @@
 """The JaxMARL adapter: what JaxMARL's API tests ask for, its own wrappers, and the game's own step as the oracle."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import jax
 import jax.numpy as jnp
+import jaxmarl
 import numpy as np
 import pytest
 from jaxmarl.environments import MultiAgentEnv
@@ -10,6 +15,8 @@ from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
 
 import sjdsl
 from sjdsl.interop.jaxmarl import JaxMARLGame
+from sjdsl.interop.jaxmarl_registry import register
+from tests.packaging.installed import GAME
 
 LENGTH = 12
 SHORT = {"params": {"length": LENGTH}}
@@ -164,3 +171,32 @@ def test_masks_and_roles() -> None:
     assert arena.agent_classes == {"agents": arena.agents}
     hunt = JaxMARLGame("predator_prey").agent_classes
     assert sorted(map(len, hunt.values())) == sorted(np.unique(sjdsl.make("predator_prey").roles, return_counts=True)[1].tolist())
+
+
+def test_its_registry_makes_our_games(tmp_path: Path) -> None:
+    """By the names of bundled games and of files; its own names and messages stay; registering again changes nothing."""
+    assert {"sjdsl/clean_up", "sjdsl/coins", "MPE_simple_v3"} <= set(jaxmarl.registered_envs)
+    env = jaxmarl.make("sjdsl/coins", flat=False, **SHORT)
+    assert isinstance(env, JaxMARLGame) and env.name == "coins" and env.max_steps == LENGTH
+    (tmp_path / "my_game.sj").write_text(GAME)
+    assert jaxmarl.make(f"sjdsl/{tmp_path}/my_game.sj").name == "my_game"
+    assert jaxmarl.make("MPE_simple_v3").name == "SimpleMPE"
+    with pytest.raises(ValueError, match="is not in registered jaxmarl environments"):
+        jaxmarl.make("clean_up")
+    with pytest.raises(FileNotFoundError, match="clean_upp"):
+        jaxmarl.make("sjdsl/clean_upp")
+    before = (jaxmarl.make, list(jaxmarl.registered_envs))
+    register()
+    assert (jaxmarl.make, list(jaxmarl.registered_envs)) == before
+    assert jaxmarl.make is jaxmarl.registration.make
+
+
+def test_its_scripts_run_by_a_line_of_their_configuration(tmp_path: Path) -> None:
+    """A script laid out like its baselines, which knows nothing of us: `ENV_NAME` says which game."""
+    script = Path(__file__).parent / "stand_ins/baselines/ippo_ff.py"
+    call = [sys.executable, "-m", "sjdsl.interop", str(script), "ENV_NAME=sjdsl/coins", "+ENV_KWARGS.params.length=5"]
+    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "coins: 4 episodes of 5 steps"
+    plain = subprocess.run([sys.executable, "-m", "sjdsl.interop", str(tmp_path / "no.py")], capture_output=True, text=True, check=False)
+    assert plain.returncode == 2 and "there is no script" in plain.stderr

@@ -1,0 +1,133 @@
+"""`sjdsl record`: episodes under a policy as a file of arrays, to learn from or to show again."""
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.render import choose_policy
+
+if TYPE_CHECKING:
+    from sjdsl.replay import DatasetWriter
+    from sjdsl.runtime.env import Environment
+
+PACKAGES = ("sjdsl", "jax", "numpy")
+
+
+@click.command("record")
+@click.argument("game")
+@click.option("-o", "output", metavar="FILE", help="A .npz; by default GAME.npz.")
+@click.option(
+    "--policy", default="random", show_default=True, metavar="P", help="random, stay, the folder of a training run, or a stored policy."
+)
+@click.option("--episodes", type=click.IntRange(min=1), default=10, show_default=True, help="How many.")
+@click.option(
+    "--seed", type=click.IntRange(0, 2**32 - 1), default=0, show_default=True, help="Of the first; the next have the next numbers."
+)
+@click.option(
+    "--observation",
+    type=click.Choice(["tokens", "onehot", "none"]),
+    default="tokens",
+    show_default=True,
+    help="What is kept of the observations.",
+)
+@click.option("--minari", "dataset_id", metavar="ID", help="Also make a Minari dataset, such as sjdsl/coins/random-v0, of the file.")
+@environment_options
+def command(
+    game: str, output: str | None, policy: str, episodes: int, seed: int, observation: str, dataset_id: str | None, **described: Any
+) -> None:
+    """Plays GAME and keeps observations, actions and rewards of whole episodes."""
+    path = Path(output or f"{Path(game).stem}.npz")
+    if path.suffix != ".npz":
+        raise click.UsageError(f"`{path}` is no .npz", click.get_current_context(silent=True))
+    if seed + episodes > 2**32:
+        raise click.UsageError(f"the seeds go up to {seed + episodes - 1}; the last there is is {2**32 - 1}", click.get_current_context())
+    if dataset_id is not None:
+        if observation == "none":
+            raise click.UsageError("a Minari dataset has observations; --observation none keeps none", click.get_current_context())
+        check_minari(dataset_id)
+    described["params"] = read_assignments(described["params"])
+    environment = describe_environment(game, **described)
+    env = make_environment(environment)
+    chosen = choose_policy(policy, env)
+
+    from sjdsl.replay import Dataset, DatasetWriter, Header, play_episodes
+
+    header = Header(
+        game=env.name,
+        environment=environment,
+        hash=env.hash,
+        policy=policy,
+        policy_digest=_digest(policy),
+        seed=seed,
+        episodes=episodes,
+        observation=observation,  # type: ignore[arg-type]
+        planes=_planes(env, observation),
+        action_names=list(env.action_names),
+        versions=_versions(),
+    )
+    writer = DatasetWriter(path, header)
+    try:
+        with writer, click.progressbar(length=episodes, label="playing", hidden=not _on_terminal()) as bar:
+            for episode in play_episodes(env, chosen, seed, episodes, observation):  # type: ignore[arg-type]
+                writer.add(episode)
+                bar.update(1)
+    finally:
+        if path.is_file() and writer.returns:
+            click.echo(_summary(env, path, writer))
+    if dataset_id is not None:
+        from sjdsl.interop.minari import save_minari
+
+        made = save_minari(Dataset(path), dataset_id)
+        click.echo(f"{dataset_id}  {made.total_episodes} episodes of one agent each, {made.total_steps} steps")
+
+
+def check_minari(dataset_id: str) -> None:
+    """Refuses a dataset before anything is played: without the package, by a name that is none, or that is taken."""
+    try:
+        from sjdsl.interop.minari import check_name
+
+        check_name(dataset_id)
+    except (ModuleNotFoundError, ValueError) as error:
+        raise click.ClickException(str(error)) from None
+
+
+def _summary(env: "Environment", path: Path, writer: "DatasetWriter") -> str:
+    import numpy as np
+
+    collective = np.array(writer.returns).sum(axis=1)
+    size = path.stat().st_size
+    shown = f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} kB"
+    return (
+        f"{path}  {len(collective)} episodes of {env.title or env.name}, {writer.steps} steps, {shown}\n"
+        f"collective return: mean {collective.mean():g}, least {collective.min():g}, greatest {collective.max():g}"
+    )
+
+
+def _planes(env: "Environment", observation: str) -> list[str]:
+    if observation == "onehot":
+        return list(env.channel_names)
+    return [plane.name for plane in env.token_planes] if observation == "tokens" else []
+
+
+def _digest(policy: str) -> str | None:
+    """Returns the SHA-256 of the file that a policy is stored in."""
+    if policy in ("random", "stay"):
+        return None
+    from sjdsl.trainers.policy_file import policy_path
+
+    return hashlib.sha256(policy_path(Path(policy), "last").read_bytes()).hexdigest()
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
+    return {name: version(name) for name in PACKAGES}
+
+
+def _on_terminal() -> bool:
+    import sys
+
+    return sys.stderr.isatty() and sys.stdout.isatty()

@@ -1,0 +1,54 @@
+"""`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs a training script of SocialJax or JaxMARL, as it is, with our games."""
+
+import importlib.util
+import runpy
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import jax
+
+from sjdsl.interop import socialjax_modules
+
+USAGE = """usage: python -m sjdsl.interop SCRIPT [ARGUMENTS]
+
+Runs a training script of SocialJax or of JaxMARL with compiled games: `socialjax.make` makes ours, and
+`jaxmarl.make` knows `sjdsl/clean_up` and the others. The arguments are the script's own."""
+ROOTS = ("algorithms", "baselines", "socialjax", "jaxmarl")  # a folder that holds one of them is a checkout, from which scripts import
+
+
+def run_script(script: Path, arguments: Sequence[str]) -> None:
+    """Runs a script as `python SCRIPT ARGUMENTS` would, with the checkout that it is in on the path.
+
+    JAX 0.6 took `jax.tree_map` away, which some of the scripts call: it is `jax.tree.map` to them.
+    """
+    folder = script.resolve().parent
+    checkouts = [parent for parent in (folder, *folder.parents) if any((parent / name).is_dir() for name in ROOTS)]
+    for place in (*checkouts[:1], folder):
+        sys.path.insert(0, str(place))
+    if not hasattr(jax, "tree_map"):
+        jax.tree_map = jax.tree.map
+    reason = socialjax_modules.stand_in()
+    if reason is not None:
+        print(f"note: the package socialjax cannot be imported ({reason}); its wrappers are ours", file=sys.stderr)
+    if importlib.util.find_spec("jaxmarl") is not None:
+        importlib.import_module("sjdsl.interop.jaxmarl")  # registers the games
+    sys.argv = [str(script), *arguments]
+    runpy.run_path(str(script), run_name="__main__")
+
+
+def main() -> int:
+    """Returns the exit status: 2 for a call without a script that exists."""
+    if len(sys.argv) < 2 or sys.argv[1] in ("-h", "--help"):
+        print(USAGE)
+        return 0 if len(sys.argv) > 1 else 2
+    script = Path(sys.argv[1])
+    if not script.is_file():
+        print(f"there is no script {script}", file=sys.stderr)
+        return 2
+    run_script(script, sys.argv[2:])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

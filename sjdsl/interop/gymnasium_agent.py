@@ -1,0 +1,168 @@
+"""One agent of a compiled game as a Gymnasium environment; the other agents are played by a policy."""
+
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from sjdsl.factory import make
+from sjdsl.interop.missing import needs
+from sjdsl.render import make_painter, random_policy, stay_policy, take_snapshot
+from sjdsl.render.look import make_look
+from sjdsl.render.terminal import board_letters
+from sjdsl.runtime.env import Environment
+from sjdsl.runtime.policy import MemoryPolicy, Policy, take_actions, with_memory
+
+with needs("gymnasium"):
+    import gymnasium
+    from gymnasium import spaces
+
+FRAMES = 8  # a second, when an episode is shown
+
+
+class AgentGame(gymnasium.Env):
+    """One environment of a game, seen and steered by one of its agents.
+
+    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"` is asked for. The reward is the agent's own,
+    raw. Infos: the events of the step for this agent, by name; `action_mask`, `[num_actions]` int8, the actions that are allowed;
+    `rewards`, `[num_agents]` float32, of everybody. An episode ends by truncation, or by termination where the rules say `end`.
+
+    Attributes:
+      env: the `sjdsl.Environment`; agent: whom the actions steer.
+    """
+
+    metadata = {"render_modes": ["human", "ansi", "rgb_array"], "render_fps": FRAMES}  # noqa: RUF012, as Gymnasium has it
+
+    def __init__(
+        self,
+        game: str,
+        agent: int = 0,
+        others: str | PathLike[str] | Callable[..., Any] | MemoryPolicy = "random",
+        observation: str = "onehot",
+        render_mode: str | None = None,
+        **arguments: Any,
+    ) -> None:
+        """Makes the environment.
+
+        Args:
+          game, observation, arguments: of `sjdsl.make`.
+          agent: its number.
+          others: what the other agents do: `random`, `stay`, the folder of a training run, a `.safetensors` file of a policy, or a
+            function `(key, observation) -> actions [num_agents]` that can be jitted, whose observations are tokens of all agents.
+          render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as a text; `rgb_array`, a picture.
+        Raises:
+          ValueError: there is no such agent or mode. PolicyError: `others` names no policy, or one of another game.
+        """
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode is None, {', '.join(self.metadata['render_modes'])}, not {render_mode!r}")
+        self.env = make(game, observation=observation, **arguments)
+        if not 0 <= agent < self.env.num_agents:
+            raise ValueError(f"{self.env.name} has no agent {agent}: 0 to {self.env.num_agents - 1}")
+        self.agent, self.render_mode = agent, render_mode
+        _, channels, rows, cols = self.env.observation_shape
+        self.observation_space = spaces.Box(0, 255, (rows, cols, channels), np.uint8)
+        self.action_space = spaces.Discrete(self.env.num_actions)
+        self._seen_by_others = make(game, observation="tokens", **arguments)
+        self._others = with_memory(choose_policy(others, self._seen_by_others))
+        self._begin, self._advance = jax.jit(self._first), jax.jit(self._next)
+        self._key: Any = None
+        self._state: Any = None
+        self._memory: Any = None
+        self._over = True
+        self._returns = np.zeros(self.env.num_agents)
+        self._painter: Any = None
+        self._look: Any = None
+        self._tiles: dict = {}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+        """Starts an episode. The same seed gives the same episode, and the same ones after it, under the same actions."""
+        del options
+        super().reset(seed=seed)
+        self._key = jax.random.key(int(self.np_random.integers(2**32)))
+        self._key, observation, self._state, mask = self._begin(self._key)
+        self._memory, self._over = self._others.start, False
+        self._returns = np.zeros(self.env.num_agents)
+        if self.render_mode == "human":
+            self.render()
+        return np.array(observation), {"action_mask": np.array(mask)}
+
+    def step(self, action: int) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Plays one step.
+
+        Raises:
+          RuntimeError: no episode is under way. ValueError: a number that is no action.
+        """
+        if self._over:
+            raise RuntimeError("no episode is under way; call reset")
+        if not 0 <= int(action) < self.env.num_actions:
+            raise ValueError(f"{action} is no action: 0 .. {self.env.num_actions - 1}")
+        self._key, self._memory, observation, self._state, rewards, info = self._advance(
+            self._key, self._memory, self._state, np.int32(action)
+        )
+        paid = np.array(rewards)
+        self._returns = self._returns + paid
+        terminated, truncated = bool(info["terminated"]), bool(info["truncated"])
+        self._over = terminated or truncated
+        if self.render_mode == "human":
+            self.render()
+        infos = {name: int(count) for name, count in info["events"].items()}
+        infos |= {"action_mask": np.array(info["action_mask"]), "rewards": paid}
+        return np.array(observation), float(paid[self.agent]), terminated, truncated, infos
+
+    def render(self) -> np.ndarray | str | None:
+        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; shows it and returns None where the mode is `human`."""
+        if self.render_mode is None:
+            return None
+        if self._state is None:
+            raise RuntimeError("call reset before render")
+        snapshot = take_snapshot(self.env, self._state, self._returns)
+        if self.render_mode == "rgb_array":
+            self._painter = self._painter or make_painter(self.env)
+            return np.asarray(self._painter.draw(snapshot))
+        self._look = self._look or make_look(self.env)
+        text = board_letters(self._look, snapshot, self._tiles)
+        if self.render_mode == "ansi":
+            return text
+        print(text, flush=True)
+        return None
+
+    def _first(self, key: Any) -> tuple[Any, Any, Any, Any]:
+        key, reset_key = jax.random.split(key)
+        observation, state = self.env.reset(reset_key)
+        return key, self._own(observation), state, self._mask(state)
+
+    def _next(self, key: Any, memory: Any, state: Any, action: Any) -> tuple[Any, Any, Any, Any, Any, dict[str, Any]]:
+        key, others_key, step_key = jax.random.split(key, 3)
+        seen = self._seen_by_others.observe(state)
+        memory, actions = take_actions(self.env, self._others, memory, others_key, seen, state)
+        observation, state, reward, _, info = self.env.step_env(step_key, state, actions.at[self.agent].set(action))
+        events = {name: count[self.agent] if count.ndim else count for name, count in info["events"].items()}
+        kept = {"events": events, "terminated": info["terminated"], "truncated": info["truncated"], "action_mask": self._mask(state)}
+        return key, memory, self._own(observation), state, reward, kept
+
+    def _own(self, observation: Any) -> Any:
+        """Returns `[rows, cols, channels]` of `[N, channels, rows, cols]`."""
+        return jax.numpy.moveaxis(observation[self.agent], 0, -1)
+
+    def _mask(self, state: Any) -> Any:
+        return self.env.allowed_actions(state)[self.agent].astype(np.int8)
+
+
+def choose_policy(given: str | PathLike[str] | Callable[..., Any] | MemoryPolicy, env: Environment) -> Policy:
+    """Returns a policy by its name, from where it is stored, or as it is.
+
+    Raises:
+      PolicyError: there is no policy of this name, or it does not fit.
+    """
+    if isinstance(given, MemoryPolicy) or callable(given):
+        return given
+    if given in ("random", "stay"):
+        return {"random": random_policy, "stay": stay_policy}[str(given)](env)
+    from sjdsl.trainers import PolicyError, load_policy
+
+    if not Path(given).exists():
+        raise PolicyError(f"there is no policy `{given}`; it is random, stay, the folder of a training run, or a .safetensors file")
+    return load_policy(Path(given), env)

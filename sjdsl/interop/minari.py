@@ -1,0 +1,85 @@
+"""Minari: recorded episodes as a dataset of its format, for libraries of offline reinforcement learning."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from sjdsl.factory import make
+from sjdsl.interop.gymnasium import environment_id
+from sjdsl.interop.missing import needs
+from sjdsl.replay import Dataset, Episode
+
+with needs("minari"):
+    import h5py  # noqa: F401, in which Minari stores
+    import minari
+    from gymnasium.envs.registration import EnvSpec
+    from minari.data_collector import EpisodeBuffer
+    from minari.dataset.minari_dataset import parse_dataset_id
+    from minari.storage.datasets_root_dir import get_dataset_path
+
+
+def save_minari(dataset: Dataset, dataset_id: str) -> minari.MinariDataset:
+    """Makes a Minari dataset whose episodes are those of one agent each: agent i of episode e is number `e * num_agents + i`.
+
+    Observations are `[rows, cols, channels]` uint8, rewards the agent's own, as in `sjdsl.interop.gymnasium.AgentGame`, which
+    `recover_environment()` makes. Infos have the events; an episode's options its agent and its number. The episodes are read and
+    written one by one.
+
+    Args:
+      dataset: with observations.
+      dataset_id: `NAMESPACE/GAME/NAME-v0`, of which the first two may be missing.
+    Raises:
+      ValueError: there is such a dataset already, the id is none, or the episodes were recorded without observations.
+    """
+    check_name(dataset_id)
+    header = dataset.header
+    if header.observation == "none":
+        raise ValueError(f"{dataset.path} has no observations; record with --observation tokens or onehot")
+    given = {name: value for name, value in header.environment.items() if value not in (None, {})}
+    others = header.policy if header.policy in ("random", "stay") else "random"  # a stored policy may not be there any more
+    arguments = {**given, "observation": header.observation, "others": others}
+    spec = EnvSpec(environment_id(header.game), entry_point="sjdsl.interop.gymnasium_agent:AgentGame", kwargs=arguments)
+    env = make(observation=header.observation, **given)
+    return minari.create_dataset_from_buffers(
+        dataset_id,
+        _buffers(dataset, env.num_agents),  # type: ignore[arg-type]  # one at a time
+        env=spec,
+        algorithm_name=header.policy,
+        description=f"{header.episodes} episodes of {env.title or env.name} by all its {env.num_agents} agents; rules {header.hash}, seeds from {header.seed}",
+        requirements=[f"sjdsl=={header.versions['sjdsl']}"],
+        jpeg_encoding=False,  # which loses some of what is seen
+    )
+
+
+def check_name(dataset_id: str) -> None:
+    """Raises ValueError for an id that Minari does not take, or has."""
+    parse_dataset_id(dataset_id)
+    if get_dataset_path(dataset_id).exists():
+        raise ValueError(f"there is a Minari dataset {dataset_id} already; take another name or version")
+
+
+def _buffers(dataset: Dataset, num_agents: int) -> Iterator[EpisodeBuffer]:
+    for number, episode in enumerate(dataset):
+        for agent in range(num_agents):
+            yield _buffer(episode, number, agent, number * num_agents + agent)
+
+
+def _buffer(episode: Episode, number: int, agent: int, place: int) -> EpisodeBuffer:
+    steps = len(episode.actions)
+    assert episode.observations is not None
+    last = np.arange(steps) == steps - 1
+    infos: dict[str, Any] = {name: count[:, agent] if count.ndim == 2 else count for name, count in episode.events.items()}
+    # Minari has an info for the first observation too
+    padded = {name: np.concatenate([np.zeros(1, count.dtype), count]) for name, count in infos.items()}
+    return EpisodeBuffer(
+        id=place,
+        seed=episode.seed,
+        options={"agent": agent, "episode": number},
+        observations=np.ascontiguousarray(np.moveaxis(episode.observations[:, agent], 1, -1)),  # type: ignore[arg-type]
+        actions=episode.actions[:, agent].astype(np.int64),  # type: ignore[arg-type]
+        rewards=episode.rewards[:, agent].astype(np.float64),  # type: ignore[arg-type]
+        terminations=last & episode.terminated,  # type: ignore[arg-type]
+        truncations=last & episode.truncated,  # type: ignore[arg-type]
+        infos=padded,
+    )

@@ -1,0 +1,38 @@
+"""What happened in an episode, as arrays."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from sjdsl.replay.recording import Recording
+
+Observation = Literal["tokens", "onehot", "none"]  # what is kept of the observations
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One episode of T steps.
+
+    seed: begins it. observations: `[T + 1, N, planes, rows, cols]` uint8, the first before any action, or None; actions: `[T, N]` int32;
+    rewards: `[T, N]` float32, raw; events: counts by name, `[T, N]` or `[T]` int32; terminated: by its rules; truncated: by its length.
+    """
+
+    seed: int
+    observations: np.ndarray | None
+    actions: np.ndarray
+    rewards: np.ndarray
+    events: Mapping[str, np.ndarray]
+    terminated: bool
+    truncated: bool
+
+    @property
+    def returns(self) -> np.ndarray:
+        """`[N]` float64, the sum of each agent's rewards."""
+        return self.rewards.astype(np.float64).sum(axis=0)
+
+    def recording(self, environment: Mapping[str, Any], game_hash: str) -> Recording:
+        """Returns the episode as `sjdsl play --record` keeps one. `environment`: the arguments of `sjdsl.make`."""
+        actions, returns = self.actions.tolist(), self.returns.tolist()
+        return Recording(environment=dict(environment), hash=game_hash, seed=self.seed, actions=actions, returns=returns)

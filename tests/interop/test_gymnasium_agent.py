@@ -1,0 +1,137 @@
+"""One agent's environment: Gymnasium's own checks, and the game's own step as the oracle."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import sjdsl
+from sjdsl.interop.gymnasium import AgentGame, environment_id
+from sjdsl.trainers import PolicyError, PPOConfig, load_policy
+from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.policy_file import write_policy
+from sjdsl.trainers.run_folder import describe_game
+
+LENGTH = 12
+SHORT = {"params": {"length": LENGTH}}
+
+
+@pytest.mark.parametrize("observation", ["onehot", "tokens"])
+def test_gymnasiums_own_checks_pass(observation: str) -> None:
+    """Without a warning; every way of drawing included."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gymnasium.make("sjdsl/Coins-v0", observation=observation, render_mode="ansi", **SHORT).unwrapped)
+
+
+def test_bundled_games_are_registered() -> None:
+    assert environment_id("clean_up") == "sjdsl/CleanUp-v0"
+    assert {environment_id(game) for game in ("coins", "pd_arena", "harvest_open", "predator_prey")} <= set(gymnasium.registry)
+    env = gymnasium.make("sjdsl/Coins-v0", agent=1, others="stay", **SHORT)
+    assert env.unwrapped.agent == 1
+    _, info = env.reset(seed=0)
+    assert info["action_mask"].tolist() == [1] * 7
+    assert env.action_space.sample(info["action_mask"]) in env.action_space
+    for step in range(LENGTH):
+        observation, reward, terminated, truncated, info = env.step(step % 7)
+        assert observation in env.observation_space
+        assert (terminated, truncated) == (False, step == LENGTH - 1)
+        assert reward == info["rewards"][1]
+
+
+def test_a_step_is_the_games_own() -> None:
+    """The others are a function that says what it does; the same actions in the game itself come to the same pictures and rewards."""
+    played: list[list[int]] = []
+
+    def others(key: jax.Array, observation: jax.Array) -> jax.Array:
+        assert observation.shape == game.observation_shape  # tokens of everybody
+        chosen = jax.random.randint(key, (2,), 0, 7) + 0 * observation[0, 0, 0, 0]
+        jax.debug.callback(lambda actions: played.append(actions.tolist()), chosen)
+        return chosen
+
+    game, shown = sjdsl.make("coins", params={"spawn": 0.3, "length": 40}), sjdsl.make("coins", observation="onehot")
+    env = AgentGame("coins", agent=1, others=others, params={"spawn": 0.3, "length": 40})
+    observation, _ = env.reset(seed=7)
+    state = env._state
+    collected = 0
+    for step in range(40):
+        before = env._key
+        observation, reward, _, truncated, info = env.step((3 * step) % 7)
+        jax.effects_barrier()
+        actions = [played[-1][0], (3 * step) % 7]
+        *_, state, paid, done, facts = game.step_env(jax.random.split(before, 3)[2], state, jnp.asarray(actions))
+        np.testing.assert_array_equal(observation, np.moveaxis(np.asarray(shown.observe(state)[1]), 0, -1))
+        assert info["rewards"].tolist() == paid.tolist() and reward == float(paid[1])
+        assert info["own_coins"] == int(facts["events"]["own_coins"][1])
+        assert truncated == bool(done)
+        collected += info["own_coins"]
+    assert collected > 0
+    assert len({tuple(actions) for actions in played}) > 10
+
+
+def test_seeds() -> None:
+    def course(env: AgentGame, seed: int | None) -> list[Any]:
+        seen = [env.reset(seed=seed)[0]]
+        for step in range(2 * LENGTH):
+            observation, reward, _, over, _ = env.step((5 * step) % 7)
+            seen += [observation, reward]
+            if over:
+                seen.append(env.reset()[0])
+        return seen
+
+    env = AgentGame("coins", **SHORT)
+    first, again, other, on = course(env, 3), course(AgentGame("coins", **SHORT), 3), course(env, 4), course(env, None)
+    assert all(map(np.array_equal, first, again))
+    assert not all(map(np.array_equal, first, other))
+    assert not all(map(np.array_equal, first, on))
+
+
+def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:
+    """It acts as it does elsewhere: the same key and tokens, the same actions."""
+    game, config = sjdsl.make("coins", params={"length": LENGTH}), PPOConfig()
+    shapes = parameter_shapes(game, config)
+    drawn = jax.tree.map(lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype), shapes)
+    stored = tmp_path / "run/policies/last.safetensors"
+    write_policy(stored, drawn, {"game": describe_game(game), "config": config.model_dump(mode="json"), "update": 0, "env_steps": 0})
+    env = AgentGame("coins", others=tmp_path / "run", **SHORT)
+    env.reset(seed=1)
+    for number in range(4):
+        key, state = env._key, env._state
+        env.step(6)
+        _, others_key, step_key = jax.random.split(key, 3)
+        actions = load_policy(stored, game)(others_key, game.observe(state)).at[0].set(6)
+        _, after, *_ = game.step_env(step_key, state, actions)
+        assert jax.tree.all(jax.tree.map(jnp.array_equal, after, env._state)), number
+    assert AgentGame("coins", others=str(stored), **SHORT).reset(seed=1)[0].shape == env.observation_space.shape
+
+
+def test_pictures_and_texts(capsys: pytest.CaptureFixture[str]) -> None:
+    env = AgentGame("coins", render_mode="rgb_array", **SHORT)
+    with pytest.raises(RuntimeError, match="call reset before render"):
+        env.render()
+    env.reset(seed=0)
+    picture = env.render()
+    assert picture.dtype == np.uint8 and picture.ndim == 3
+    AgentGame("coins", render_mode="human", **SHORT).reset(seed=0)
+    assert capsys.readouterr().out.count("\n") >= 16
+
+
+def test_wrong_calls_are_refused() -> None:
+    env = AgentGame("coins", **SHORT)
+    with pytest.raises(RuntimeError, match="no episode is under way; call reset"):
+        env.step(0)
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match=r"7 is no action: 0 \.\. 6"):
+        env.step(7)
+    with pytest.raises(ValueError, match="coins has no agent 2: 0 to 1"):
+        AgentGame("coins", agent=2)
+    with pytest.raises(ValueError, match="render_mode is None, human, ansi, rgb_array"):
+        AgentGame("coins", render_mode="film")
+    with pytest.raises(PolicyError, match="there is no policy `randm`; it is random, stay"):
+        AgentGame("coins", others="randm")

@@ -1,0 +1,190 @@
+"""Files of many episodes: each as one step at a time gives it, as `play --watch` plays it, and shown again by `replay`."""
+
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+
+import sjdsl
+from sjdsl.cli import run
+from sjdsl.cli.play import moments
+from sjdsl.render import random_policy
+from sjdsl.replay import Course, Dataset, DatasetWriter, Episode, Header, RecordingError, load_recording, play_episodes, replayed
+from sjdsl.replay import episodes as playing
+from sjdsl.runtime.policy import MemoryPolicy
+
+ENDINGS = str(Path(__file__).parents[1] / "cases/endings.sj")  # ends by its rules, or after 20 steps
+BUSY = {"length": 30, "spawn": 0.3}
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Returns a file of five episodes of Coins."""
+    path = tmp_path_factory.mktemp("recorded") / "coins.npz"
+    call = ["record", "coins", "-o", str(path), "--episodes", "5", "--seed", "3", "--param", "length=30", "--param", "spawn=0.3"]
+    assert run(call) == 0
+    return path
+
+
+def same(first: Episode, second: Episode) -> bool:
+    """Whether two episodes are alike in everything."""
+    return jax.tree.all(
+        jax.tree.map(np.array_equal, vars(first) | {"events": dict(first.events)}, vars(second) | {"events": dict(second.events)})
+    )
+
+
+def test_each_episode_is_what_single_steps_give(recorded: Path) -> None:
+    """Observations, rewards, events and the end, one step at a time from the recorded actions alone."""
+    env, dataset = sjdsl.make("coins", params=BUSY), Dataset(recorded)
+    assert len(dataset) == 5
+    paid = 0
+    for number, episode in enumerate(dataset):
+        assert episode.seed == 3 + number
+        assert episode.observations is not None and episode.observations.shape == (31, *env.observation_shape)
+        course = Course(env, episode.seed)
+        np.testing.assert_array_equal(episode.observations[0], course.observation)
+        for step, actions in enumerate(episode.actions):
+            moment = course.step(actions)
+            np.testing.assert_array_equal(episode.observations[step + 1], course.observation)
+            np.testing.assert_array_equal(episode.rewards[step], moment.reward)
+            for name, counts in episode.events.items():
+                np.testing.assert_array_equal(counts[step], moment.events.get(name, np.zeros(2)))
+        assert course.done and episode.truncated and not episode.terminated
+        np.testing.assert_allclose(dataset.returns[number], course.returns)
+        paid += int(np.abs(episode.rewards).sum())
+    assert paid > 0
+    assert not np.array_equal(dataset[0].actions, dataset[1].actions)
+
+
+def test_it_is_the_episode_that_play_shows() -> None:
+    """The same seed and policy, with a memory, come to the same actions there."""
+    env = sjdsl.make("coins", params={"length": 9})
+    turns = MemoryPolicy(np.int32(0), lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7))
+    (episode,) = play_episodes(env, turns, 11, 1)
+    course = Course(env, 11)
+    for _ in moments(course, turns, 0, None, lambda: "", 100):
+        pass
+    assert course.actions == episode.actions.tolist()
+
+
+def test_episodes_end_when_the_rules_say() -> None:
+    """Different lengths side by side; what comes after an end is not kept."""
+    env = sjdsl.make(ENDINGS)
+    lengths = set()
+    for episode in play_episodes(env, random_policy(env), 0, 6, "none"):
+        assert episode.observations is None
+        course = Course(env, episode.seed)
+        for actions in episode.actions:
+            course.step(actions)
+        assert course.done and (episode.terminated, episode.truncated) == (len(episode.actions) < 20, len(episode.actions) == 20)
+        lengths.add(len(episode.actions))
+    assert len(lengths) > 1
+
+
+def test_how_many_are_played_at_once_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Memory is bounded: as many as fit, one at least; the last few fill up a batch."""
+    env = sjdsl.make("coins", params=BUSY)
+    size = 31 * int(np.prod(env.observation_shape))
+    together = list(play_episodes(env, random_policy(env), 0, 5))
+    monkeypatch.setattr(playing, "MAX_BYTES", 2 * size)
+    assert playing.episodes_at_once(env) == 2
+    assert all(map(same, together, play_episodes(env, random_policy(env), 0, 5)))
+    monkeypatch.setattr(playing, "MAX_BYTES", 1)
+    assert playing.episodes_at_once(env) == 1
+    long = sjdsl.make("coins", params={"length": 1_000_000})
+    assert playing.episodes_at_once(long, "onehot") == 1
+
+
+def test_a_file_says_how_it_was_made_and_is_the_same_each_time(recorded: Path, tmp_path: Path) -> None:
+    env = sjdsl.make("coins")
+    header = Dataset(recorded).header
+    assert (header.game, header.hash, header.policy, header.seed, header.episodes) == ("coins", env.hash, "random", 3, 5)
+    assert header.environment == {"game": "coins", "variant": None, "map": None, "num_agents": None, "params": {"length": 30, "spawn": 0.3}}
+    assert set(header.versions) == {"sjdsl", "jax", "numpy"} and header.policy_digest is None
+    assert header.planes == [plane.name for plane in env.token_planes]
+    again = tmp_path / "again.npz"
+    assert run(["record", "coins", "-o", str(again), "--episodes", "5", "--seed", "3", "--param", "length=30", "--param", "spawn=0.3"]) == 0
+    assert again.read_bytes() == recorded.read_bytes()
+    few = tmp_path / "few.npz"
+    assert run(["record", "coins", "-o", str(few), "--episodes", "2", "--seed", "4", "--param", "length=30", "--param", "spawn=0.3"]) == 0
+    assert same(Dataset(few)[1], Dataset(recorded)[2])
+    with np.load(recorded) as arrays:  # without us
+        assert json.loads(str(arrays["header"]))["seed"] == 3
+        np.testing.assert_array_equal(arrays["episode_00004/rewards"].sum(axis=0), arrays["returns"][4])
+
+
+def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
+    path = tmp_path / "coins.npz"
+    assert run(["record", "coins", "-o", str(path), "--episodes", "1", "--observation", "onehot", "--param", "length=3"]) == 0
+    env = sjdsl.make("coins", observation="onehot", params={"length": 3})
+    episode, course = Dataset(path)[0], Course(env, 0)
+    assert Dataset(path).header.planes == list(env.channel_names)
+    for step, actions in enumerate(episode.actions):
+        course.step(actions)
+        np.testing.assert_array_equal(episode.observations[step + 1], course.observation)  # type: ignore[index]
+
+
+def test_replay_shows_one_of_them(recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    recording = load_recording(recorded, 2)
+    *_, last = replayed(recording, sjdsl.make(**recording.environment))
+    assert last.snapshot.returns.tolist() == Dataset(recorded).returns[2].tolist()
+    assert run(["replay", str(recorded), "--episode", "-1", "-o", str(tmp_path / "last.gif")]) == 0
+    assert "31 frames" in capsys.readouterr().out
+    assert run(["replay", str(recorded), "--episode", "5"]) == 1
+    assert "has no episode 5: it has 5, counted from 0" in capsys.readouterr().err
+    with pytest.raises(RecordingError, match="their hash was"):
+        next(iter(replayed(recording, sjdsl.make("coins", "socialjax"))))
+
+
+def writer(path: Path) -> tuple[DatasetWriter, Episode]:
+    header = Header(
+        game="coins", environment={"game": "coins"}, hash="x", policy="stay", policy_digest=None, seed=0, episodes=9, observation="none",
+        planes=[], action_names=[], versions={},
+    )  # fmt: skip
+    nothing: Any = np.zeros((1, 2), np.int32)
+    return DatasetWriter(path, header), Episode(0, None, nothing, nothing.astype(np.float32), {}, False, True)
+
+
+def test_what_was_played_before_an_interruption_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "some.npz"
+
+    def add_and_fail(error: BaseException) -> None:
+        made, episode = writer(path)
+        with made:
+            made.add(episode)
+            raise error
+
+    with pytest.raises(KeyboardInterrupt):
+        add_and_fail(KeyboardInterrupt())
+    assert Dataset(path).header.episodes == 1
+    path.unlink()
+    with pytest.raises(OSError, match="full"):
+        add_and_fail(OSError("full"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_no_such_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(RecordingError, match=r"none\.npz cannot be read: No such file"):
+        Dataset(tmp_path / "none.npz")
+    np.savez(tmp_path / "other.npz", x=1)
+    with pytest.raises(RecordingError, match="holds no recorded episodes"):
+        Dataset(tmp_path / "other.npz")
+    path = tmp_path / "some.npz"
+    with writer(path)[0] as kept:
+        kept.add(writer(tmp_path / "unused.npz")[1])
+    with zipfile.ZipFile(path) as file:
+        parts = {name: file.read(name) for name in file.namelist() if "actions" not in name}
+    with zipfile.ZipFile(path, "w") as file:
+        for name, content in parts.items():
+            file.writestr(name, content)
+    with pytest.raises(RecordingError, match=r"episode 0 of .* cannot be read"):
+        Dataset(path)[0]
+    assert run(["record", "coins", "-o", "coins.csv"]) == 2
+    assert "`coins.csv` is no .npz" in capsys.readouterr().err
+    assert run(["record", "coins", "--seed", str(2**32 - 1), "--episodes", "2"]) == 2
+    assert run(["record", "coins", "--policy", "randm"]) == 1
+    assert "there is no policy `randm`" in capsys.readouterr().err
