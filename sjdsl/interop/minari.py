@@ -1,5 +1,6 @@
 """Minari: recorded episodes as a dataset of its format, for libraries of offline reinforcement learning."""
 
+import warnings
 from collections.abc import Iterator
 from typing import Any
 
@@ -41,15 +42,18 @@ def save_minari(dataset: Dataset, dataset_id: str) -> minari.MinariDataset:
     arguments = {**given, "observation": header.observation, "others": others}
     spec = EnvSpec(environment_id(header.game), entry_point="sjdsl.interop.gymnasium_agent:AgentGame", kwargs=arguments)
     env = make(observation=header.observation, **given)
-    return minari.create_dataset_from_buffers(
-        dataset_id,
-        _buffers(dataset, env.num_agents),  # type: ignore[arg-type]  # one at a time
-        env=spec,
-        algorithm_name=header.policy,
-        description=f"{header.episodes} episodes of {env.title or env.name} by all its {env.num_agents} agents; rules {header.hash}, seeds from {header.seed}",
-        requirements=[f"sjdsl=={header.versions['sjdsl']}"],
-        jpeg_encoding=False,  # which loses some of what is seen
-    )
+    made_of = f"{header.episodes} episodes of {env.title or env.name} by all its {env.num_agents} agents"
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module="minari")  # of an author and a link, which nobody gave
+        return minari.create_dataset_from_buffers(
+            dataset_id,
+            _buffers(dataset, env.num_agents),  # type: ignore[arg-type]  # one at a time
+            env=spec,
+            algorithm_name=header.policy,
+            description=f"{made_of}; rules {header.hash}, seeds from {header.seed}",
+            requirements=[f"sjdsl=={header.versions['sjdsl']}"],
+            jpeg_encoding=False,  # which loses some of what is seen
+        )
 
 
 def check_name(dataset_id: str) -> None:

@@ -17,7 +17,6 @@ from sjdsl.replay import Course, Dataset, DatasetWriter, Episode, Header, Record
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy
 
-ENDINGS = str(Path(__file__).parents[1] / "cases/endings.sj")  # ends by its rules, or after 20 steps
 BUSY = {"length": 30, "spawn": 0.3}
 
 
@@ -71,9 +70,12 @@ def test_it_is_the_episode_that_play_shows() -> None:
     assert course.actions == episode.actions.tolist()
 
 
-def test_episodes_end_when_the_rules_say() -> None:
+def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
     """Different lengths side by side; what comes after an end is not kept."""
-    env = sjdsl.make(ENDINGS)
+    text = (Path(__file__).parents[1] / "cases/endings.sj").read_text()  # made to end when both trees are eaten, or after 20 steps
+    path = tmp_path / "endings.sj"
+    path.write_text(text.replace("acts forward", "acts step_left, step_right, forward").replace(" or step % 7 == 6", ""))
+    env = sjdsl.make(path)
     lengths = set()
     for episode in play_episodes(env, random_policy(env), 0, 6, "none"):
         assert episode.observations is None
