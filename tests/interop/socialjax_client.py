@@ -19,13 +19,14 @@ GAMES: dict[str, dict[str, Any]] = TABLE["games"]
 Metrics = list[dict[str, float]]
 
 
-def train(family: str, suite: Any, wrappers: Any, config: dict[str, Any], sharing: bool = True) -> Metrics:
+def train(family: str, suite: Any, wrappers: Any, config: dict[str, Any], sharing: bool = True, shown: bool = True) -> Metrics:
     """Trains for two updates; returns the means of the infos of each.
 
     Args:
       family: of the table.
       config: `ENV_NAME`, `ENV_KWARGS`, `NUM_ENVS`, `NUM_STEPS`, `SEED`.
       sharing: one policy for all agents, or one each.
+      shown: draws two steps at the end, as the scripts do.
     """
     asked = FAMILIES[family]
     env = suite.make(config["ENV_NAME"], **config["ENV_KWARGS"])
@@ -36,7 +37,8 @@ def train(family: str, suite: Any, wrappers: Any, config: dict[str, Any], sharin
         wrapped = getattr(wrappers, name)
         env = wrapped(env) if name == "MAPPOWorldStateWrapper" else wrapped(env, replace_info=False)
     metrics = learn_policy(env, asked, config, sharing, key)
-    evaluate(suite.make(config["ENV_NAME"], **config["ENV_KWARGS"]), asked)
+    if shown:
+        evaluate(suite.make(config["ENV_NAME"], **config["ENV_KWARGS"]), asked)
     return metrics
 
 

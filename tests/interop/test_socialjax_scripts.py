@@ -84,7 +84,8 @@ def test_the_calls_of_each_family(family: str) -> None:
 def test_the_calls_of_ippo_in_each_game(game: str) -> None:
     sharing = not GAMES[game]["kwargs"]["shared_rewards"]
     config = {"ENV_NAME": GAMES[game]["id"], "ENV_KWARGS": keywords(game), **TINY}
-    assert_learnt(train("IPPO", socialjax, socialjax, config, sharing), [*FAMILIES["IPPO"]["infos"], *GAMES[game]["figures"]])
+    metrics = train("IPPO", socialjax, socialjax, config, sharing, shown=False)
+    assert_learnt(metrics, [*FAMILIES["IPPO"]["infos"], *GAMES[game]["figures"]])
 
 
 def test_managers_are_the_environment_in_another_form() -> None:
