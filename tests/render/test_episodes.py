@@ -11,11 +11,12 @@ import pytest
 
 import sjdsl
 from sjdsl.cli import run
-from sjdsl.cli.play import moments
 from sjdsl.render import random_policy
 from sjdsl.replay import Course, Dataset, DatasetWriter, Episode, Header, RecordingError, load_recording, play_episodes, replayed
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy
+from sjdsl.screen.compiled import Compiled
+from sjdsl.screen.session import policy_choice
 
 BUSY = {"length": 30, "spawn": 0.3}
 
@@ -59,15 +60,16 @@ def test_each_episode_is_what_single_steps_give(recorded: Path) -> None:
     assert not np.array_equal(dataset[0].actions, dataset[1].actions)
 
 
-def test_it_is_the_episode_that_play_shows() -> None:
-    """The same seed and policy, with a memory, come to the same actions there."""
+def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> None:
+    """The same seed comes to the same actions there, where the interpreter draws them; with a policy that remembers, too."""
+    game = ["coins", "--param", "length=30", "--param", "spawn=0.3"]
+    assert run(["play", *game, "--watch", "--seed", "4", "--record", str(tmp_path / "played.json")]) == 0
+    assert load_recording(tmp_path / "played.json") == load_recording(recorded, 1)
     env = sjdsl.make("coins", params={"length": 9})
     turns = MemoryPolicy(np.int32(0), lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7))
     (episode,) = play_episodes(env, turns, 11, 1)
-    course = Course(env, 11)
-    for _ in moments(course, turns, 0, None, lambda: "", 100):
-        pass
-    assert course.actions == episode.actions.tolist()
+    course, choose = Compiled(env, {}, 11), policy_choice(env, turns, 11)
+    assert [choose(number, course) for number in range(9)] == episode.actions.tolist()
 
 
 def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
@@ -138,7 +140,7 @@ def test_replay_shows_one_of_them(recorded: Path, tmp_path: Path, capsys: pytest
     assert "31 frames" in capsys.readouterr().out
     assert run(["replay", str(recorded), "--episode", "5"]) == 1
     assert "has no episode 5: it has 5, counted from 0" in capsys.readouterr().err
-    with pytest.raises(RecordingError, match="their hash was"):
+    with pytest.raises(RecordingError, match="its hash was"):
         next(iter(replayed(recording, sjdsl.make("coins", "socialjax"))))
 
 
