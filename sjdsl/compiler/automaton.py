@@ -102,7 +102,7 @@ def levels(stack: Stack) -> Iterator[Stack]:
 
 
 def open_marks(automaton: Automaton, stack: Stack, opening: str, closing: str) -> list[int]:
-    """Returns the tokens of kind `opening` that have no `closing` yet, innermost first."""
+    """Returns the tokens of kind `opening` that have no `closing` yet, innermost first; -1 for one that a repair put in."""
     opened, closed = [], 0
     for level in levels(stack):
         if level.state in automaton.after[closing]:

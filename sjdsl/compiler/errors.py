@@ -15,7 +15,7 @@ RESERVED_WORD = Code(
     "SJ003",
     "A word of the language used as a name",
     "`{word}` is a word of the language and cannot be a name",
-    "choose another name",
+    "choose another name, such as `{other}`",
 )
 BAD_CHARACTER = Code("SJ004", "Not a character of the language", "character {character} is not part of the language", "{help}")
 FILE_TOO_LARGE = Code(

@@ -90,13 +90,11 @@ MOVES = {
 # Conditions as values: `when agent.moved is true`.
 CONDITIONS = ("true", "false", "yes", "no")
 
-# Words of the language that are wanted as names, with names that can be had.
+# Words of the language that are wanted as names, with names that can be had; for others the word with `_` behind it.
 NAMES = {
-    "all": "everybody", "agents": "players", "by": "maker", "case": "instance", "chance": "luck", "chose": "choice", "count": "number",
-    "each": "everyone", "end": "finish", "event": "happening", "facing": "direction", "field": "meadow", "final": "last", "first": "leader",
-    "for": "purpose", "from": "source", "game": "contest", "give": "gift", "group": "team", "in": "inside", "kind": "sort", "map": "board",
-    "mark": "sign", "match": "meeting", "mean": "average", "move": "motion", "of": "owner", "on": "upon", "or": "either", "over": "above",
-    "param": "setting", "phase": "stage", "pick": "picked", "remove": "removal", "schedule": "plan", "send": "sending", "set": "setting",
-    "shape": "form", "show": "shown", "size": "extent", "sum": "total", "timer": "clock", "to": "target", "variant": "version",
-    "when": "moment", "window": "view", "with": "partner",
+    "agents": "players", "all": "everybody", "by": "maker", "chance": "luck", "chose": "choice", "count": "number", "end": "finish",
+    "facing": "direction", "final": "last", "first": "leader", "for": "purpose", "from": "source", "give": "gift", "group": "team",
+    "in": "inside", "kind": "sort", "map": "board", "mark": "sign", "match": "meeting", "mean": "average", "move": "motion", "of": "owner",
+    "on": "upon", "over": "above", "phase": "stage", "pick": "picked", "schedule": "plan", "set": "setting", "shape": "form",
+    "size": "extent", "sum": "total", "timer": "clock", "to": "target", "variant": "version", "window": "view", "with": "partner",
 }  # fmt: skip

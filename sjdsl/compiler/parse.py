@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
 
-from lark import Lark, Token, Tree, UnexpectedToken
+from lark import Lark, Token, Tree, UnexpectedCharacters, UnexpectedToken
 
 from sjdsl.compiler import ast, errors
-from sjdsl.compiler.automaton import END, Automaton, Stack, make_automaton, read
+from sjdsl.compiler.automaton import END, Automaton, Stack, make_automaton, open_marks, read
 from sjdsl.compiler.build_ast import build_ast
 from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.idioms import Idiom, find_idiom, idiom_error
 from sjdsl.compiler.limits import MAX_PROBLEMS, check_text, check_tree
 from sjdsl.compiler.repair import ENOUGH, Repair, Trouble, find_repair
 from sjdsl.compiler.scan import Scan, scan
@@ -125,32 +126,53 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
     closing = _closing(kinds)
     stack, before = _beginning(table, begun), None
     search, at, repairs = Search(), 0, 0
+    trail: dict[int, Stack] = {}
     while repairs < MAX_PROBLEMS:
         after = read(table, stack, kinds[at], at)
         if after is not None and kinds[at] == END:
             break
         if after is not None:
+            trail[at] = stack
             before, stack, at = stack, after, at + 1
             continue
         trouble = Trouble(table, kinds, texts, closing, stack, before, at)
-        repair = find_repair(trouble)
-        _report(search, trouble, repair, found)
+        idiom = find_idiom(trouble, trail, found.tokens, found.source, _lex) if at >= search.quiet else None
+        repair = find_repair(trouble) if idiom is None else Repair("idiom", at, idiom.stack, idiom.end)
+        _report(search, trouble, repair, idiom, found)
         if repair is None:
             break
         before, stack, at, repairs = None, repair.stack, repair.resume, repairs + 1
+        trail.clear()
     return list(search.problems.values())
 
 
-def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan) -> None:
+def _lex(text: str) -> list[Token]:
+    """Returns the tokens of a text; none if it cannot be read."""
+    try:
+        return list(parser().lex(text))
+    except UnexpectedCharacters:
+        return []
+
+
+def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idiom | None, found: Scan) -> None:
     """Adds an error, unless it follows from one before."""
     change = 0 if repair is None else _change_of_braces(repair, trouble.kinds)
     worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
-    forgiven = not worse and change * search.owed < 0
+    forgiven = (not worse and change * search.owed < 0) or _closes_what_was_put_in(repair, trouble)
     search.owed += change if worse or forgiven else 0
     if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
         problem = word_error(trouble, repair, found.tokens, found.source)
+        problem = problem if idiom is None else idiom_error(idiom, problem, found.tokens, found.source)
         search.problems.setdefault(_identity(problem), problem)
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
+
+
+def _closes_what_was_put_in(repair: Repair | None, trouble: Trouble) -> bool:
+    """Whether only a bracket is missing whose opening one a repair put in: the author never wrote it."""
+    pairs = {"RPAR": "LPAR", "RSQB": "LSQB"}
+    if repair is None or repair.kind not in pairs or repair.sort not in ("insert", "replace"):
+        return False
+    return open_marks(trouble.automaton, trouble.stack, pairs[repair.kind], repair.kind)[:1] == [-1]
 
 
 def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:

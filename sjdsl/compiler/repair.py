@@ -38,7 +38,7 @@ FOREIGN = {
     "counter": "timer", "variable": "field", "stop": "end", "none": "nobody", "null": "nobody",
 }  # fmt: skip
 
-Sort = Literal["near", "name", "insert", "replace", "delete", "close", "unclose", "skip"]
+Sort = Literal["near", "name", "insert", "replace", "delete", "close", "unclose", "skip", "idiom"]
 BONUS = {"near": 6.0, "name": 2.0, "insert": 0.0, "close": 0.0, "unclose": 0.0, "delete": -1.0, "replace": -1.25}
 IMBALANCE = 2.0  # what each brace without a partner costs
 EARLIER = 0.5  # what a change before the last good token costs
@@ -83,7 +83,7 @@ class Repair:
 
     @property
     def is_sure(self) -> bool:
-        return self.sort in ("near", "name")
+        return self.sort in ("near", "name", "idiom")
 
 
 def find_repair(trouble: Trouble) -> Repair | None:

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 
 from lark import Token
 
 from sjdsl.compiler import errors
 from sjdsl.compiler.automaton import END, accepted, open_braces, open_marks
 from sjdsl.compiler.diagnostics import Diagnostic, Fix, Label
+from sjdsl.compiler.guesses import NAMES
 from sjdsl.compiler.repair import COMMITTED, SECTIONS, SENTENCES, Repair, Trouble, near_keywords
 from sjdsl.compiler.source import Source, Span
 
@@ -33,11 +34,18 @@ def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token],
     if repair is not None and repair.place < trouble.at and trouble.before is not None:
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
     if repair is not None and repair.sort == "name":
-        return Diagnostic(errors.RESERVED_WORD, _here(trouble, tokens, source), {"word": str(tokens[repair.place])})
+        word = str(tokens[repair.place])
+        return Diagnostic(errors.RESERVED_WORD, _here(trouble, tokens, source), {"word": word, "other": _other_name(word, tokens)})
     closing = repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert")
     if repair is not None and closing and (trouble.unmatched or _is_outdented(trouble, tokens, source)):
         return _open_block(trouble, repair, tokens, source)
     return _unexpected(trouble, repair, tokens, source)
+
+
+def _other_name(word: str, tokens: Sequence[Token]) -> str:
+    """Returns a name to choose instead of a word of the language: one that the file does not have yet."""
+    wanted = NAMES.get(word, f"{word}_")
+    return wanted if wanted not in tokens else next(name for number in count(2) if (name := f"{wanted}_{number}") not in tokens)
 
 
 def token_span(token: Token, source: Source) -> Span:
@@ -187,6 +195,7 @@ def _context(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], s
     """Points at an open bracket that should have been closed, or at the end of the line before if something is missing there."""
     brackets = open_marks(trouble.automaton, trouble.stack, "LPAR", "RPAR")
     brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
+    brackets = [number for number in brackets if number >= 0]
     if brackets and {"RPAR", "RSQB"} & set(accepted(trouble.automaton, trouble.stack)):
         return (Label(token_span(tokens[max(brackets)], source), "opened here"),)
     missing = repair is not None and repair.sort == "insert" and "RBRACE" not in accepted(trouble.automaton, trouble.stack)

@@ -1,0 +1,140 @@
+"""How sentences, declarations and expressions are written by those who do not know the language yet, and how they are written here.
+
+In a pattern `PATH`, `EXPR`, `DOMAIN`, `NAME`, `INT`, `STRING` stand for such a part, `NAMES` and `TURNS` for several names; all else is
+meant literally. In what stands instead, `{1}` is the first part, `{minus1}` it with the other sign, `{all1}` it in brackets if need be.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Phrase:
+    """`explanation`: what is said instead of "write …"."""
+
+    pattern: tuple[str, ...]
+    instead: str
+    explanation: str = ""
+
+    def write(self, parts: Mapping[str, str]) -> str:
+        """Returns what stands instead, with the author's own parts."""
+        lists = {"TURNS": " -> ", "NAMES": ", "}
+        listed = [lists.get(element) for element in self.pattern if element.isupper()]
+        own = dict(parts)
+        for number, between in enumerate(listed, 1):
+            if between is not None:
+                own[str(number)] = between.join(names(parts[str(number)]))
+        return self.instead.format(**{f"_{key}": text for key, text in own.items()})
+
+    def explain(self, parts: Mapping[str, str]) -> str:
+        """Returns what is said, with the author's own parts."""
+        return self.explanation.format(**{f"_{key}": text for key, text in parts.items()})
+
+
+def names(text: str) -> list[str]:
+    """Returns the names of a list, with what stands in brackets behind them."""
+    return re.findall(r"\w+(?:\s*\([^)]*\))?", text)
+
+
+def _phrase(pattern: str, instead: str, explanation: str = "") -> Phrase:
+    """Parts are numbered in the table, and named in templates."""
+    return Phrase(tuple(pattern.split()), re.sub(r"\{(\w+)\}", r"{_\1}", instead), re.sub(r"\{(\w+)\}", r"{_\1}", explanation))
+
+
+def _sentences() -> Iterator[tuple[str, ...]]:
+    """Reward, writes, places, repetition and conditions."""
+    for word in ("reward", "pay", "award"):
+        yield f"{word} PATH with EXPR", "give {2} to {1}"
+        yield f"{word} PATH by EXPR", "give {2} to {1}"
+        yield f"{word} PATH EXPR", "give {2} to {1}"
+        yield f"{word} EXPR to PATH", "give {1} to {2}"
+    yield "give PATH EXPR", "give {2} to {1}"
+    yield "give EXPR", "give {1} to agent", "say to whom: `give {1} to agent`"
+    for sign, value in (("=", "{2}"), ("+ =", "{2}"), ("- =", "{minus2}")):
+        yield f"NAME . reward {sign} EXPR", f"give {value} to {{1}}"
+    yield "PATH + = EXPR", "add {2} to {1}"
+    yield "PATH - = EXPR", "add {minus2} to {1}"
+    yield "PATH + +", "add 1 to {1}"
+    yield "PATH - -", "add -1 to {1}"
+    yield "set PATH to EXPR", "set {1} = {2}"
+    yield "set PATH + = EXPR", "add {2} to {1}"
+    yield "set PATH - = EXPR", "add {minus2} to {1}"
+    yield "PATH = EXPR", "set {1} = {2}"
+    for word, sign in (("increment", ""), ("increase", ""), ("decrement", "-"), ("decrease", "-")):
+        yield f"{word} PATH by EXPR", "add {minus2} to {1}" if sign else "add {2} to {1}"
+        yield f"{word} PATH", f"add {sign}1 to {{1}}"
+    yield "subtract EXPR from PATH", "add {minus1} to {2}"
+    for word in ("put", "place", "spawn", "teleport", "move", "respawn", "send"):
+        for where in ("at", "on", "in", "to", "onto"):
+            if (word, where) != ("send", "to"):
+                yield f"{word} PATH {where} DOMAIN", "send {1} to {2}"
+    for word in ("kill", "delete", "destroy", "eliminate"):
+        yield f"{word} PATH", "remove {1}"
+    for word in ("for each", "for all", "for every", "forall"):
+        yield f"{word} DOMAIN", "each {1}"
+    yield "for NAME in agents", "each agent as {1}"
+    yield "for NAME in NAME", "each {2} as {1}"
+    for words in ("with probability", "with chance", "with prob", "probability", "prob"):
+        yield f"{words} EXPR", "chance {1}"
+    for words in ("else if", "elif", "elsif", "elseif"):
+        yield f"{words} EXPR", "otherwise when {1}"
+    yield "agents", "agent"
+
+
+def _expressions() -> Iterator[tuple[str, ...]]:
+    """Counting without brackets, and what cannot be had over a domain."""
+    yield "count DOMAIN", "count({1})"
+    yield "number of DOMAIN", "count({1})"
+    yield "sum EXPR over DOMAIN", "sum({1} over {2})"
+    yield "sum of EXPR over DOMAIN", "sum({1} over {2})"
+    yield "sum EXPR", "sum({1})"
+    for word, sign, beyond in (("max", ">", "above"), ("min", "<", "below")):
+        of_one = f"`{word}` takes numbers side by side, `{word}(a, b)`; of a domain there are `count` and `sum`: "
+        asked = f"`count({{2}}{{and2}} {{1}} {sign} n) > 0` says whether there is one {beyond} n"
+        yield f"{word} ( EXPR over DOMAIN )", f"{word}({{1}}, {{1}})", of_one + asked
+
+
+def _declarations() -> Iterator[tuple[str, ...]]:
+    """Signs that declarations do not have, and lists with other signs between."""
+    for word in ("episode", "episodes", "horizon", "max_steps", "episode_length"):
+        for sign in (" =", " :", *[""] * (word != "episode")):
+            yield f"{word}{sign} EXPR", "episode {1}"
+    for number in (4, 3, 2, 1):
+        sides = ", ".join(f"{{{2 * i + 2}}} {{{2 * i + 1}}}" for i in range(number))
+        yield "window " + " , ".join(["INT NAME"] * number), f"window {sides}"
+        for sign in ("=", ":"):
+            sides = ", ".join(f"{{{2 * i + 1}}} {{{2 * i + 2}}}" for i in range(number))
+            yield "window " + " , ".join([f"NAME {sign} INT"] * number), f"window {sides}"
+    for square in ("INT x INT", "INT , INT", "INT by INT", "INT", "= INT", "= INT x INT", "= INT , INT"):
+        sides = "a window is given by its sides, as in `window ahead 9, behind 1, left 5, right 5`"
+        yield f"window {square}", "window ahead {1}, behind {1}, left {1}, right {1}", sides
+    for braces in ("TURNS", "= TURNS", ": TURNS", "{ TURNS }"):
+        yield f"schedule {braces}", "schedule {1}"
+    for sign in ("=", ":"):
+        yield f"agents {sign} EXPR", "agents {1}"
+        yield f"moves {sign} NAME", "moves {1}"
+        yield f"kind NAME {sign} STRING", "kind {1} {2}"
+    for braces in ("= NAMES", ": NAMES", "{ NAMES }", "NAMES"):
+        yield f"acts {braces}", "acts {1}"
+    for number in (4, 3, 2):
+        events = "  ".join(f"event {{{i + 1}}}" for i in range(number))
+        yield "event " + " , ".join(["NAME"] * number), events
+        yield "show " + " , ".join(["PATH"] * number), events.replace("event", "show")
+    unit = "a number has a unit, `{word} {1} : reward = {2}`: count, steps, cells, reward, probability or fraction"
+    for word in ("param", "size"):
+        of = "reward" if word == "param" else "count"
+        yield f"{word} NAME = EXPR", f"{word} {{1}} : {of} = {{2}}", unit.replace("{word}", word).replace("reward =", f"{of} =")
+    whole = "a field of whole numbers is written with its range: `field {1} : 0 .. 100 = 0`"
+    yield "field NAME : count = EXPR", "field {1} : 0 .. 100 = {2}", whole
+    yield "field NAME : count", "field {1} : 0 .. 100 = 0", whole
+    yield "show PATH when EXPR", "show {1}  hide {1} when not {all2}"
+
+
+def _checks() -> Iterator[tuple[str, ...]]:
+    yield "never EXPR", "always not {all1}"
+    yield "always never EXPR", "always not {all1}"
+    yield "eventually EXPR", "expect {1} with random over 30 episodes"
+
+
+PHRASES = tuple(_phrase(*row) for table in (_sentences, _expressions, _declarations, _checks) for row in table())
