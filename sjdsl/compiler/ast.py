@@ -171,8 +171,11 @@ class Show(Node):
 
 
 class Hide(Node):
+    """`on`: a kind, a group or `agents`: only there."""
+
     span: Span
     what: Path
+    on: Name | None
     condition: Expr | None
 
 

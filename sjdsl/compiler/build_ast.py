@@ -41,7 +41,7 @@ def _token(token: Token, file: str) -> ast.Name | ast.String | str:
 
 CLAUSES = {
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
-    "bind", "inside", "where", "seek", "body", "badge",
+    "bind", "inside", "where", "seek", "hidden_on", "body", "badge",
 }  # fmt: skip
 
 RULES: dict[str, nodes.Build] = {
@@ -111,9 +111,9 @@ RULES: dict[str, nodes.Build] = {
     "window": nodes.window,
     "show": nodes.several(ast.Show, 1),
     "relabel": nodes.relabel,
-    "hide": nodes.optional(ast.Hide, 2),
     "look": nodes.look,
     "paint": nodes.several(ast.Paint),
+    "hide": nodes.hide,
     "metrics": nodes.several(ast.Metrics),
     "event": nodes.event,
     "mean": lambda span, name, value: ast.Measure(span, True, name, value),

@@ -252,7 +252,17 @@ def _apply_agents(game: Composition, agents: ast.Agents) -> None:
 
 
 def _sight_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
-    return [("window" if isinstance(s, ast.Window) else path_text(s.what), s) for s in observe.sights]
+    return [(_sight_key(s), s) for s in observe.sights]
+
+
+def _sight_key(sight: ast.Window | ast.Show | ast.Hide) -> str:
+    match sight:
+        case ast.Window():
+            return "window"
+        case ast.Hide(on=ast.Name() as on):
+            return f"{path_text(sight.what)} on {on.text}"
+        case _:
+            return path_text(sight.what)
 
 
 def _apply_observe(game: Composition, observe: ast.Observe) -> None:

@@ -22,6 +22,7 @@ from sjdsl.compiler.scope import Poisoned, Problems, Scope
 from sjdsl.compiler.sights import sights, window
 from sjdsl.compiler.source import Span
 from sjdsl.compiler.upkeep import check_actions, check_events, check_time, check_use
+from sjdsl.compiler.unseen import unseen
 from sjdsl.compiler.whereabouts import with_whereabouts
 from sjdsl.compiler.worldmap import check_rows, count_cells, glyph_table, read_rows
 
@@ -93,6 +94,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         episode = number(game.episode.steps, scope, ("steps",), "a number of steps")
     view = window(game, scope)
     seen = sights(game, static, problems)
+    hidden = unseen(game, static, problems)
     measured = measures(game, Scope(static, problems, place="`metrics`"))
     promises = checks(game, promised)
     drawn = looks(game, static, problems)
@@ -121,6 +123,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         schedule=turns,
         window=view,
         sights=seen,
+        hidden=hidden,
         events=counted,
         measures=measured,
         checks=promises,

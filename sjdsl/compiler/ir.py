@@ -125,6 +125,7 @@ class Label(Node):
 class Sight(Node):
     """Something seen. `what`: `cell` (field of `kind` at each cell), `own`, `other`, `everyone`, `world` (fields), `heading` (others').
 
+    A `cell` without a field is the whole look of the kind: its labels are looks, those of other kinds by their names.
     `everyone`: the field of each agent, one plane an agent in the order of their numbers, the same in the whole window.
     `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
     observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading.
@@ -158,6 +159,19 @@ class Look(Node):
     condition: Expr | None = None
     body: Paint | None = None
     badge: Paint | None = None
+
+
+class Hidden(Node):
+    """What is not seen of some cells: their marks, or what they are (then they look `covered`).
+
+    `on`: on the whole map, on cells of `kinds` (while `when` holds of agent, the observer, and the cell `name`), or where an agent stands.
+    """
+
+    what: Literal["marks", "content"]
+    on: Literal["map", "cells", "agents"]
+    name: str = ""
+    kinds: tuple[str, ...] = ()
+    when: Expr | None = None
 
 
 class Window(Node):
@@ -207,6 +221,7 @@ class Game(Node):
     schedule: tuple[Turn, ...]
     window: Window
     sights: tuple[Sight, ...] = ()
+    hidden: tuple[Hidden, ...] = ()
     events: tuple[Event, ...] = ()
     measures: tuple[Measure, ...] = ()
     checks: tuple[Check, ...] = ()

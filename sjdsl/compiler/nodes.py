@@ -128,6 +128,11 @@ def look(span: Span, *items: Any) -> ast.Look:
     return ast.Look(span, what, clauses.get("where"), clauses.get("body"), clauses.get("badge"))
 
 
+def hide(span: Span, *items: Any) -> ast.Hide:
+    (what, *condition), clauses = split(items)
+    return ast.Hide(span, what, clauses.get("hidden_on"), condition[0] if condition else None)
+
+
 def event(span: Span, *items: Any) -> ast.Event:
     (name,), clauses = split(items)
     return ast.Event(span, name, clauses.get("by"))

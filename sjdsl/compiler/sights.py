@@ -6,6 +6,7 @@ from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import condition, fixed
 from sjdsl.compiler.scope import Poisoned, Problems, Scope, Static
 from sjdsl.compiler.types import HEADINGS, element, words
+from sjdsl.compiler.unseen import is_of_a_plane
 
 SIDES = ("ahead", "behind", "left", "right")
 OWNERS = {"agent": "own", "other": "other", "everyone": "everyone"}  # how a path to a field of agents begins -> what is seen
@@ -52,10 +53,29 @@ def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Si
         with problems.survive():
             if isinstance(sight, ast.Show):
                 _show(sight, seen, static, problems)
-            else:
+            elif not is_of_a_plane(sight, static):
                 _hide(sight, seen, static, problems)
+    _put_looks(seen, game, problems)
     order = ("cell", "heading", "other", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
+
+
+def _put_looks(seen: dict[Key, ir.Sight], game: Composition, problems: Problems) -> None:
+    """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
+    whole = {kind for what, kind, field in seen if what == "cell" and not field}
+    for sight in game.sights.values():
+        kind = sight.what.name.text
+        if kind in whole and sight.what.steps and not (isinstance(sight, ast.Hide) and sight.condition is None):
+            problems.add(errors.TWICE, sight.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)")
+    for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
+        del seen[key]
+    detailed = {kind: field for what, kind, field in seen if what == "cell" and field}
+    for kind in whole:
+        for label in seen["cell", kind, ""].labels:
+            if label.name in detailed:
+                given = f"a kind whose cells do not all look alike: its `{detailed[label.name]}` is seen"
+                help = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
+                problems.add(errors.WRONG_TYPE, label.origin, wanted="one look", given=given, help=help)  # type: ignore[arg-type]
 
 
 def _entries(sight: ir.Sight) -> list[ir.Sight]:
@@ -79,6 +99,8 @@ def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, i
             help="",
         )
     if not members:
+        if head in static.kinds:
+            return ("cell", head, ""), None
         if head not in static.fields:
             near = nearest(head, [*static.fields, *OWNERS, *static.kinds])
             raise problems.fail(errors.UNKNOWN_NAME, path.name.span, name=head, nearest=near)
@@ -106,9 +128,12 @@ def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, i
 
 def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
     key, field = _resolve(show.what, static, problems)
+    what, kind, name = key
+    if what == "cell" and not name:
+        seen[key] = _look(show, kind, static, problems)
+        return
     if field is None:
         return
-    what, kind, name = key
     prefix = "agent." if what in OWNERS.values() else "field " if what == "world" else f"{kind}."
     static.used.add(prefix + name)
     labels = _labels(show, what, kind, static, problems)
@@ -126,6 +151,16 @@ def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: P
     if what == "cell" and not labels and type_.kind != "word":
         raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number of a cell without labels (`as { … }`)")
     seen[key] = ir.Sight(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
+
+
+def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Sight:
+    """Returns how cells of a kind look: like the first label whose condition holds."""
+    if not show.labels:
+        help = f"`show {kind} as {{ floor }}` makes them look like the kind `floor`"
+        raise problems.fail(errors.WRONG_TYPE, show.span, wanted=f"what cells of `{kind}` look like", given="a kind without it", help=help)
+    labels = _labels(show, "cell", kind, static, problems)
+    names = tuple(dict.fromkeys(label.name for label in labels))
+    return ir.Sight(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
 
 
 def _scope(what: str, kind: str, static: Static, problems: Problems) -> Scope:
@@ -153,6 +188,9 @@ def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Prob
 
 def _hide(hide: ast.Hide, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
     key, _ = _resolve(hide.what, static, problems)
+    if key[0] == "cell" and not key[2]:
+        help = f"`show {key[1]} as {{ floor }}` makes its cells look like the kind `floor`"
+        raise problems.fail(errors.WRONG_TYPE, hide.what.span, wanted="something that is seen of cells", given="a kind", help=help)
     if hide.condition is None:
         seen.pop(key, None)
         return

@@ -19,10 +19,10 @@ def observation(v: Vocabulary) -> list[str]:
 def seen(v: Vocabulary) -> list[Line]:
     """Returns what is seen in each cell of the window."""
     return [
-        Line("the kind of every cell, or that it is outside the map"),
-        *(_sight(s, v) for s in v.game.sights if s.what == "cell"),
+        Line("the kind of every cell, or that it is outside the map" + _covered(v.game)),
+        *(_sight(s, v) if s.field else _look(s, v) for s in v.game.sights if s.what == "cell"),
         _agents(v),
-        *_marks(v.game),
+        *_marks(v),
         *(_sight(s, v) for s in v.game.sights if s.what not in ("cell", "heading")),
     ]
 
@@ -46,9 +46,33 @@ def _agents(v: Vocabulary) -> Line:
     return Line(text if heading.hidden_when is None else f"{text}, unless {condition(heading.hidden_when, v)}{_readers(heading)}")
 
 
-def _marks(game: ir.Game) -> list[Line]:
+def _covered(game: ir.Game) -> str:
+    covered = any(hidden.what == "content" for hidden in game.hidden)
+    return "; not of a cell on which an agent stands, the observer itself among them: it looks `covered`" if covered else ""
+
+
+def _look(s: ir.Sight, v: Vocabulary) -> Line:
+    """Returns how cells of a kind look that are shown as a whole."""
+    if len(s.labels) == 1:
+        return Line(f"{code(s.kind)} cells not as what they are, but as {code(s.labels[0].name)}")
+    return Line(f"{code(s.kind)} cells not as what they are, but as the first of these that applies: {_labels(s.labels, v)}{_readers(s)}")
+
+
+def _marks(v: Vocabulary) -> list[Line]:
+    game = v.game
     phases = [p.label for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and any(isinstance(n, ir.Mark) for n in ir.walk(p))]
-    return [Line(f"which of these phases marked it in this step, if any: {codes(phases)}")] if phases else []
+    hidden = [h for h in game.hidden if h.what == "marks"]
+    if not phases or any(h.on == "map" for h in hidden):
+        return [Line(f"no marks{'' if not phases else f' of {codes(phases)}'}")] if hidden else []
+    unseen = "; ".join(_not_marked(h, v) for h in hidden)
+    return [Line(f"which of these phases marked it in this step, if any: {codes(phases)}" + (f"; but no marks {unseen}" if unseen else ""))]
+
+
+def _not_marked(h: ir.Hidden, v: Vocabulary) -> str:
+    if h.on == "agents":
+        return "where an agent stands"
+    test = "" if h.when is None else f' if {condition(h.when, v)} ("the agent" is the observer)'
+    return f"on {joined(list(h.kinds), 'or')} cells" + (f" (each *{h.name}*)" if h.name not in h.kinds else "") + test
 
 
 def _sight(s: ir.Sight, v: Vocabulary) -> Line:
@@ -84,8 +108,15 @@ def _labels(labels: tuple[ir.Label, ...], v: Vocabulary) -> str:
 def unseen_fields(game: ir.Game) -> list[str]:
     """Returns the fields that no sight shows."""
     shown = {(s.what, s.kind, s.field) for s in game.sights}
+    shown |= {("cell", s.kind, name) for s in game.sights if s.what == "cell" and not s.field for name in _read(s)}
     shown |= {(what, "", name) for sort, _, name in shown if sort == "everyone" for what in ("own", "other")}
     return [text for key, text in _fields(game) if key not in shown]
+
+
+def _read(s: ir.Sight) -> set[str]:
+    """Returns the fields of a kind that decide how its cells look."""
+    nodes = (n for label in s.labels if label.condition is not None for n in ir.walk(label.condition))
+    return {n.name for n in nodes if isinstance(n, ir.FieldRead) and n.place == "cell"}
 
 
 def _fields(game: ir.Game) -> Iterator[tuple[tuple[str, str, str], str]]:

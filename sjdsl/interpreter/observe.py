@@ -46,6 +46,8 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
         case "agent":
             return _agent(cell, agent, here)
         case "marks":
+            if _hides_marks(cell, here):
+                return 0
             names = _marking_names(here.board)
             return sum(1 << bit for bit, name in enumerate(names) if (name, *cell) in here.world.marks)
         case "other":
@@ -61,12 +63,28 @@ def _content(cell: Cell, here: Instance) -> int:
     kind = here.board.kind_of.get(cell)
     if kind is None:
         return 0
+    if agent_on(cell, here) is not None and any(hidden.what == "content" for hidden in here.board.game.hidden):
+        return planes.content_labels(here.board.game).index(planes.COVERED)
+    whole = planes.look_of(here.board.game, kind)
+    if whole is not None:
+        return planes.content_labels(here.board.game).index(_word(whole, _at_cell(cell, here)))
     label = kind
     for sight in planes.content_sights(here.board.game, kind):
         inside = _at_cell(cell, here)
         word = planes.HIDDEN if _is_hidden(sight, inside) else _word(sight, inside)
         label += f" {planes.field_name(sight)}={word}"
     return _content_codes(here.board)[label]
+
+
+def _hides_marks(cell: Cell, here: Instance) -> bool:
+    """Returns whether no marks are seen of a cell."""
+    for hidden in here.board.game.hidden:
+        if hidden.what == "marks" and hidden.on == "agents" and agent_on(cell, here) is not None:
+            return True
+        if hidden.on == "cells" and here.board.kind_of.get(cell) in hidden.kinds:
+            if hidden.when is None or evaluate(hidden.when, here.binding({hidden.name: cell})):
+                return True
+    return False
 
 
 @lru_cache(maxsize=4)

@@ -6,6 +6,8 @@ from typing import Literal
 from sjdsl.compiler import ir
 
 HIDDEN = "hidden"
+OUTSIDE = "outside"
+COVERED = "covered"
 AGENT_WORDS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
 
 
@@ -32,7 +34,7 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
         Plane("content", "word", content_labels(game), "content"),
         Plane("agent", "word", _agent_labels(game), "agent"),
     ]
-    if marking(game):
+    if marking(game) and not any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden):
         result.append(Plane("marks", "bits", tuple(phase.label for phase in marking(game)), "marks"))
     for what in ("other", "everyone", "own", "world"):
         agents = range(game.agents.number) if what == "everyone" else (None,)
@@ -62,14 +64,30 @@ def content_words(sight: ir.Sight) -> tuple[str, ...]:
 
 
 def content_labels(game: ir.Game) -> tuple[str, ...]:
-    """Returns the labels of the content plane: nothing, then every visible state of every kind, first field slowest."""
-    labels = ["outside"]
+    """Returns the labels of the content plane.
+
+    Outside the map, then every visible state of every kind, first field slowest; then what kinds that are shown as a whole look like beside,
+    and how a cell looks that an agent covers.
+    """
+    labels, others = [OUTSIDE], []
     for kind in game.kinds:
+        whole = look_of(game, kind.name)
+        if whole is not None:
+            others += sight_words(whole)
+            continue
         states = [kind.name]
         for sight in content_sights(game, kind.name):
             states = [f"{state} {field_name(sight)}={word}" for state in states for word in content_words(sight)]
         labels += states
-    return tuple(labels)
+    if any(hidden.what == "content" for hidden in game.hidden):
+        others.append(COVERED)
+    return tuple(labels + [label for n, label in enumerate(others) if label not in labels + others[:n]])
+
+
+def look_of(game: ir.Game, kind: str) -> ir.Sight | None:
+    """Returns the sight that says how a kind looks as a whole, if there is one."""
+    wholes = [sight for sight in content_sights(game, kind) if not sight.field]
+    return wholes[0] if wholes else None
 
 
 def field_name(sight: ir.Sight) -> str:

@@ -1,5 +1,7 @@
 """Random `metrics`, `checks` and `observe`."""
 
+from collections.abc import Sequence
+
 from tests.fuzz.conditions import condition
 from tests.fuzz.declared import Field, Lines, World
 from tests.fuzz.members import domain
@@ -59,13 +61,22 @@ def observe(w: World) -> list[Lines]:
             if made:
                 lines.append(made)
                 shown.add(text)
-    for kind in w.kinds.values():
+    whole = {name for name in w.kinds if w.is_now(0.15)}
+    looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]
+    for name in whole:
+        lines.append(f"show {name} as {{ {_labels(w, name, (*LABELS, 'outside', *looks))} }}")
+    for kind in (kind for name, kind in w.kinds.items() if name not in whole):
         for f in kind.fields:
             made = _sight(w, kind.name, f, f"{kind.name}.{f.name}") if w.is_now(0.3) else ""
             lines += [made] if made else []
     if w.is_now(0.2):
         test = condition(_sight_scope(w, "other"), 1)
         lines.append("hide other.heading" + (f" when {test}" if w.is_now(0.7) else ""))
+    lines += [f"hide {what}" for what in ("marks", "marks on agents", "content on agents") if w.is_now(0.1)]
+    for name in w.kinds:
+        if w.is_now(0.15):
+            test = condition(_sight_scope(w, name), 1)
+            lines.append(f"hide marks on {name}" + (f" when {test}" if w.is_now(0.7) else ""))
     return [braces("observe", lines)] if lines or w.is_now(0.2) else []
 
 
@@ -86,6 +97,11 @@ def _sight(w: World, owner: str, f: Field, text: str) -> str:
         return f"show {text}"
     if f.type.by or f.timer:
         return f"show {text}" if f.timer and not cell else ""
-    labels = w.random.sample(LABELS, w.random.randint(1, 3))
-    tests = [f"{label} where {condition(scope, 1)}" for label in labels[:-1]]
-    return f"show {text} as {{ {', '.join([*tests, labels[-1]])} }}"
+    return f"show {text} as {{ {_labels(w, owner, LABELS)} }}"
+
+
+def _labels(w: World, owner: str, known: Sequence[str]) -> str:
+    """Returns some labels with conditions, the last without one."""
+    labels = w.random.sample(known, w.random.randint(1, 3))
+    tests = [f"{label} where {condition(_sight_scope(w, owner), 1)}" for label in labels[:-1]]
+    return ", ".join([*tests, labels[-1]])

@@ -1,6 +1,6 @@
 """What a cell can look like: states of kinds as numbers, raw (all that is painted) and as an observer is shown them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.context import NotSupported
@@ -10,11 +10,17 @@ from sjdsl.runtime.planes import TokenPlane
 HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
 
 
+COVERED = "covered"  # how a cell looks on which an agent stands, if agents hide what they stand on
+OUTSIDE = "outside"
+
+
 @dataclass(frozen=True)
 class Look:
     """One kind: its painted fields with their numbers of values, and its sights in order.
 
-    `raw` and `final` are the first numbers of the kind in the two numberings; a kind that is not on the map has no raw ones.
+    `raw` and `final` are the first numbers of the kind in the two numberings; a kind that is not on the map has no raw ones. `labels`: the
+    final numbers of the labels of a kind that is shown as a whole. A kind that always looks like another is painted as that, and not
+    `present` as itself.
     """
 
     kind: ir.Kind
@@ -23,6 +29,7 @@ class Look:
     raw: int
     final: int
     present: bool
+    labels: tuple[int, ...] = ()
 
     @property
     def raw_values(self) -> int:
@@ -51,31 +58,59 @@ def sight_words(sight: ir.Sight) -> tuple[str, ...]:
 
 def looks(game: ir.Game) -> tuple[Look, ...]:
     """Returns the looks of all kinds in declaration order."""
-    found, raw, final = [], 1, 1
+    raw, labels = 1, content_labels(game)
     glyphs = {g.glyph: g.kind for g in game.glyphs}
     there = {glyphs[g] for row in game.rows for g in row}
+    found: dict[str, Look] = {}
     for kind in game.kinds:
-        sights = tuple(s for s in game.sights if s.what == "cell" and s.kind == kind.name)
-        look = Look(kind, tuple((f, _values(f, game)) for f in _painted(kind, sights)), sights, raw, final, kind.name in there)
-        found.append(look)
-        raw += look.raw_values
-        size = 1
-        for words in look.final_words:
-            size *= len(words)
-        final += size
-    if raw > 256 or final > 256:
-        raise NotSupported(f"{max(raw, final)} different looks of cells (at most 256)", game.kinds[-1].origin)
-    return tuple(found)
+        sights = _sights_of(kind, game)
+        whole = _shown_as(kind, game)
+        numbers = tuple(labels.index(word) for word in sight_words(whole)) if whole is not None else ()
+        final = numbers[0] if numbers else labels.index(_states(kind, game)[0])
+        painted = tuple((f, _values(f, game)) for f in _painted(kind, sights, game))
+        found[kind.name] = Look(kind, painted, sights, raw, final, kind.name in there, numbers)
+        if _as_another(found[kind.name], game) is None:
+            raw += found[kind.name].raw_values
+    if raw > 256 or len(labels) > 256:
+        raise NotSupported(f"{max(raw, len(labels))} different looks of cells (at most 256)", game.kinds[-1].origin)
+    return tuple(_painted_as(look, found, game) for look in found.values())
 
 
-def _painted(kind: ir.Kind, sights: tuple[ir.Sight, ...]) -> list[ir.VarField]:
-    """Returns the fields that decide how a cell looks: those shown as they are, and those the labels read."""
+def _painted_as(look: Look, others: dict[str, Look], game: ir.Game) -> Look:
+    """Returns the look of a kind, of one that always looks like another with the numbers of that."""
+    name = _as_another(look, game)
+    if name is None:
+        return look
+    return replace(look, raw=0 if name == OUTSIDE else others[name].raw, present=False)
+
+
+def _as_another(look: Look, game: ir.Game) -> str | None:
+    """Returns what else, that can be painted, a kind always looks like: another kind on the map, or what is outside."""
+    name = look.sights[0].labels[-1].name if len(look.labels) == 1 else ""
+    if not name or any(kind in hidden.kinds for hidden in game.hidden for kind in (look.kind.name, name)):
+        return None
+    glyphs = {g.glyph: g.kind for g in game.glyphs}
+    there = name in {glyphs[g] for row in game.rows for g in row} and all(s.kind != name for s in game.sights)
+    return name if name == OUTSIDE or there else None
+
+
+def _sights_of(kind: ir.Kind, game: ir.Game) -> tuple[ir.Sight, ...]:
+    return tuple(s for s in game.sights if s.what == "cell" and s.kind == kind.name)
+
+
+def _shown_as(kind: ir.Kind, game: ir.Game) -> ir.Sight | None:
+    """Returns the sight that says how cells of a kind look as a whole, if there is one."""
+    return next((s for s in _sights_of(kind, game) if not s.field), None)
+
+
+def _painted(kind: ir.Kind, sights: tuple[ir.Sight, ...], game: ir.Game) -> list[ir.VarField]:
+    """Returns the fields that decide how a cell looks: those shown as they are, and those that labels and `hide` read."""
     wanted = {s.field for s in sights if not s.labels}
-    for sight in sights:
-        conditions = [label.condition for label in sight.labels] + [sight.hidden_when]
-        for node in (n for c in conditions if c is not None for n in ir.walk(c)):
-            if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and node.owner.name == kind.name:
-                wanted.add(node.name)
+    conditions = [c for s in sights for c in (*(label.condition for label in s.labels), s.hidden_when)]
+    conditions += [hidden.when for hidden in game.hidden if kind.name in hidden.kinds]
+    for node in (n for c in conditions if c is not None for n in ir.walk(c)):
+        if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and kind.name in node.owner.kinds:
+            wanted.add(node.name)
     return [f for f in kind.fields if f.name in wanted]
 
 
@@ -98,18 +133,29 @@ def _bound(field: ir.VarField, game: ir.Game) -> float:
 
 def content_labels(game: ir.Game) -> tuple[str, ...]:
     """Returns the labels of the content plane in the order of its values."""
-    labels = ["outside"]
-    for look in looks(game):
-        names = [""]
-        for sight, words in zip(look.sights, look.final_words, strict=True):
-            names = [f"{n} {sight.field}={w}" for n in names for w in words]
-        labels += [look.kind.name + n for n in names]
-    return tuple(labels)
+    whole = {kind.name: _shown_as(kind, game) for kind in game.kinds}
+    labels = [OUTSIDE, *(state for kind in game.kinds if whole[kind.name] is None for state in _states(kind, game))]
+    labels += [word for sight in whole.values() if sight is not None for word in sight_words(sight)]
+    covered = [COVERED] if any(hidden.what == "content" for hidden in game.hidden) else []
+    return tuple(dict.fromkeys([*labels, *covered]))
+
+
+def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
+    """Returns the labels of all states that are seen of a kind, the first field slowest."""
+    names = [kind.name]
+    for sight in _sights_of(kind, game):
+        names = [f"{n} {sight.field}={w}" for n in names for w in sight_words(sight)]
+    return names
 
 
 def marking_phases(game: ir.Game) -> tuple[ir.Phase, ...]:
     """Returns the phase uses that mark cells, `start` first, then in schedule order."""
     return tuple(p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and p.marks)
+
+
+def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
+    """Returns those whose marks are seen: all, or none if marks are hidden everywhere."""
+    return () if any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden) else marking_phases(game)
 
 
 def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
@@ -121,7 +167,7 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     else:
         labels = HEADING_LABELS if heading.hidden_when is None else (*HEADING_LABELS, "other")
     planes.append(TokenPlane("agent", "word", labels, len(labels) - 1))
-    marking = marking_phases(game)
+    marking = seen_marks(game)
     if marking:
         planes.append(TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1))
     everyone = tuple(f"everyone[{agent}]." for agent in range(game.agents.number))

@@ -6,7 +6,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.identifiers import attribute_name
 from sjdsl.compiler.layout import Table
 from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.content import Look, looks, marking_phases
+from sjdsl.compiler.lower.content import COVERED, Look, content_labels, looks, seen_marks
 from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, iota
 from sjdsl.compiler.lower.expressions import lower, to_words
 from sjdsl.compiler.lower.values import Axis, Value, binary, literal, select, wrapped
@@ -25,10 +25,9 @@ class Part:
 
 def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     """Returns where content, agents and marks are kept: packed into as few bytes as they fit."""
-    final = looks(game)[-1]
-    contents = final.raw + final.raw_values
+    contents = max(look.raw + look.raw_values for look in looks(game))
     wanted = [("content", _bits(contents)), ("agent", _bits(game.agents.number + 1) if by_id else 3)]
-    wanted += [(f"mark_{p.name}", 1) for p in marking_phases(game)]
+    wanted += [(f"mark_{p.name}", 1) for p in seen_marks(game)]
     found: list[Part] = []
     used = [0]
     for name, bits in wanted:
@@ -66,9 +65,11 @@ def observe(w: Writer) -> str:
         text = text if part.shift == 0 else f"({text} >> {part.shift})"
         planes[part.name] = Value(text if alone else f"{text} & {2**part.bits - 1}", "u8", axes)
     columns = [_content(planes["content"], axes, w), *_agents(planes["agent"], axes, by_id, w)]
+    if any(hidden.what == "content" for hidden in game.hidden):
+        columns[0] = select(_somebody(planes, w), literal(content_labels(game).index(COVERED), "u8"), columns[0])
     marks = [p for p in parts if p.name.startswith("mark_")]
     if marks:
-        columns.insert(2, _marks(marks, planes))
+        columns.insert(2, _without_hidden(_marks(marks, planes), planes, axes, w))
     columns += [*_everyone(axes, w), *_own(axes, w)]
     away = reads.present(AgentVar(iota(axes[0]), axes[0]), w)
     present = "None" if away is None else away.text
@@ -101,7 +102,7 @@ def _paint(parts: tuple[Part, ...], by_id: bool, w: Writer) -> None:
         w.origin = look.kind.origin
         value = wrapped(Value(_raw(look, w), "u8")) + (f" << {content.shift}" if content.shift else "")
         w.line(f"plane_{content.plane} = fill(plane_{content.plane}, {constant}, {value})")
-    phases = {f"mark_{p.name}": p for p in marking_phases(game)}
+    phases = {f"mark_{p.name}": p for p in seen_marks(game)}
     for part in parts:
         if part.name in phases:
             w.origin = phases[part.name].origin
@@ -139,7 +140,7 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
         return raw
     raw = w.keep("raw", raw)
     shown, shift = raw, 0
-    for look in found:  # looks before this one may show more or fewer values than are painted
+    for look in (look for look in found if look.same):  # those before this one may show more or fewer values than are painted
         if look.final - look.raw != shift:
             step = binary(
                 "*",
@@ -150,28 +151,44 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
             shown, shift = binary("+", shown, step, "u8"), look.final - look.raw
     for look in found:
         if not look.same:
-            inside = f"({raw.text} >= {look.raw}) & ({raw.text} < {look.raw + look.raw_values})"
-            shown = select(w.keep(f"is_{look.kind.name}", Value(inside, "bool", axes)), _shown(look, raw, axes, w), shown)
+            shown = select(w.keep(f"is_{look.kind.name}", Value(_inside(look, raw), "bool", axes)), _shown(look, raw, axes, w), shown)
     return w.keep("content", shown)
 
 
 def _shown(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     """Returns the number of a kind's look for each observer, from its painted values."""
-    values: dict[str, Value] = {}
-    rest = f"({raw.text} - {look.raw})"
-    for field, size in reversed(look.painted):
-        text = f"{rest} % {size}" if field is not look.painted[0][0] else rest
-        values[field.name] = w.keep(f"{look.kind.name}_{field.name}", Value(text, "u8", axes))
-        rest = f"({rest} // {size})"
-    observer = AgentVar(iota(axes[0]), axes[0])
-    cell = SeenCell(Value("0", "i32"), (look.kind.name,), None, values)
-    place = Frame(axes=axes, variables={"agent": observer, look.kind.name: cell})
+    values = _values(look, raw, axes, w)
+    place = _seen_cell(look, look.kind.name, values, axes)
+    if look.labels:
+        number = literal(look.labels[look.final_words[0].index(look.sights[0].labels[-1].name)], "u8")
+        for label in reversed(look.sights[0].labels[:-1]):
+            assert label.condition is not None
+            shown = literal(look.labels[look.final_words[0].index(label.name)], "u8")
+            number = select(lower(label.condition, place, w), shown, number)
+        return number
     number: Value | None = None
     for sight, words in zip(look.sights, look.final_words, strict=True):
         one = _sight(sight, words, values, place, w)
         number = one if number is None else binary("+", binary("*", number, literal(len(words), "u8"), "u8"), one, "u8")
     assert number is not None
     return binary("+", number, literal(look.final, "u8"), "u8")
+
+
+def _values(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> dict[str, Value]:
+    """Returns the painted fields of a kind, taken out of the numbers of looks; where another kind is they mean nothing."""
+    values: dict[str, Value] = {}
+    rest = f"({raw.text} - {look.raw})"
+    for field, size in reversed(look.painted):
+        text = f"{rest} % {size}" if field is not look.painted[0][0] else rest
+        values[field.name] = w.keep(f"{look.kind.name}_{field.name}", Value(text, "u8", axes))
+        rest = f"({rest} // {size})"
+    return values
+
+
+def _seen_cell(look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]) -> Frame:
+    """Returns the scope of a condition about the observer and the cell that it sees."""
+    cell = SeenCell(Value("0", "i32"), (look.kind.name,), None, values)
+    return Frame(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), name: cell})
 
 
 @dataclass(frozen=True)
@@ -263,6 +280,35 @@ def _marks(marks: list[Part], planes: dict[str, Value]) -> Value:
         return replace(planes[marks[0].name], text=text)
     text = " | ".join(f"(({planes[m.name].text}) << {i})" for i, m in enumerate(marks))
     return replace(planes[marks[0].name], text=text)
+
+
+def _somebody(planes: dict[str, Value], w: Writer) -> Value:
+    """Returns where an agent stands, the observer too."""
+    return w.keep("somebody", binary("!=", planes["agent"], literal(0, "u8"), "bool"))
+
+
+def _without_hidden(marks: Value, planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:
+    """Returns the marks that are seen: none on the cells on which they are hidden."""
+    found = {look.kind.name: look for look in looks(w.module.game) if look.present}
+    raw = w.keep("raw", planes["content"]) if any(h.on == "cells" for h in w.module.game.hidden) else planes["content"]
+    for hidden in w.module.game.hidden:
+        if hidden.what == "marks" and hidden.on == "agents":
+            marks = select(_somebody(planes, w), literal(0, "u8"), marks)
+        for look in (found[kind] for kind in hidden.kinds if kind in found):
+            w.origin = hidden.origin
+            there = w.keep(f"on_{look.kind.name}", Value(_inside(look, raw), "bool", axes))
+            if hidden.when is not None:
+                place = _seen_cell(look, hidden.name, _values(look, raw, axes, w), axes)
+                there = binary("&", there, lower(hidden.when, place, w), "bool")
+            marks = select(there, literal(0, "u8"), marks)
+    return marks
+
+
+def _inside(look: Look, raw: Value) -> str:
+    """Returns whether a number of looks is of a kind."""
+    if look.raw_values == 1:
+        return f"{raw.text} == {look.raw}"
+    return f"({raw.text} >= {look.raw}) & ({raw.text} < {look.raw + look.raw_values})"
 
 
 def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:

@@ -4,7 +4,7 @@ game base {
   kind gate "."
   map { "...." }
   agents 3 {
-    acts look, stay
+    acts stay
     field debt : agent
   }
   observe { show everyone.debt as { near_by } }
