@@ -21,8 +21,8 @@ from sjdsl.compiler.promises import check_requires, checks, events, measures, re
 from sjdsl.compiler.scope import Poisoned, Problems, Scope
 from sjdsl.compiler.sights import sights, window
 from sjdsl.compiler.source import Span
-from sjdsl.compiler.upkeep import check_actions, check_events, check_time, check_use
 from sjdsl.compiler.unseen import unseen
+from sjdsl.compiler.upkeep import check_actions, check_events, check_time, check_use
 from sjdsl.compiler.whereabouts import with_whereabouts
 from sjdsl.compiler.worldmap import check_rows, count_cells, glyph_table, read_rows
 
