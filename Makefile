@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-all test-interop check bench damage fuzz golden docs wheel-test clean
+.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs wheel-test clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -14,6 +14,9 @@ BENCH := $(BIN)/sjdsl bench
 ENVS ?= 1,128,1024,4096
 NINE := coins harvest_open harvest_closed harvest_partnership clean_up coop_mining gift_refinement mushrooms pd_arena
 PAGE := --markdown docs/performance.md
+# A Python whose JAX sees a GPU, with the packages of pyproject.toml.
+GPU_PYTHON ?= python3
+GPU_MINUTES ?= 9
 
 # The quickest tour: a game as Python, as pictures, and learnt by agents.
 run: .venv/ready
@@ -55,6 +58,16 @@ bench: .venv/ready
 	$(BENCH) coins clean_up harvest_open --training mlp,cnn --repeats 3 $(PAGE)
 	$(BENCH) harvest_open --sweep regrow_3 --values 64 $(PAGE)
 	$(BENCH) pd_arena --sweep payoff --values 64 $(PAGE)
+
+# Everything that a GPU is needed for, in nine minutes: figures as JSON in runs/gpu, each as soon as it is measured.
+gpu:
+	@$(GPU_PYTHON) -c 'import jax, sys; sys.exit(0 if jax.default_backend() == "gpu" else "this JAX sees no GPU; name a Python whose JAX does: make gpu GPU_PYTHON=...")'
+	@$(GPU_PYTHON) -c 'import sjdsl.trainers' 2>/dev/null || $(GPU_PYTHON) -m pip install --quiet --no-deps --no-build-isolation -e .
+	$(GPU_PYTHON) -m sjdsl bench $(NINE) --everything runs/gpu --minutes $(GPU_MINUTES)
+
+# The tables of docs/performance.md from the figures that `make gpu` has left, on any machine.
+gpu-page: .venv/ready
+	$(BENCH) --from runs/gpu --plots docs/plots $(PAGE)
 
 # What becomes of damaged games, thousands of them: docs/proof.md.
 damage: .venv/ready

@@ -35,9 +35,12 @@ def replace_section(page: str, name: str, text: str) -> str:
     return marks.sub(lambda found: f"{found[1]}{text}{found[2]}", page, count=1)
 
 
-def write_section(path: Path, name: str, text: str) -> None:
-    """Writes the text between the marks of the page; where there is no page yet, one with nothing else. Raises ValueError."""
-    empty = f"<!-- {name} -->\n<!-- end {name} -->\n"
-    page = path.read_text(encoding="utf-8") if path.is_file() else empty
+def new_page(path: Path, names: Iterable[str]) -> None:
+    """Writes a page that holds nothing but the marks of some sections."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(replace_section(page, name, text), encoding="utf-8")
+    path.write_text("\n".join(f"<!-- {name} -->\n<!-- end {name} -->\n" for name in names), encoding="utf-8")
+
+
+def write_section(path: Path, name: str, text: str) -> None:
+    """Writes the text between the marks of the page. Raises ValueError where the page has no such marks."""
+    path.write_text(replace_section(path.read_text(encoding="utf-8"), name, text), encoding="utf-8")

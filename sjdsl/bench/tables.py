@@ -1,10 +1,14 @@
 """Figures as tables of text: the same ones on a screen and on a page."""
 
+import math
 import statistics
 from collections.abc import Iterable
 from typing import NamedTuple
 
 from sjdsl.bench.compilation import Compilation
+from sjdsl.bench.kernels import Kernels
+from sjdsl.bench.resuming import Resume
+from sjdsl.bench.stored import Found
 from sjdsl.bench.sweep import Sweep
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.bench.training import Training
@@ -30,24 +34,34 @@ class Form(NamedTuple):
 FORM = ("game", "agents", "observation")
 
 
-def tables_of(found: Report | Sweep | Training) -> tuple[Table, ...]:
+def tables_of(found: Found) -> tuple[Table, ...]:
     """Returns the tables of what was measured; comparisons only where there are two things to compare."""
-    if isinstance(found, Sweep):
-        return (sweep_table(found),)
-    if isinstance(found, Training):
-        return (training_table(found),)
+    match found:
+        case Sweep():
+            return (sweep_table(found),)
+        case Training():
+            return (training_table(found),)
+        case Kernels():
+            return (kernel_table(found),)
+        case Resume():
+            return (resume_table(found),)
     return tuple(table for table in (speed_table(found), cost_table(found), relation_table(found)) if table.rows)
 
 
-def notes_of(found: Report | Sweep | Training) -> tuple[str, ...]:
+def notes_of(found: Found) -> tuple[str, ...]:
     """Returns what the tables do not say."""
-    if isinstance(found, Training):
-        return (
-            f"a float32 matrix product does {found.flops_per_s / 1e9:.0f} GFLOP/s here: the floor is an update's operations at that speed",
-        )
-    if isinstance(found, Sweep) or found.device_peak_bytes is None:
-        return ()
-    return (f"the device held at most {found.device_peak_bytes / 1e9:.3g} GB while all this was measured",)
+    match found:
+        case Training():
+            rate = f"{found.flops_per_s / 1e9:.0f}"
+            return (f"a float32 matrix product does {rate} GFLOP/s here: the floor is an update's operations at that speed",)
+        case Kernels():
+            rate = f"{found.copied_bytes_per_s / 1e9:,.0f}"
+            return (
+                f"a large copy moves {rate} GB/s here, read and written: the share is what a step's least bytes would take at that speed",
+            )
+        case Report() if found.device_peak_bytes is not None:
+            return (f"the device held at most {found.device_peak_bytes / 1e9:.3g} GB while all this was measured",)
+    return ()
 
 
 def speed_table(report: Report) -> Table:
@@ -55,8 +69,7 @@ def speed_table(report: Report) -> Table:
     numbers = _numbers(report)
     rows = []
     for form, speeds in _by_form(report.speeds).items():
-        cells = (f"{thousands(s.env_steps_per_s)} ±{s.spread:.0%} x{s.ratio:.2f}" for s in (speeds[n] for n in numbers))
-        rows.append((*_labels(form), *cells))
+        rows.append((*_labels(form), *(_speed_cell(speeds.get(number)) for number in numbers)))
     title = f"environment steps a second: median of {report.repeats} rounds, spread, ratio to the yardstick round by round"
     return Table(title, (*FORM, *_columns(numbers)), tuple(rows), len(FORM))
 
@@ -67,7 +80,7 @@ def cost_table(report: Report) -> Table:
     steps = {Form(step.name, step.num_agents, step.observation): step for step in report.compilations}
     rows = []
     for form, speeds in _by_form(report.speeds).items():
-        memory = (f"{speeds[n].memory_bytes / 1e6:.3g} MB" for n in numbers)
+        memory = (f"{speeds[n].memory_bytes / 1e6:.3g} MB" if n in speeds else "" for n in numbers)
         slowest = max(speed.loop_compile_s for speed in speeds.values())
         rows.append((*_labels(form), *_step_cells(steps.get(form)), f"{slowest:.1f} s", *memory))
     headings = (*FORM, "step compile", "StableHLO lines", "loop compile", *_columns(numbers))
@@ -131,6 +144,27 @@ def training_table(training: Training) -> Table:
     return Table(f"one update of IPPO: {each}", headings, tuple(rows), 3)
 
 
+def kernel_table(kernels: Kernels) -> Table:
+    """Returns what a step launches and moves, and how near it is to the bandwidth of a copy."""
+    rows = []
+    for step in kernels.steps:
+        seconds = statistics.median(step.seconds)
+        share = step.least_bytes * step.num_envs / kernels.copied_bytes_per_s / seconds
+        labels = (step.name, str(step.num_agents), step.observation, f"{step.num_envs:,}")
+        moved = ("" if math.isnan(step.accessed_bytes) else f"{step.accessed_bytes:,.0f}", f"{step.least_bytes:,.0f}")
+        rows.append((*labels, str(step.kernels), *moved, f"{seconds * 1e6:,.0f} µs", thousands(step.num_envs / seconds), f"{share:.1%}"))
+    headings = (*FORM, "envs", "kernels", "bytes accessed", "least bytes", "step", "env-steps/s", "share of copy bandwidth")
+    return Table("one step: kernels launched, bytes an environment moves, and the share of the copy bandwidth", headings, tuple(rows), 3)
+
+
+def resume_table(resume: Resume) -> Table:
+    """Returns whether a run that was stopped ended as one that was not."""
+    same = "yes" if not resume.different else f"no: {', '.join(resume.different)}"
+    row = (resume.name, str(resume.updates), str(resume.stopped_after), resume.flags, same)
+    headings = ("game", "updates", "stopped after", "flags", "same end, bit for bit")
+    return Table("a training run stopped and resumed, beside one that was never stopped", headings, (row,), len(headings))
+
+
 def thousands(rate: float) -> str:
     """Returns `9.48k` or `1,293k`: three digits say all that a timing knows."""
     return f"{rate / 1000:,.0f}k" if rate >= 100_000 else f"{rate / 1000:.3g}k"
@@ -161,9 +195,15 @@ def _labels(form: Form) -> tuple[str, str, str]:
     return form.name, str(form.num_agents), form.observation
 
 
+def _speed_cell(speed: Speed | None) -> str:
+    """Returns a speed, its spread and its ratio; nothing where there was no time to measure it."""
+    return "" if speed is None else f"{thousands(speed.env_steps_per_s)} ±{speed.spread:.0%} x{speed.ratio:.2f}"
+
+
 def _step_cells(step: Compilation | None) -> tuple[str, str]:
     return ("", "") if step is None else (f"{step.compile_s:.1f} s", f"{step.stablehlo_lines:,}")
 
 
 def _longer(speeds: dict[int, Speed], base: dict[int, Speed], numbers: list[int]) -> Iterable[str]:
-    return (f"{base[n].env_steps_per_s / speeds[n].env_steps_per_s:.2f}" for n in numbers)
+    both = base.keys() & speeds.keys()
+    return (f"{base[n].env_steps_per_s / speeds[n].env_steps_per_s:.2f}" if n in both else "" for n in numbers)

@@ -3,6 +3,7 @@
 import statistics
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -61,6 +62,8 @@ def measure(
     repeats: int = 5,
     steps: Callable[[int], int] = steps_for,
     tell: Callable[[str], object] = lambda _: None,
+    workers: int = 1,
+    one_step: bool = True,
 ) -> Report:
     """Returns the speeds of all tasks and of the yardstick at each number of environments.
 
@@ -70,26 +73,31 @@ def measure(
       repeats: rounds; in each every task is timed once.
       steps: number of environments -> steps of one timing.
       tell: called with a line whenever something has begun.
+      workers: programs compiled at the same time; seconds of compiling mean little with more than one.
+      one_step: whether one step of one environment is compiled as well, for its size and its seconds.
     """
     compilations = []
-    for task in tasks:
+    for task in tasks if one_step else ():
         if task.env is not None:
             tell(f"compiling one step of {task.name}")
             compilations.append(compile_step(task.env, task.name))
     speeds: list[Speed] = []
     for number in num_envs:
-        speeds += _race([yardstick_task(), *tasks], number, steps(number), repeats, tell)
+        speeds += _race([yardstick_task(), *tasks], number, steps(number), repeats, tell, workers)
     return Report(describe_machine(), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
-def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], object]) -> list[Speed]:
+def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], object], workers: int) -> list[Speed]:
     """Measures all tasks at one number of environments; the first of them is the yardstick."""
-    loops, compile_s = [], []
-    for task in tasks:
+
+    def compile_loop(task: Task) -> tuple[Compiled, float]:
         tell(f"compiling {task.name} for {num_envs} environments")
         began = time.perf_counter()
-        loops.append(jax.jit(make_loop(task, num_envs, num_steps)).lower(jax.random.key(0)).compile())
-        compile_s.append(time.perf_counter() - began)
+        loop = jax.jit(make_loop(task, num_envs, num_steps)).lower(jax.random.key(0)).compile()
+        return loop, time.perf_counter() - began
+
+    with ThreadPoolExecutor(workers) as pool:
+        loops, compile_s = zip(*pool.map(compile_loop, tasks), strict=True)
     env_steps = [num_envs * num_steps] * len(loops)
     rates = race(loops, env_steps, repeats, lambda number: tell(f"{num_envs} environments, round {number} of {repeats}"))
     speeds = []

@@ -38,6 +38,14 @@ ROLLOUT = 128  # steps
 @click.option("--sweep", metavar="PARAM", help="Instead: many values of a parameter of one GAME, in one program and in one each.")
 @click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="How many of them.")
 @click.option("--training", "networks", type=Words(NETWORKS), metavar="NETWORKS", help="Instead: an update of IPPO: mlp, cnn or mlp,cnn.")
+@click.option(
+    "--everything",
+    "folder",
+    metavar="FOLDER",
+    help="Instead: speeds, kernels, resuming and training, as JSON files in FOLDER; within --minutes.",
+)
+@click.option("--minutes", type=click.FloatRange(min=0, min_open=True), default=9.0, show_default=True, help="Time for --everything.")
+@click.option("--from", "stored", metavar="PATH", help="Instead of measuring: the figures of a --json file or an --everything folder.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well.")
 @click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or between the marks of one there is.")
 @click.option("--plots", metavar="FOLDER", help="Draw speed over numbers of environments, as PNGs.")
@@ -54,6 +62,9 @@ def command(
     sweep: str | None,
     values: int,
     networks: tuple[Any, ...],
+    folder: str | None,
+    minutes: float,
+    stored: str | None,
     json_file: str | None,
     page: str | None,
     plots: str | None,
@@ -65,25 +76,34 @@ def command(
     yardstick, taken round by round, does not.
     """
     import jax
-    from jax.experimental.compilation_cache import compilation_cache
 
-    from sjdsl.bench import Report, measure, measure_sweep, measure_training
     from sjdsl.bench.loop import steps_for
-    from sjdsl.bench.plots import draw_scaling
-    from sjdsl.bench.tables import notes_of, tables_of
-    from sjdsl.cli.bench_output import print_tables, require_marks, section_name, telling, write_json, write_page
+    from sjdsl.bench.stored import write_found
+    from sjdsl.cli.bench_everything import Stored, measure_all, read_all, section_of
+    from sjdsl.cli.bench_output import Outputs, telling
 
-    jax.config.update("jax_enable_compilation_cache", False)  # seconds of compiling are measured, too
-    compilation_cache.reset_cache()  # JAX decides at the first program of a process, which may be made by an import
-    seen = tuple(dict.fromkeys(word for words in observations for word in words)) or ("tokens",)
+    said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
+    outputs = Outputs(page, plots)
+    if stored:
+        kept = tuple(read_all(Path(stored), said))
+        outputs.check(*(figures.section for figures in kept))
+        for figures in kept:
+            outputs.show(figures)
+        return
+    compile_everything_anew()
+    seen = tuple(dict.fromkeys(word for words in observations for word in words)) or (OBSERVATIONS if folder else ("tokens",))
     numbers = envs or (SWEPT if sweep else TRAINED if networks else RACED)
-    _refuse_mixtures(context, games, seen, agents, numbers, sweep, networks, plots)
+    _refuse_mixtures(context, games, seen, agents, numbers, sweep, networks, plots, folder)
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
     if not tasks:
         raise click.ClickException("; ".join(refused))
-    section = section_name(f"sweep {tasks[0].name} {sweep}" if sweep else f"training {','.join(networks)}" if networks else "speed")
-    if page:
-        require_marks(Path(page), section)
+    if folder:
+        measure_all(games or bundled(), tasks, envs, repeats, minutes, Path(folder), said)
+        return
+    from sjdsl.bench import measure, measure_sweep, measure_training
+
+    what = f"sweep {tasks[0].name} {sweep}" if sweep else f"training {','.join(networks)}" if networks else "speed"
+    outputs.check(f"{what} {jax.default_backend()}")
     with telling() as tell:
         if networks:
             trained = [task.env for task in tasks if task.env is not None]
@@ -92,14 +112,18 @@ def command(
             found = measure_sweep(tasks[0], sweep, _swept(tasks[0], sweep, values), numbers[0], repeats, steps, tell=tell)
         else:
             found = measure(tasks, numbers, repeats, lambda n: steps or steps_for(n), tell)
-    tables, notes = tables_of(found), [*refused, *notes_of(found)]
-    print_tables(tables, found.machine, notes)
     if json_file:
-        write_json(Path(json_file), found)
-    pictures = draw_scaling(found, Path(plots)) if isinstance(found, Report) and plots else ()
-    if page:
-        said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
-        write_page(Path(page), section, said, found.machine, notes, tables, pictures)
+        write_found(Path(json_file), found)
+    outputs.show(Stored(section_of(found), found, said, tuple(refused)))
+
+
+def compile_everything_anew() -> None:
+    """Has JAX keep and find no programs: seconds of compiling are measured, too."""
+    import jax
+    from jax.experimental.compilation_cache import compilation_cache
+
+    jax.config.update("jax_enable_compilation_cache", False)
+    compilation_cache.reset_cache()  # JAX decides at the first program of a process, which may be made by an import
 
 
 def _refuse_mixtures(
@@ -111,8 +135,13 @@ def _refuse_mixtures(
     sweep: str | None,
     networks: tuple[Any, ...],
     plots: str | None,
+    folder: str | None,
 ) -> None:
     """Raises UsageError for options that are not measured together."""
+    if folder and (sweep or networks or plots or len(agents) > 1):
+        raise click.UsageError(
+            "--everything has its own training and goes with no --sweep, --training, --plots or several --agents", context
+        )
     if sweep and (len(games) != 1 or max(len(seen), len(agents), len(numbers)) > 1 or plots):
         raise click.UsageError("a sweep is of one game, one observation, one number of agents and of environments, without plots", context)
     if networks and sweep:

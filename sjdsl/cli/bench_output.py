@@ -1,22 +1,22 @@
 """Where the figures of `sjdsl bench` go: the screen, a file, a page."""
 
-import json
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
-import jax
 from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
-from sjdsl.bench import Report, Sweep, Training
+from sjdsl.bench import Report
 from sjdsl.bench.machine import machine_line
-from sjdsl.bench.markdown import markdown_section, replace_section, write_section
-from sjdsl.bench.tables import Table
+from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
+from sjdsl.bench.plots import draw_scaling
+from sjdsl.bench.tables import Table, notes_of, tables_of
+from sjdsl.cli.bench_everything import Stored
 
 
 @contextmanager
@@ -45,30 +45,37 @@ def print_tables(tables: Sequence[Table], machine: dict[str, Any], notes: Sequen
         console.print(line, highlight=False, markup=False)
 
 
-def write_json(path: Path, found: Report | Sweep | Training) -> None:
-    """Writes all figures to a file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(found.to_json(), indent=2) + "\n", encoding="utf-8")
+class Outputs(NamedTuple):
+    """Where tables go besides the screen: a page, and a folder of plots."""
 
+    page: str | None
+    plots: str | None
 
-def section_name(what: str) -> str:
-    """Returns the marks between which figures of this sort of machine stand on a page: `speed cpu`, `sweep coins spawn cpu`."""
-    return f"{what} {jax.devices()[0].platform}"
+    def check(self, *sections: str) -> None:
+        """Makes a new page with marks for the sections. Raises ClickException where a page that is there lacks some.
 
+        Before anything is measured, not an hour later.
+        """
+        page = Path(self.page) if self.page else None
+        if page is None:
+            return
+        if not page.is_file():
+            new_page(page, sections)
+        for section in sections:
+            try:
+                replace_section(page.read_text(encoding="utf-8"), section, "")
+            except ValueError as error:
+                raise click.ClickException(f"{page}: {error}") from None
 
-def require_marks(page: Path, section: str) -> None:
-    """Raises ClickException where the page has no such section: before anything is measured, not an hour later."""
-    if not page.is_file():
-        return
-    try:
-        replace_section(page.read_text(encoding="utf-8"), section, "")
-    except ValueError as error:
-        raise click.ClickException(f"{page}: {error}") from None
-
-
-def write_page(
-    page: Path, section: str, command: str, machine: dict[str, Any], notes: Sequence[str], tables: Sequence[Table], pictures: Sequence[Path]
-) -> None:
-    """Writes a section of the page: the command, the machine, notes, tables, and pictures as seen from the page."""
-    seen = [Path(os.path.relpath(picture, page.parent)).as_posix() for picture in pictures]
-    write_section(page, section, markdown_section(command, machine_line(machine), notes, tables, seen))
+    def show(self, figures: Stored) -> None:
+        """Prints the tables, draws the plots where there are speeds, and writes the section of the page."""
+        found = figures.found
+        tables, notes = tables_of(found), [*figures.notes, *notes_of(found)]
+        print_tables(tables, found.machine, notes)
+        pictures = draw_scaling(found, Path(self.plots)) if isinstance(found, Report) and self.plots else ()
+        if self.page is None:
+            return
+        page = Path(self.page)
+        seen = [Path(os.path.relpath(picture, page.parent)).as_posix() for picture in pictures]
+        text = markdown_section(figures.command, machine_line(found.machine), notes, tables, seen)
+        write_section(page, figures.section, text)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.bench import Compilation, Report, Speed, Sweep
-from sjdsl.bench.markdown import markdown_section, markdown_table, replace_section, write_section
+from sjdsl.bench.markdown import markdown_section, markdown_table, new_page, replace_section, write_section
 from sjdsl.bench.plots import draw_scaling
 from sjdsl.bench.tables import cost_table, notes_of, relation_table, speed_table, sweep_table, tables_of
 
@@ -91,17 +91,27 @@ def test_only_the_text_between_the_marks_is_replaced() -> None:
         replace_section(page, "speed tpu", "")
 
 
-def test_a_new_page_can_be_written_twice(tmp_path: Path) -> None:
+def test_a_new_page_has_the_marks_of_its_sections(tmp_path: Path) -> None:
     page = tmp_path / "figures" / "page.md"
+    new_page(page, ["speed cpu", "kernels cpu"])
     write_section(page, "speed cpu", "first\n")
     write_section(page, "speed cpu", "second\n")
-    assert page.read_text() == "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n"
+    write_section(page, "kernels cpu", "third\n")
+    assert page.read_text() == (
+        "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n\n<!-- kernels cpu -->\nthird\n<!-- end kernels cpu -->\n"
+    )
 
 
 def test_a_picture_for_each_observation_and_number_of_agents(tmp_path: Path) -> None:
     files = draw_scaling(RACE, tmp_path / "plots")
     assert [file.name for file in files] == ["cpu_tokens_own_agents.png", "cpu_onehot_own_agents.png", "cpu_tokens_20_agents.png"]
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
+
+
+@pytest.mark.parametrize("section", ["speed", "kernels", "resuming", "training mlp", "training cnn"])
+def test_the_page_of_speeds_has_marks_for_what_make_gpu_measures(section: str) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "performance.md").read_text(encoding="utf-8")
+    assert "newly measured" in replace_section(page, f"{section} gpu", "newly measured\n")
 
 
 @pytest.mark.parametrize("sort", ["cpu", "gpu"])

@@ -1,0 +1,158 @@
+"""What one step of many environments asks of a device: kernels launched, bytes moved, and how near it is to the copy bandwidth."""
+
+import math
+import re
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.stages import Compiled
+
+from sjdsl.bench.loop import Task
+from sjdsl.bench.machine import describe_machine
+
+COPIED = {"cpu": 1 << 26, "gpu": 1 << 28}  # float32 numbers of the copy: well beyond the caches (256 MiB, 1 GiB)
+# Instructions of optimised HLO that start no kernel of their own.
+FREE = frozenset({"parameter", "constant", "tuple", "get-tuple-element", "bitcast", "after-all", "partition-id", "replica-id"})
+
+
+@dataclass(frozen=True)
+class StepKernels:
+    """One compiled step of `num_envs` environments.
+
+    `kernels`: kernels launched, the body of a loop counted once. `accessed_bytes`: what XLA says its kernels read and write.
+    `least_bytes`: the state and the actions read once, the next state, the rewards and the observations written once; no step
+    can move less. Both for one environment. `seconds`: of one step of all environments, by round.
+    """
+
+    name: str
+    num_agents: int
+    observation: str
+    num_envs: int
+    kernels: int
+    accessed_bytes: float
+    least_bytes: float
+    seconds: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Kernels:
+    """All steps measured, and the bytes a second of a large copy on the same device (read and written counted both)."""
+
+    machine: dict[str, Any]
+    copied_bytes_per_s: float
+    steps: tuple[StepKernels, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def measure_kernels(
+    tasks: Sequence[Task], num_envs: int, repeats: int = 5, steps: int = 20, tell: Callable[[str], object] = lambda _: None
+) -> Kernels:
+    """Returns what one step of each task costs; `steps`: how many are timed together in a round."""
+    found = []
+    for task in tasks:
+        tell(f"compiling one step of {num_envs} environments of {task.name}")
+        found.append(_measure_step(task, num_envs, repeats, steps))
+    return Kernels(describe_machine(), copied_bytes_per_s(repeats), tuple(found))
+
+
+def _measure_step(task: Task, num_envs: int, repeats: int, steps: int) -> StepKernels:
+    states = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), task.reset())
+    keys = jax.random.split(jax.random.key(0), num_envs)
+    actions = jax.random.randint(jax.random.key(1), (num_envs, task.num_agents), 0, task.num_actions)
+    compiled = jax.jit(jax.vmap(task.step)).lower(states, actions, keys).compile()
+    found = jax.block_until_ready(compiled(states, actions, keys))
+    seconds = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        for _ in range(steps):
+            found = compiled(found[0], actions, keys)
+        jax.block_until_ready(found)
+        seconds.append((time.perf_counter() - began) / steps)
+    least = (_bytes_of((states, actions)) + _bytes_of(found)) / num_envs
+    text = compiled.as_text()
+    accessed = accessed_bytes(compiled) / num_envs
+    return StepKernels(task.name, task.num_agents, task.observation, num_envs, count_kernels(text or ""), accessed, least, tuple(seconds))
+
+
+def count_kernels(text: str) -> int:
+    """Returns how many kernels optimised HLO launches: what stands in its entry and in the bodies of loops and branches, each once.
+
+    What stands in a fused computation belongs to the kernel of its fusion, and the combiner of a reduction to the reduction.
+    """
+    bodies = _computations(text)
+    entry = next((name for name, (is_entry, _) in bodies.items() if is_entry), None)
+    if entry is None:
+        raise ValueError("this is no HLO module: it has no ENTRY computation")
+
+    def launched(name: str) -> int:
+        total = 0
+        for operation, called in bodies[name][1]:
+            if operation in ("while", "conditional", "call"):
+                total += sum(launched(other) for other in called if other in bodies)
+            elif operation not in FREE:
+                total += 1
+        return total
+
+    return launched(entry)
+
+
+_OPENING = re.compile(r"^(ENTRY )?%?([\w.\-]+) .*\{$")
+_INSTRUCTION = re.compile(r"^\s+(?:ROOT )?%?[\w.\-]+ = .*?[\]\})] ([a-z][a-z\-]*)\(")
+_CALLED = re.compile(r"(?:body|condition|to_apply|true_computation|false_computation)=%?([\w.\-]+)|branch_computations=\{([^}]*)\}")
+
+
+def _computations(text: str) -> dict[str, tuple[bool, list[tuple[str, list[str]]]]]:
+    """Returns, by name, whether a computation is the entry, and its operations with the computations that each calls."""
+    found: dict[str, tuple[bool, list[tuple[str, list[str]]]]] = {}
+    current: list[tuple[str, list[str]]] | None = None
+    for line in text.splitlines():
+        opening = _OPENING.match(line)
+        if opening:
+            current = []
+            found[opening[2]] = (opening[1] is not None, current)
+            continue
+        if line.startswith("}"):
+            current = None
+        instruction = _INSTRUCTION.match(line)
+        if current is not None and instruction:
+            called = [one or several for one, several in _CALLED.findall(line)]
+            names = [name.strip().lstrip("%") for group in called for name in group.split(",")]
+            current.append((instruction[1], names))
+    return found
+
+
+def accessed_bytes(compiled: Compiled) -> float:
+    """Returns the bytes that XLA says a program's kernels read and write; not a number where it does not say."""
+    analysis = compiled.cost_analysis() or {}
+    return float(analysis.get("bytes accessed", math.nan))
+
+
+def copied_bytes_per_s(repeats: int, numbers: int | None = None) -> float:
+    """Returns the bytes a second, read and written, of a kernel that adds one to many float32 numbers: the median of the rounds."""
+    size = numbers or COPIED.get(jax.devices()[0].platform, COPIED["cpu"])
+    copy = jax.jit(lambda x: x + 1)
+    array = jnp.zeros(size, jnp.float32)
+    copy(array).block_until_ready()
+    rates = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        copy(array).block_until_ready()
+        rates.append(2 * array.nbytes / (time.perf_counter() - began))
+    return statistics.median(rates)
+
+
+def _bytes_of(tree: Any) -> int:
+    """Returns the bytes of all arrays of a tree; a typed key counts as its two words."""
+    return sum(_data(leaf).nbytes for leaf in jax.tree.leaves(tree))
+
+
+def _data(leaf: Array) -> Array:
+    return jax.random.key_data(leaf) if jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key) else leaf

@@ -1,0 +1,49 @@
+"""Figures as JSON files, written and read back: tables can be made where nothing is measured."""
+
+import dataclasses
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from sjdsl.bench.compilation import Compilation
+from sjdsl.bench.kernels import Kernels, StepKernels
+from sjdsl.bench.resuming import Resume
+from sjdsl.bench.sweep import Sweep
+from sjdsl.bench.timing import Report, Speed
+from sjdsl.bench.training import Split, Training
+
+Found = Report | Sweep | Training | Kernels | Resume
+
+_SORTS = {sort.__name__.lower(): sort for sort in (Report, Sweep, Training, Kernels, Resume)}
+_ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits": Split, "steps": StepKernels}  # by field
+
+
+def write_found(path: Path, found: Found) -> None:
+    """Writes all figures to a file, and which sort of measurement they are of; a half-written file never stands there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(json.dumps({"sort": type(found).__name__.lower(), **found.to_json()}, indent=2) + "\n", encoding="utf-8")
+    os.replace(part, path)
+
+
+def read_found(path: Path) -> Found:
+    """Returns the figures of a file. Raises ValueError where it is not one that `write_found` wrote."""
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        sort = _SORTS[stored.pop("sort")]
+        return sort(**{name: _value(name, value) for name, value in stored.items()})
+    except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+        raise ValueError(f"{path} holds no figures that sjdsl bench wrote ({type(error).__name__}: {error})") from None
+
+
+def _value(name: str, value: Any) -> Any:
+    """Returns what a field holds: rows as their class, lists of numbers as tuples."""
+    row = _ROWS.get(name)
+    if row is not None and isinstance(value, list):
+        return tuple(row(**{field.name: _tuple(entry[field.name]) for field in dataclasses.fields(row)}) for entry in value)
+    return _tuple(value)
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
