@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -40,20 +40,24 @@ class Resume:
         return asdict(self)
 
 
-def measure_resume(name: str, tell: Callable[[str], object] = lambda _: None) -> Resume:
+def measure_resume(name: str, tell: Callable[[str], object] = lambda _: None, settings: Sequence[str] = SETTINGS) -> Resume:
     """Trains a game twice with the command line, once stopped half-way by Ctrl-C and resumed, and compares the ends.
 
     The runs are processes of their own: the flag for deterministic operations has to be set before JAX starts.
 
+    Args:
+      name: a bundled game, or a file.
+      tell: called with a line whenever a run begins.
+      settings: of both runs, as `--set` takes them; they make `UPDATES` updates. The network is the default one, with convolutions.
     Raises RuntimeError where a run fails, or ends before it can be stopped.
     """
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         whole, stopped = Path(folder) / "whole", Path(folder) / "stopped"
         tell("training without a stop")
-        _finish(_start(name, whole))
+        _finish(_start(name, whole, settings))
         tell("training with a stop")
-        process = _start(name, stopped)
+        process = _start(name, stopped, settings)
         _wait_for(process, stopped, UPDATES // 2)
         process.send_signal(signal.SIGINT)
         process.wait(PATIENCE)
@@ -88,9 +92,9 @@ def _policies(run: Path) -> Mapping[str, bytes]:
     return {path.relative_to(run).as_posix(): path.read_bytes() for path in run.rglob("*.safetensors")}
 
 
-def _start(name: str, run: Path) -> "subprocess.Popen[str]":
-    settings = [word for setting in SETTINGS for word in ("--set", setting)]
-    return _command("train", name, "--algorithm", "ippo", "--episodes", "0", "--run", str(run), *settings)
+def _start(name: str, run: Path, settings: Sequence[str]) -> "subprocess.Popen[str]":
+    options = [word for setting in settings for word in ("--set", setting)]
+    return _command("train", name, "--algorithm", "ippo", "--episodes", "0", "--run", str(run), *options)
 
 
 def _command(*arguments: str) -> "subprocess.Popen[str]":
