@@ -21,6 +21,7 @@ GPU_MINUTES ?= 9
 # The quickest tour: a game as Python, as pictures, and learnt by agents.
 run: .venv/ready
 	rm -rf $(RUN)
+	mkdir -p $(RUN)
 	$(BIN)/sjdsl compile games/clean_up.sj
 	$(BIN)/sjdsl render clean_up --steps 60 -o $(RUN)/clean_up.gif
 	$(BIN)/sjdsl train coins --preset quick --reward common --run $(RUN)/coins --episodes 0

@@ -1,12 +1,15 @@
 """Trainers for any compiled game: PPO and value decomposition, evaluation, and the files of a run."""
 
-from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
-from .evaluate import Estimate, Evaluation, estimate, evaluate, save_evaluation, summarise
-from .policies import MemoryPolicy, Policy, PolicyError, load_policy, random_policy, trained_policy
-from .preset import Preset, load_preset
-from .program import Train, TrainState, make_train
-from .resuming import RunError
-from .run import Result, resume, train
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
+    from .evaluation import Estimate, Evaluation, estimate, evaluate, save_evaluation, summarise
+    from .policies import MemoryPolicy, Policy, PolicyError, load_policy, random_policy, trained_policy
+    from .preset import Preset, load_preset
+    from .program import Train, TrainState, make_train
+    from .resuming import RunError
+    from .run import Result, resume, train
 
 __all__ = [
     "Config",
@@ -36,3 +39,43 @@ __all__ = [
     "train",
     "trained_policy",
 ]
+
+_HOMES = {
+    "Config": "config",
+    "ConfigError": "config",
+    "Estimate": "evaluation",
+    "Evaluation": "evaluation",
+    "MemoryPolicy": "policies",
+    "PPOConfig": "config",
+    "Policy": "policies",
+    "PolicyError": "policies",
+    "Preset": "preset",
+    "Result": "run",
+    "RunError": "resuming",
+    "Train": "program",
+    "TrainState": "program",
+    "VDNConfig": "config",
+    "estimate": "evaluation",
+    "evaluate": "evaluation",
+    "load_policy": "policies",
+    "load_preset": "preset",
+    "make_config": "config",
+    "make_train": "program",
+    "random_policy": "policies",
+    "resume": "run",
+    "save_evaluation": "evaluation",
+    "summarise": "evaluation",
+    "train": "run",
+    "trained_policy": "policies",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Loads public names when first used: what is wrong with a configuration is said before JAX is imported."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'sjdsl.trainers' has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value

@@ -6,28 +6,32 @@ from contextlib import contextmanager
 from typing import Literal
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from .metrics_files import Row
 
 ProgressStyle = Literal["auto", "bar", "lines", "none"]
 SECONDS_BETWEEN_LINES = 5.0
 COMPILING = "compiling"
-NO_EPISODE = "no episode finished yet"
+NO_EPISODE = "no episode has ended yet"
 
 
 @contextmanager
-def show_progress(style: ProgressStyle, num_updates: int, title: str) -> Iterator[Callable[[Row], None]]:
-    """Yields a function that shows the row of each update; until the first one, that the run is being compiled."""
+def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int = 1) -> Iterator[Callable[[Row], None]]:
+    """Yields a function that shows the row of each update; until the first one, that the run is being compiled.
+
+    Args:
+      seeds: of the run: the steps of all of them are counted.
+    """
     if style == "auto":
         style = "bar" if Console().is_terminal else "lines"
     match style:
         case "bar":
-            with _bar(num_updates, title) as show:
+            with _bar(num_updates, title, seeds) as show:
                 yield show
         case "lines":
             print(f"{title}: {COMPILING}", flush=True)
-            yield _lines(num_updates)
+            yield _lines(num_updates, seeds)
         case "none":
             yield lambda _: None
         case _:
@@ -35,11 +39,12 @@ def show_progress(style: ProgressStyle, num_updates: int, title: str) -> Iterato
 
 
 @contextmanager
-def _bar(num_updates: int, title: str) -> Iterator[Callable[[Row], None]]:
+def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Callable[[Row], None]]:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
+        TimeElapsedColumn(),
         TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(compact=True),
         TextColumn("{task.fields[outcome]}"),
@@ -51,13 +56,13 @@ def _bar(num_updates: int, title: str) -> Iterator[Callable[[Row], None]]:
         def show(row: Row) -> None:
             nonlocal outcome
             outcome = _outcome(row) or outcome
-            speed = f"{row['steps_per_second']:,.0f} steps/s, {_share(row)}"
+            speed = f"{rate(row, seeds):,.0f} steps/s, {_share(row)}"
             display.update(task, completed=row["update"], speed=speed, outcome=outcome)
 
         yield show
 
 
-def _lines(num_updates: int) -> Callable[[Row], None]:
+def _lines(num_updates: int, seeds: int) -> Callable[[Row], None]:
     outcome = NO_EPISODE
     printed = 0.0
 
@@ -71,16 +76,22 @@ def _lines(num_updates: int) -> Callable[[Row], None]:
         left = row["seconds"] / row["update"] * (num_updates - row["update"])
         print(
             f"update {row['update']:>{len(str(num_updates))}}/{num_updates}  {row['env_steps']:>11,} steps  "
-            f"{row['steps_per_second']:>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}",
+            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}",
             flush=True,
         )
 
     return show
 
 
+def rate(row: Row, seeds: int) -> float:
+    """Returns environment steps a second, of all seeds, from the first update to this one, with all that was done between them."""
+    return float(row["env_steps"] * seeds / row["seconds"])
+
+
 def _share(row: Row) -> str:
     """Returns how an update's time was spent: acting and environments, and the rest learning."""
-    return f"{100 * row['rollout_share']:.0f}% playing"
+    playing = round(100 * row["rollout_share"])
+    return f"acting {playing} % of the time, learning {100 - playing} %"
 
 
 def _outcome(row: Row) -> str:

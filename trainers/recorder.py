@@ -11,7 +11,7 @@ from jax import Array
 
 from .config import Config
 from .environment import Environment
-from .evaluate import Evaluation, evaluation_key, make_evaluator, summarise
+from .evaluation import Evaluation, evaluation_key, make_evaluator, summarise
 from .loggers import LoggerName, Loggers, open_loggers
 from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
 from .policies import trained_policy

@@ -112,7 +112,7 @@ def _run(env: Environment, config: Config, run_dir: Path, progress: ProgressStyl
     folders = seed_folders(run_dir, config)
     with ExitStack() as stack:
         stack.enter_context(_told(run_dir, manifest))
-        show = stack.enter_context(show_progress(progress if is_first() else "none", config.num_updates, title))
+        show = stack.enter_context(show_progress(progress if is_first() else "none", config.num_updates, title, config.seeds))
         compiled = compile_train(make_train(env, config), config)
         manifest |= {"compile_seconds": compiled.seconds, "program_megabytes": compiled.megabytes}
         checkpoints = Checkpoints(run_dir)

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.diagnostics import print_diagnostics
+from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
 from sjdsl.compiler import build, compile_build
 from sjdsl.compiler.diagnostics import CompileError
@@ -63,6 +64,8 @@ def command(
     _refuse_clashes(modules)
     if only_check:
         return _report_differences(modules, strays_of(modules) if everything else [])
+    if output:
+        require_folder(modules[0].path.parent)
     for module in modules:
         write_module(module)
         click.echo(module.summary)

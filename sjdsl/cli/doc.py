@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.cli.games_page import PAGE, make_page, page_problems, write_text
 
@@ -23,6 +24,8 @@ def command(game: str | None, variant: str | None, output: str | None, everythin
         return _page(Path(output or PAGE), fresh, only_check)
     from sjdsl.doc import read_written, rule_sheet
 
+    if output is not None:
+        require_folder_of(Path(output))
     text = rule_sheet(read_written(open_game(game or ""), split_variants(variant)))
     if output is None:
         click.echo(text, nl=False)

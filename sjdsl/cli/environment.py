@@ -67,6 +67,16 @@ def describe_environment(
     }
 
 
+def check_environment(game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]) -> None:
+    """Raises CompileError and ClickException for what is wrong with a game or its arguments: before JAX is imported, which takes seconds."""
+    from sjdsl.cli.trace import build_game
+
+    try:
+        build_game(game, dict(params), variant, map_file, agents)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+
+
 def make_environment(described: Mapping[str, Any], observation: str = "tokens") -> "Environment":
     """Returns the environment. Raises CompileError, and ClickException for arguments that do not fit the game."""
     import sjdsl

@@ -10,6 +10,8 @@ import click
 
 from sjdsl.cli.environment import SEED, make_environment
 from sjdsl.cli.film import check_film, save_film
+from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.stages import LOADING, stages
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -39,24 +41,32 @@ def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str,
     path = Path(run)
     if film is not None:
         check_film(Path(film))
-    env = make_environment(_provenance(path))
+        require_folder_of(Path(film))
+    with stages(LOADING):
+        env = make_environment(_provenance(path))
     folders = sorted(path.glob("seed_*")) or [path]
     for folder in folders:
         evaluate_run(folder, env, episodes, seed, greedy, which)
     list_files(path)
     if film is not None:
-        click.echo(save_film(env, stored_policy(folders[0], env, greedy, which), Path(film), env.episode_length, seed))
+        policy = stored_policy(folders[0], env, greedy, which)
+        with stages("drawing an episode") as say:
+            done = save_film(env, policy, Path(film), env.episode_length, seed, say=say)
+        click.echo(done)
 
 
 def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str = "last") -> None:
     """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's."""
     from sjdsl.trainers import evaluate, random_policy, save_evaluation, summarise
-    from sjdsl.trainers.evaluate import evaluation_key
+    from sjdsl.trainers.evaluation import evaluation_key
 
     key = evaluation_key(seed)
-    trained = evaluate(env, stored_policy(path, env, greedy, which), key, episodes)
-    save_evaluation(trained, path / FILE)
-    chance = summarise(evaluate(env, random_policy(env), key, episodes))
+    policy = stored_policy(path, env, greedy, which)
+    with stages(f"compiling and playing {episodes} episodes of the trained policy") as say:
+        trained = evaluate(env, policy, key, episodes)
+        save_evaluation(trained, path / FILE)
+        say(f"compiling and playing {episodes} episodes of a random policy")
+        chance = summarise(evaluate(env, random_policy(env), key, episodes))
     figures = summarise(trained)
     undeclared = {f"{'final' if measure.mean else 'mean'} {measure.name}" for measure in env.game.measures}
     names = [name for name in figures if name.startswith("return of") or " of agent " not in name]
@@ -109,5 +119,6 @@ def list_files(run_dir: Path) -> None:
     for path in files:
         click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
     for folder in sorted(path for path in run_dir.iterdir() if path.is_dir()):
-        inside = [path for path in folder.iterdir() if path.suffix != ".json"]
-        click.echo(f"  {folder.name}/  {', '.join(sorted(path.name for path in inside))}")
+        inside = sorted(path.name for path in folder.iterdir() if path.suffix != ".json")
+        what = "of update " if folder.name == "checkpoints" and inside else ""
+        click.echo(f"  {folder.name}/  {what}{', '.join(inside)}")

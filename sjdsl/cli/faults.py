@@ -35,7 +35,10 @@ def report_fault(error: Exception) -> int:
     raise error
 
 
+FAULTS_OF_RUNS = {"config_errors": "ConfigError", "policy_file": "PolicyError", "resuming": "RunError"}
+
+
 def _is_fault_of_a_run(error: Exception) -> bool:
-    """Returns whether a trainer refuses what it was given; such an error exists only once the trainers are imported."""
-    trainers = sys.modules.get("sjdsl.trainers")
-    return trainers is not None and isinstance(error, trainers.ConfigError | trainers.PolicyError | trainers.RunError)
+    """Returns whether a trainer refuses what it was given; such an error exists only once the module that has it is imported."""
+    modules = {name: sys.modules.get(f"sjdsl.trainers.{module}") for module, name in FAULTS_OF_RUNS.items()}
+    return any(module is not None and isinstance(error, getattr(module, name)) for name, module in modules.items())

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from sjdsl.cli.folders import require_folder
 from sjdsl.starter import starting_files
 
 
@@ -20,7 +21,7 @@ def command(name: str, folder: str) -> int:
     for path in paths:
         if path.exists():
             raise click.ClickException(f"{path} is there already; nothing was written")
-    Path(folder).mkdir(parents=True, exist_ok=True)
+    require_folder(Path(folder))
     for path, text in paths.items():
         path.write_text(text, encoding="utf-8", newline="\n")
         click.echo(path)

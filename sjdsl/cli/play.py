@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.render import check_policy, choose_policy
+from sjdsl.cli.stages import stages
 from sjdsl.cli.terminal import can_show_screen, run_screen
 from sjdsl.cli.trace import build_game
 
@@ -45,6 +48,8 @@ def command(
     environment = describe_environment(game, **described)
     if not watch and not can_show_screen():
         raise click.ClickException(NO_TERMINAL)
+    if record is not None:
+        require_folder_of(Path(record))
     try:
         made, values = build_game(game, described["params"], described["variant"], described["map_file"], described["agents"])
     except ValueError as error:
@@ -105,7 +110,8 @@ def play_on(
         run_screen(game, session, compiled, speed, waits=trained)
         return
     if trained or session.length * len(game.rows) * len(game.rows[0]) > LITTLE:
-        ready = compiled()
+        with stages(f"compiling {game.name}"):
+            ready = compiled()
         session.hand_over(ready.player, 0, ready.choose)
     show(session.frame)
     while not session.is_over:
@@ -116,13 +122,11 @@ def _choice_of(others: str, game: "ir.Game", seed: int) -> "Choose":
     """Returns what the others do as far as it is known without JAX. Raises ClickException for what is no policy."""
     from sjdsl.screen.session import random_choice, stay_choice
 
-    if others not in ("random", "stay") and not Path(others).exists():
-        raise click.ClickException(f"there is no policy `{others}`; it is random, stay, the folder of a training run, or a stored policy")
+    check_policy(others)
     return random_choice(game, seed) if others == "random" else stay_choice(game)
 
 
 def _trained_choice(others: str, env: "Environment", seed: int) -> "Choose":
-    from sjdsl.cli.render import choose_policy
     from sjdsl.screen.session import policy_choice
 
     return policy_choice(env, choose_policy(others, env), seed)

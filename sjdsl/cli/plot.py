@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from sjdsl.cli.folders import require_folder_of
+
 
 @click.command("plot")
 @click.argument("runs", nargs=-1, required=True, metavar="RUN...")
@@ -19,12 +21,14 @@ def command(runs: tuple[str, ...], output: str, metric: str) -> None:
 
     RUN is a folder that `sjdsl train` wrote, or NAME=FOLDER to give it a name in the picture.
     """
-    from sjdsl.trainers.curves import draw_curves
-
     pairs = [text.partition("=") for text in runs]
     named = [(name, Path(folder)) if equals else (Path(name).name, Path(name)) for name, equals, folder in pairs]
     path = Path(output)
     if path.suffix not in (".png", ".svg", ".pdf"):
         raise click.UsageError(f"`{path}` is no .png, .svg or .pdf", click.get_current_context())
+    require_folder_of(path)
+
+    from sjdsl.trainers.curves import draw_curves
+
     draw_curves(named, metric, path)
     click.echo(f"{path}  {metric} of {', '.join(name for name, _ in named)}")

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.evaluate import stored_policy
-from sjdsl.cli.film import check_film, save_film
+from sjdsl.cli.film import check_film, save_film, told
+from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.stages import LOADING, stages
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -30,18 +32,22 @@ def command(game: str, output: str | None, steps: int, every: int, policy: str, 
     if path.suffix != ".png":
         check_film(path)
     described["params"] = read_assignments(described["params"])
-    env = make_environment(describe_environment(game, **described))
+    check_environment(game, **described)
+    check_policy(policy)
+    require_folder_of(path)
+    with stages(LOADING) as say:
+        env = make_environment(describe_environment(game, **described))
 
-    from sjdsl.render import make_painter, play, save_png
+        from sjdsl.render import make_painter, play, save_png
 
-    chosen = choose_policy(policy, env)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    if path.suffix == ".png":
-        *_, last = play(env, chosen, steps, seed, every)
-        save_png(make_painter(env).draw(last), path)
-        click.echo(f"{path}  step {last.step} of {env.title or env.name}")
-        return
-    click.echo(save_film(env, chosen, path, steps, seed, every, speed))
+        chosen = choose_policy(policy, env)
+        if path.suffix == ".png":
+            *_, last = told(play(env, chosen, steps, seed, every), env, say)
+            save_png(make_painter(env).draw(last), path)
+            done = f"{path}  step {last.step} of {env.title or env.name}"
+        else:
+            done = save_film(env, chosen, path, steps, seed, every, speed, say)
+    click.echo(done)
 
 
 def choose_policy(name: str, env: "Environment") -> Any:
@@ -53,6 +59,11 @@ def choose_policy(name: str, env: "Environment") -> Any:
             return random_policy(env)
         case "stay":
             return stay_policy(env)
-    if not Path(name).exists():
-        raise click.ClickException(f"there is no policy `{name}`; it is random, stay, the folder of a training run, or a stored policy")
+    check_policy(name)
     return stored_policy(Path(name), env)
+
+
+def check_policy(name: str) -> None:
+    """Raises ClickException for what is neither the name of a policy nor a file or folder."""
+    if name not in ("random", "stay") and not Path(name).exists():
+        raise click.ClickException(f"there is no policy `{name}`; it is random, stay, the folder of a training run, or a stored policy")

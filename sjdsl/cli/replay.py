@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import click
 
 from sjdsl.cli.environment import make_environment
-from sjdsl.cli.film import SPEED, check_film, write_film
+from sjdsl.cli.film import SPEED, check_film, told, write_film
+from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.play import begin_session, describe_returns, play_on
+from sjdsl.cli.stages import LOADING, stages
 from sjdsl.cli.trace import build_game
 
 if TYPE_CHECKING:
@@ -26,6 +28,7 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
     """Shows an episode that `sjdsl play --record` or `sjdsl record` kept, after seeing that its rules are still the same."""
     if output is not None:
         check_film(Path(output))
+        require_folder_of(Path(output))
 
     from sjdsl.replay import RecordingError, load_recording
 
@@ -37,9 +40,11 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
 
         from sjdsl.replay import replayed
 
-        env = make_environment(recording.environment)
-        moments = replayed(recording, env)
-        click.echo(write_film(env, (moment.snapshot for moment in moments), Path(output), speed))
+        with stages(LOADING) as say:
+            env = make_environment(recording.environment)
+            shots = (moment.snapshot for moment in replayed(recording, env))
+            done = write_film(env, told(shots, env, say), Path(output), speed, say)
+        click.echo(done)
     except RecordingError as error:
         raise click.ClickException(str(error)) from None
     return 0

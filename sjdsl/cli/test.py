@@ -9,6 +9,7 @@ import click
 
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
+from sjdsl.cli.stages import stages
 from sjdsl.compiler.diagnostics import CompileError
 
 if TYPE_CHECKING:
@@ -34,7 +35,8 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
     effort, documents, failed = Effort(examples, seed=seed), [], False
     for file in files:
         try:
-            report = test_file(file, variant, effort)
+            with stages(f"testing the promises of {file}"):
+                report = test_file(file, variant, effort)
         except CompileError as error:
             print_diagnostics(error.diagnostics, err=as_json)
             failed = True

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.evaluate import evaluate_run, list_files
+from sjdsl.cli.stages import LOADING, stages
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -86,18 +87,31 @@ def command(
     described["params"] = {**kept.pop("params", {}), **read_assignments(described["params"])}
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
+    check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
     _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers)
 
 
 def _start(provenance: dict[str, Any], config: "Config", run_dir: str | None, episodes: int, loggers: tuple[str, ...]) -> None:
-    from sjdsl.trainers import train
-    from sjdsl.trainers.loggers import check_loggers
+    click.echo(extent_of(config), err=True)
+    with stages(LOADING):
+        from sjdsl.trainers import train
+        from sjdsl.trainers.loggers import check_loggers
 
-    check_loggers(loggers)
-    env = make_environment(provenance)
+        check_loggers(loggers)
+        env = make_environment(provenance)
     path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{config.algorithm}_{config.reward}_seed{config.seed}")
     result = train(env, config, path, provenance=provenance, loggers=loggers, asked={"episodes": episodes})
     _finish(result, env, config, episodes)
+
+
+def extent_of(config: "Config") -> str:
+    """Returns how much is trained: whole updates, which may be more than `total_timesteps`."""
+    steps, updates = config.num_updates * config.steps_per_update, config.num_updates
+    plan = f"{updates:,} update{'s' * (updates != 1)} of {config.num_envs} environments x {config.num_steps} steps"
+    what = f"{steps:,} environment steps{' of each seed' if config.seeds > 1 else ''}"
+    if steps == config.total_timesteps:
+        return f"training {what}: {plan}"
+    return f"training {what} (total_timesteps={config.total_timesteps:,} is rounded up to whole updates): {plan}"
 
 
 def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None) -> None:
@@ -113,7 +127,8 @@ def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None) -
         raise click.ClickException(
             f"{path} does not say which game it was; go on with it from Python: sjdsl.trainers.resume(env, {str(path)!r})"
         )
-    env = make_environment(manifest["provenance"])
+    with stages(LOADING):
+        env = make_environment(manifest["provenance"])
     result = resume(env, path, loggers=loggers, asked={"episodes": episodes})
     _finish(result, env, make_config(manifest["config"]), episodes)
 
@@ -122,16 +137,20 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
     """Evaluates each seed's policy, and says what the run took."""
     import jax
 
+    from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
+    from sjdsl.trainers.progress import rate
+
     if jax.process_index() != 0:
         return
     for folder, seed in zip(result.folders, config.seed_numbers, strict=True):
         if episodes:
             evaluate_run(folder, env, episodes, seed)
+    went_on = next(folder for folder, seed in zip(result.folders, config.seed_numbers, strict=True) if seed not in result.diverged)
+    *_, last = read_rows(went_on / METRICS_JSONL)
     steps = result.updates * config.steps_per_update * config.seeds
-    training = result.seconds - result.compile_seconds
     click.echo(
-        f"\n{steps:,} environment steps in {training:,.1f} s: {steps / training:,.0f} a second; "
-        f"compiling {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
+        f"\n{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.seeds):,.0f} steps a second; "
+        f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
     for seed, update in result.diverged.items():
         click.echo(f"seed {seed} stopped in update {update}, for its loss became nan; its policy is that of update {update - 1}")

@@ -14,6 +14,7 @@ def test_a_sheet_is_printed_or_written(sjdsl: Sjdsl, folder: Path) -> None:
     assert printed.status == 0
     assert printed.out.startswith("# A Small Orchard\n")
     assert "| `apple` | 1 | reward | 0 to 5 |" in printed.out
+    Path("sheets").mkdir()
     written = sjdsl("doc", "orchard.sj", "-o", "sheets/orchard.md")
     assert written.status == 0
     assert (folder / "sheets" / "orchard.md").read_text() == printed.out

@@ -20,6 +20,7 @@ def env(folder: Path) -> Environment:
 
 
 def test_what_was_recorded_is_shown_again(env: Environment, sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "kept").mkdir()
     played = sjdsl("play", "orchard.sj", "--watch", "--seed", "5", "--record", "kept/episode.json")
     assert played.status == 0, played.text
     assert "kept/episode.json  6 steps of A Small Orchard" in played.out

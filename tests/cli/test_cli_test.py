@@ -41,7 +41,7 @@ def games(folder: Path) -> Path:
 def test_promises_that_are_kept(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
     shown = sjdsl("test", "kept.sj", "--examples", "30")
     assert shown.status == 0
-    assert shown.err == ""
+    assert shown.err == "testing the promises of kept.sj\n"
     golden(HERE / "promises_kept.txt", shown.out)
 
 
@@ -49,7 +49,7 @@ def test_promises_that_are_kept(sjdsl: Sjdsl, golden: Callable[[Path, str], None
 def test_promises_that_are_not(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
     shown = sjdsl("test", "broken.sj")
     assert shown.status == 1
-    assert shown.err == ""
+    assert shown.err == "testing the promises of kept.sj\n"
     golden(HERE / "promises_broken.txt", shown.out)
 
 

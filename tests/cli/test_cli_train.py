@@ -1,6 +1,7 @@
 """`sjdsl train` and `evaluate` on a small game: the files of a run, and a run found again."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,11 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     run_dir = Path("runs/orchard_ippo_common_seed0")
     assert f"{run_dir}/" in trained.out
     assert "metrics.csv" in trained.out
+    assert "training 96 environment steps: 2 updates of 4 environments x 12 steps" in trained.err
+    assert "loading JAX and the game" in trained.err
+    rates = re.findall(r"([\d,]+) steps(?:/s| a second)", trained.out)
+    assert len(rates) == 3
+    assert rates[1] == rates[2], "the end says what the last line of progress said"
     manifest = json.loads((run_dir / "manifest.json").read_text())
     assert manifest["provenance"]["params"] == {"apple": 2}
     assert manifest["provenance"]["game"] == str(folder / "orchard.sj")
@@ -25,12 +31,15 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     evaluated = sjdsl("evaluate", run_dir, "--episodes", "3")
     assert evaluated.status == 0, evaluated.text
     assert "means of 3 episodes" in evaluated.out
+    assert "playing 3 episodes of the trained policy" in evaluated.err
     assert "trained return" in evaluated.out
     assert json.loads((run_dir / "evaluation.json").read_text())["episodes"] == 3
 
     drawn = sjdsl("render", "orchard.sj", "--policy", run_dir, "--steps", "2", "-o", "film.gif")
     assert drawn.status == 0, drawn.text
     assert (folder / "film.gif").stat().st_size > 0
+    said = ["loading JAX and the game", "compiling orchard", "playing orchard", "drawing 3 pictures", "writing film.gif"]
+    assert [line for line in drawn.err.splitlines() if line in said] == said
 
 
 def test_a_folder_in_use_is_not_written_to(sjdsl: Sjdsl, folder: Path) -> None:
@@ -204,5 +213,21 @@ def test_the_end_says_which_seed_stopped(capsys: pytest.CaptureFixture[str], tmp
     from sjdsl.cli.train import _finish
     from sjdsl.trainers import Result, make_config
 
+    (tmp_path / "metrics.jsonl").write_text('{"env_steps": 40960, "seconds": 4.0}\n')
     _finish(Result(tmp_path, None, 5, {3: 4}, (tmp_path,) * 2, 0.0, 1.0, 1.0), None, make_config(seed=2, seeds=2), 0)  # type: ignore[arg-type]
-    assert "seed 3 stopped in update 4, for its loss became nan; its policy is that of update 3" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "seed 3 stopped in update 4, for its loss became nan; its policy is that of update 3" in said
+    assert "81,920 environment steps in 4.0 s: 20,480 steps a second" in said
+
+
+def test_a_total_below_one_update_is_said_before(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+    from sjdsl.cli import train as module
+
+    monkeypatch.setattr(module, "make_environment", lambda _: _stop())
+    few = sjdsl("train", "orchard.sj", "--set", "total_timesteps=10")
+    assert (
+        "training 8,192 environment steps (total_timesteps=10 is rounded up to whole updates): 1 update of 64 environments x 128 steps"
+        in few.err
+    )
+    whole = sjdsl("train", "orchard.sj", "--set", "total_timesteps=16384", "--seeds", "2")
+    assert "training 16,384 environment steps of each seed: 2 updates of 64 environments x 128 steps" in whole.err

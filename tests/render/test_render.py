@@ -276,6 +276,7 @@ game wide "Wide" {{
 def test_the_command_writes_a_film(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
     Path("yard.sj").write_text(GAME)
+    Path("below").mkdir()
     assert run(["render", "yard.sj", "--steps", "2", "--policy", "stay", "-o", "below/yard.gif"]) == 0
     assert "3 frames" in capsys.readouterr().out
     assert run(["render", "yard.sj", "--steps", "2", "-o", "yard.png"]) == 0

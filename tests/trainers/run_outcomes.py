@@ -116,7 +116,7 @@ def _compiled(config: Config) -> Compiled:
 
 @cache
 def _evaluator(number: int) -> Callable[..., Any]:
-    from sjdsl.trainers.evaluate import make_evaluator
+    from sjdsl.trainers.evaluation import make_evaluator
     from sjdsl.trainers.policies import trained_policy
 
     return make_evaluator(matching(), lambda parameters: trained_policy(matching(), SHORT, parameters), number)

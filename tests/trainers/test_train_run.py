@@ -180,13 +180,13 @@ def test_a_run_of_seeds_that_all_diverge_fails(tmp_path: Path, monkeypatch: pyte
 
 
 def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
-    with show_progress("lines", 3, "a run") as show:
+    with show_progress("lines", 3, "a run", seeds=2) as show:
         for update, episodes in ((1, 0), (2, 4), (3, 0)):
             show(
                 {
                     "update": update,
                     "env_steps": 1000 * update,
-                    "seconds": 1.5 * update,
+                    "seconds": 1.5 * update,  # both seeds take 2,000 steps in them
                     "steps_per_second": 5e4,
                     "rollout_share": 0.25,
                     "episodes": episodes,
@@ -196,5 +196,5 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
     printed = capsys.readouterr().out.splitlines()  # the second update comes too soon after the first
     title, first, last = (" ".join(line.split()) for line in printed)
     assert title == "a run: compiling"
-    assert first == "update 1/3 1,000 steps 50,000 steps/s 25% playing 3 s left no episode finished yet"
-    assert last == "update 3/3 3,000 steps 50,000 steps/s 25% playing 0 s left collective return 7.2"
+    assert first == "update 1/3 1,000 steps 1,333 steps/s acting 25 % of the time, learning 75 % 3 s left no episode has ended yet"
+    assert last == "update 3/3 3,000 steps 1,333 steps/s acting 25 % of the time, learning 75 % 0 s left collective return 7.2"
