@@ -49,7 +49,7 @@ def test_promises_that_are_kept(sjdsl: Sjdsl, golden: Callable[[Path, str], None
 def test_promises_that_are_not(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
     shown = sjdsl("test", "broken.sj")
     assert shown.status == 1
-    assert shown.err == "testing the promises of kept.sj\n"
+    assert shown.err == "testing the promises of broken.sj\n"
     golden(HERE / "promises_broken.txt", shown.out)
 
 
