@@ -58,7 +58,10 @@ def test_an_episode_of_other_rules_is_refused(env: Environment, sjdsl: Sjdsl, fo
     ("call", "said"),
     [
         (["replay", "none.json"], "none.json cannot be read: No such file or directory"),
-        (["replay", "orchard.sj"], "orchard.sj does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, `sjdsl record"),
+        (
+            ["replay", "orchard.sj"],
+            "orchard.sj does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, `sjdsl record",
+        ),
         (["replay", "none.json", "-o", "film.avi"], "is no .gif, no .mp4"),
         (["play", "orchard.sj"], "there is no terminal to play in"),
         (["play", "orchard.sj", "--watch", "--agent", "2"], "orchard has no agent 2; its agents are 0 to 1"),

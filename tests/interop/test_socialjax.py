@@ -30,14 +30,15 @@ def with_agent(env: Any, state: Any, cells: list[tuple[int, int]], headings: lis
 
 @pytest.mark.parametrize(("name", "depth"), DEPTHS.items())
 def test_every_id_has_the_suites_shapes(name: str, depth: int) -> None:
+    """Of what is traced; `test_socialjax_scripts.py` runs them."""
     env = socialjax.make(name, num_inner_steps=20)
-    observation, state = resets(env, 0)
     box, shape = env.observation_space()
     assert box.shape == shape == (11, 11, depth)
-    assert observation.shape == (env.num_agents, 11, 11, depth)
-    assert observation.dtype == jnp.float32
+    observation, state = jax.eval_shape(env.reset, jax.random.key(0))
+    assert (observation.shape, observation.dtype) == ((env.num_agents, 11, 11, depth), jnp.float32)
     assert env.agents == list(range(env.num_agents))
-    _, state, reward, done, info = env.step(jax.random.key(1), state, [jnp.array([STAY])] * env.num_agents)
+    actions = [jnp.array([STAY])] * env.num_agents
+    _, _, reward, done, info = jax.eval_shape(env.step, jax.random.key(1), state, actions)
     assert reward.shape == (env.num_agents,)
     assert list(done) == [*map(str, env.agents), "__all__"]
     assert {leaf.shape for leaf in jax.tree.leaves(info)} == {(env.num_agents,)}

@@ -16,7 +16,14 @@ MADE = {
     "stable_baselines3": "VecGame('{}', 2)",
     "dm_env": "Substrate('{}', seed=0)",
 }
-EXTRAS = {"jaxmarl": "jaxmarl", "pettingzoo": "pettingzoo", "gymnasium": "gymnasium", "stable_baselines3": "sb3", "dm_env": "dm_env"}
+EXTRAS = {
+    "jaxmarl": "jaxmarl",
+    "pettingzoo": "pettingzoo",
+    "gymnasium": "gymnasium",
+    "stable_baselines3": "sb3",
+    "dm_env": "dm_env",
+    "minari": "minari",
+}
 
 
 def test_adapters_work_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:

@@ -20,8 +20,8 @@ def init(**settings: Any) -> None:
 
 
 def log(metrics: dict[str, Any], step: Any = None) -> None:
-    """Keeps numbers as numbers and everything else as its name."""
+    """Keeps numbers as numbers, arrays as their means and films as their name."""
     del step
-    kept = {name: type(value).__name__ if isinstance(value, Video) else float(np.asarray(value)) for name, value in metrics.items()}
+    kept = {name: type(value).__name__ if isinstance(value, Video) else float(np.mean(value)) for name, value in metrics.items()}
     with open(os.environ["WANDB_LOG"], "a", encoding="utf-8") as file:
         file.write(json.dumps(kept) + "\n")
