@@ -9,10 +9,9 @@ import jax
 import numpy as np
 
 from sjdsl.factory import make
+from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
-from sjdsl.render import make_painter, random_policy, stay_policy, take_snapshot
-from sjdsl.render.look import make_look
-from sjdsl.render.terminal import board_letters
+from sjdsl.render import random_policy, stay_policy
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import MemoryPolicy, Policy, take_actions, with_memory
 
@@ -34,7 +33,7 @@ class AgentGame(gymnasium.Env):
       env: the `sjdsl.Environment`; agent: whom the actions steer.
     """
 
-    metadata = {"render_modes": ["human", "ansi", "rgb_array"], "render_fps": FRAMES}  # noqa: RUF012, as Gymnasium has it
+    metadata = {"render_modes": list(RENDER_MODES), "render_fps": FRAMES}  # noqa: RUF012, as Gymnasium has it
 
     def __init__(
         self,
@@ -56,8 +55,6 @@ class AgentGame(gymnasium.Env):
         Raises:
           ValueError: there is no such agent or mode. PolicyError: `others` names no policy, or one of another game.
         """
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise ValueError(f"render_mode is None, {', '.join(self.metadata['render_modes'])}, not {render_mode!r}")
         self.env = make(game, observation=observation, **arguments)
         if not 0 <= agent < self.env.num_agents:
             raise ValueError(f"{self.env.name} has no agent {agent}: 0 to {self.env.num_agents - 1}")
@@ -73,9 +70,7 @@ class AgentGame(gymnasium.Env):
         self._memory: Any = None
         self._over = True
         self._returns = np.zeros(self.env.num_agents)
-        self._painter: Any = None
-        self._look: Any = None
-        self._tiles: dict = {}
+        self._drawing = Drawing(self.env, render_mode)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode. The same seed gives the same episode, and the same ones after it, under the same actions."""
@@ -114,20 +109,7 @@ class AgentGame(gymnasium.Env):
 
     def render(self) -> np.ndarray | str | None:
         """Returns the state as a picture `[height, width, 3]` uint8 or as a text; shows it and returns None where the mode is `human`."""
-        if self.render_mode is None:
-            return None
-        if self._state is None:
-            raise RuntimeError("call reset before render")
-        snapshot = take_snapshot(self.env, self._state, self._returns)
-        if self.render_mode == "rgb_array":
-            self._painter = self._painter or make_painter(self.env)
-            return np.asarray(self._painter.draw(snapshot))
-        self._look = self._look or make_look(self.env)
-        text = board_letters(self._look, snapshot, self._tiles)
-        if self.render_mode == "ansi":
-            return text
-        print(text, flush=True)
-        return None
+        return self._drawing.draw(self._state, self._returns)
 
     def _first(self, key: Any) -> tuple[Any, Any, Any, Any]:
         key, reset_key = jax.random.split(key)

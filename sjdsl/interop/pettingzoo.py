@@ -8,12 +8,8 @@ import numpy as np
 
 from sjdsl.factory import make
 from sjdsl.games_folder import bundled
+from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
-from sjdsl.render import make_painter, take_snapshot
-from sjdsl.screen.board import board_letters
-from sjdsl.screen.compiled import marked_world
-from sjdsl.screen.frame import Frame
-from sjdsl.screen.looks import make_screen_looks
 
 with needs("pettingzoo"):
     from gymnasium import spaces
@@ -30,7 +26,7 @@ class ParallelGame(ParallelEnv):
     It can be pickled: what comes back starts where this one stands.
     """
 
-    metadata = {"name": "sjdsl_v0", "render_modes": ["human", "ansi", "rgb_array"], "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
+    metadata = {"name": "sjdsl_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
 
     def __init__(self, game: str, render_mode: str | None = None, observation: str = "onehot", **arguments: Any) -> None:
         """Makes the environment.
@@ -39,8 +35,6 @@ class ParallelGame(ParallelEnv):
           game, observation, arguments: of `sjdsl.make`.
           render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as a text; `rgb_array`, a picture.
         """
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise ValueError(f"render_mode is None, {', '.join(self.metadata['render_modes'])}, not {render_mode!r}")
         self._arguments = {"game": str(game), "render_mode": render_mode, "observation": observation, **arguments}
         self.env = make(game, observation=observation, **arguments)
         self.metadata = {**type(self).metadata, "name": f"{self.env.name}_v0"}
@@ -57,8 +51,7 @@ class ParallelGame(ParallelEnv):
         self._key: Any = None
         self._state: Any = None
         self._returns = np.zeros(self.env.num_agents)
-        self._painter: Any = None
-        self._looks: Any = None
+        self._drawing = Drawing(self.env, render_mode)
 
     def observation_space(self, agent: str) -> spaces.Space:
         """Returns the same object at each call."""
@@ -119,22 +112,7 @@ class ParallelGame(ParallelEnv):
 
     def render(self) -> np.ndarray | str | None:
         """Returns the state as a picture `[height, width, 3]` uint8 or as a text; shows it and returns None where the mode is `human`."""
-        if self.render_mode is None:
-            return None
-        if self._state is None:
-            raise RuntimeError("call reset before render")
-        snapshot = take_snapshot(self.env, self._state, self._returns)
-        if self.render_mode == "rgb_array":
-            self._painter = self._painter or make_painter(self.env)
-            return np.asarray(self._painter.draw(snapshot))
-        self._looks = self._looks or make_screen_looks(self.env.game)
-        held = frozenset(np.flatnonzero(snapshot.held).tolist())
-        frame = Frame(marked_world(self.env, self._state), held, (), (), tuple(self._returns.tolist()), {}, False)
-        text = board_letters(self.env.game, self._looks, frame)
-        if self.render_mode == "ansi":
-            return text
-        print(text, flush=True)
-        return None
+        return self._drawing.draw(self._state, self._returns)
 
     def close(self) -> None:
         """Nothing is held open."""

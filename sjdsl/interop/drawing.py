@@ -1,0 +1,49 @@
+"""States as the pictures and texts that `render` of other libraries returns."""
+
+from typing import Any
+
+import numpy as np
+
+from sjdsl.render import make_painter, take_snapshot
+from sjdsl.runtime.env import Environment
+from sjdsl.screen.board import board_letters
+from sjdsl.screen.compiled import marked_world
+from sjdsl.screen.frame import Frame
+from sjdsl.screen.looks import make_screen_looks
+
+RENDER_MODES = ("human", "ansi", "rgb_array")
+
+
+class Drawing:
+    """Draws states of one environment; what that takes is made when it is first drawn."""
+
+    def __init__(self, env: Environment, mode: str | None) -> None:
+        """`mode`: one of `RENDER_MODES`, or None; another raises ValueError."""
+        if mode not in (None, *RENDER_MODES):
+            raise ValueError(f"render_mode is None, {', '.join(RENDER_MODES)}, not {mode!r}")
+        self._env, self._mode = env, mode
+        self._painter: Any = None
+        self._looks: Any = None
+
+    def draw(self, state: Any, returns: np.ndarray) -> np.ndarray | str | None:
+        """Returns a picture `[height, width, 3]` uint8 or a text; shows it and returns None where the mode is `human`.
+
+        Raises:
+          RuntimeError: there is no state yet.
+        """
+        if self._mode is None:
+            return None
+        if state is None:
+            raise RuntimeError("call reset before render")
+        snapshot = take_snapshot(self._env, state, returns)
+        if self._mode == "rgb_array":
+            self._painter = self._painter or make_painter(self._env)
+            return np.asarray(self._painter.draw(snapshot))
+        self._looks = self._looks or make_screen_looks(self._env.game)
+        held = frozenset(np.flatnonzero(snapshot.held).tolist())
+        frame = Frame(marked_world(self._env, state), held, (), (), tuple(returns.tolist()), {}, False)
+        text = board_letters(self._env.game, self._looks, frame)
+        if self._mode == "ansi":
+            return text
+        print(text, flush=True)
+        return None
