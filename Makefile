@@ -35,7 +35,7 @@ test: .venv/ready
 test-all: .venv/ready
 	$(PYTEST) --all
 
-# The adapters for other libraries, which are installed for it.
+# The adapters for other libraries, which are installed for it; with SOCIALJAX=CHECKOUT also that suite's own training scripts.
 test-interop: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-interop.txt
 	$(PYTEST) -o addopts=-q tests/interop

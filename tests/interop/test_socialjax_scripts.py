@@ -111,6 +111,7 @@ def test_managers_are_the_environment_in_another_form() -> None:
         np.testing.assert_array_equal(after["0"][number], last[0])
         assert [reward["0"][number], reward["1"][number], reward["__all__"][number]] == [paid[0], paid[1], paid[1]]
         assert bool(done["__all__"][number]) == bool(over["__all__"])
+    assert (np.asarray(reward["0"]) != 0).any() and (np.asarray(reward["1"]) != 0).any()
     assert plain.get_valid_actions(states)["0"].shape == (3, 7)
     sampled = np.concatenate([plain.batch_sample(key, 1) for key in jax.random.split(reset, 100)])
     assert set(sampled.tolist()) == set(range(7))

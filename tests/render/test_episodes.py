@@ -1,5 +1,6 @@
 """Files of many episodes: each as one step at a time gives it, as `play --watch` plays it, and shown again by `replay`."""
 
+import hashlib
 import json
 import zipfile
 from pathlib import Path
@@ -17,6 +18,10 @@ from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy
 from sjdsl.screen.compiled import Compiled
 from sjdsl.screen.session import policy_choice
+from sjdsl.trainers import PPOConfig, load_policy
+from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.policy_file import write_policy
+from sjdsl.trainers.run_folder import describe_game
 
 BUSY = {"length": 30, "spawn": 0.3}
 
@@ -130,6 +135,23 @@ def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
     for step, actions in enumerate(episode.actions):
         course.step(actions)
         np.testing.assert_array_equal(episode.observations[step + 1], course.observation)  # type: ignore[index]
+
+
+def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
+    """By the policy's own function, the same actions; the file says which policy it was."""
+    env, config = sjdsl.make("coins", params={"length": 4}), PPOConfig()
+    shapes = parameter_shapes(env, config)
+    drawn = jax.tree.map(lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype), shapes)
+    stored, path = tmp_path / "policy.safetensors", tmp_path / "coins.npz"
+    write_policy(stored, drawn, {"game": describe_game(env), "config": config.model_dump(mode="json"), "update": 0, "env_steps": 0})
+    assert run(["record", "coins", "--policy", str(stored), "--episodes", "1", "--param", "length=4", "-o", str(path)]) == 0
+    dataset, course, act = Dataset(path), Course(env, 0), load_policy(stored, env)
+    key = jax.random.fold_in(jax.random.key(0), 2**32 - 1)
+    for number, actions in enumerate(dataset[0].actions):
+        assert act(jax.random.fold_in(key, number), course.observation).tolist() == actions.tolist()
+        course.step(actions)
+    assert dataset.header.policy == str(stored)
+    assert dataset.header.policy_digest == hashlib.sha256(stored.read_bytes()).hexdigest()
 
 
 def test_replay_shows_one_of_them(recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
