@@ -20,7 +20,7 @@ def bundled() -> list[str]:
 def find_game(name: str | Path) -> Path:
     """Returns the file of a game: a path to any `.sj` file, or the name of a bundled game.
 
-    Raises FileNotFoundError naming the nearest bundled game.
+    Raises FileNotFoundError naming the file that was perhaps meant, or the nearest bundled game.
     """
     path = Path(name)
     if path.suffix == ".sj" or path.is_file():
@@ -28,6 +28,9 @@ def find_game(name: str | Path) -> Path:
     found = games_folder() / f"{name}.sj"
     if found.is_file() and path.name == str(name):
         return found
+    file = Path(f"{name}.sj")
+    if file.is_file():
+        raise FileNotFoundError(f"there is no bundled game `{name}`; for the file beside you write its whole name: `{file}`")
     near = nearest(str(name), bundled())
     meant = f"; did you mean `{near}`?" if near else f"; the bundled games are {', '.join(bundled())}"
-    raise FileNotFoundError(f"there is no game `{name}` and no file of that name{meant}")
+    raise FileNotFoundError(f"there is no bundled game `{name}`, and no file of that name{meant}")

@@ -73,7 +73,7 @@ class Config(BaseModel):
     anneal_learning_rate: bool = True  # linearly to zero over the run
     max_gradient_norm: PositiveFloat = 0.5
 
-    reward: RewardMode = "common"
+    reward: RewardMode = "individual"
     common_reward: Literal["sum", "mean"] = "sum"
     reward_smoothing: Fraction = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
     svo_angle: Angles = (90.0,)  # degrees, the angle sought; one for all agents or one each

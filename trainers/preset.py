@@ -24,7 +24,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, get_args
 
-from .config import Algorithm, Config, ConfigError, RewardMode, make_config
+from .config import KEYS_OF, Algorithm, Config, ConfigError, RewardMode, make_config
 from .config_errors import nearest_key
 
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
@@ -93,7 +93,8 @@ def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
 def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the values of the configuration: for all, for the algorithm, for the reward; the same for the game; changes."""
     first = {**content.get("config", {}), **own.get("config", {}), **changes}
-    algorithm, reward = first.get("algorithm", "ippo"), first.get("reward", "common")
+    algorithm = first.get("algorithm", "ippo")
+    reward = first.get("reward", KEYS_OF[algorithm]["reward"].default if algorithm in KEYS_OF else None)
     values: dict[str, Any] = {}
     for tables in (content, own):
         values |= tables.get("config", {})

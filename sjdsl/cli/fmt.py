@@ -20,7 +20,7 @@ STDIN_NAME = "standard input"
 
 @click.command("fmt")
 @click.argument("paths", nargs=-1, required=True, metavar="FILE|FOLDER|-...")
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that are laid out otherwise.")
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that would be laid out otherwise.")
 def command(paths: tuple[str, ...], only_check: bool) -> int:
     """Lays out `.sj` files: spaces, line ends and columns; comments stay, and so do line ends between sentences.
 
@@ -45,10 +45,10 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
             continue
         changed += 1
         if only_check:
-            click.echo(f"{path} is not formatted")
+            click.echo(f"{path} would be laid out otherwise")
         else:
             write_whole(path, text)
-            click.echo(f"formatted {path}")
+            click.echo(f"{path} is laid out anew")
     click.echo(_summary(changed, unchanged, problems, only_check))
     return int(problems > 0 or (only_check and changed > 0))
 
@@ -99,14 +99,18 @@ def _format_stdin(only_check: bool) -> int:
         click.echo(text, nl=False)
         return 0
     is_same = data == text.encode()
-    click.echo(f"{STDIN_NAME} is{'' if is_same else ' not'} formatted")
+    click.echo(f"{STDIN_NAME} {'is laid out as it should be' if is_same else 'would be laid out otherwise'}")
     return int(not is_same)
 
 
 def _summary(changed: int, unchanged: int, problems: int, only_check: bool) -> str:
-    parts = [(changed, "not formatted" if only_check else "formatted"), (unchanged, "left as they were"), (problems, "with errors")]
-    if only_check:
-        parts[1] = (unchanged, "formatted")
-    said = [f"{number} {what}" for number, what in parts if number]
-    total = changed + unchanged + problems
-    return f"{total} file{'' if total == 1 else 's'}: {', '.join(said)}"
+    """Returns `5 files: 2 laid out anew, 3 unchanged`, without what there is none of."""
+    parts = [
+        (changed, "would be laid out otherwise" if only_check else "laid out anew"),
+        (unchanged, "laid out as they should be" if only_check else "unchanged"),
+        (problems, "with syntax errors"),
+    ]
+    total, said = changed + unchanged + problems, [(number, what) for number, what in parts if number]
+    if total == 1:
+        return f"1 file, {said[0][1].replace('they', 'it')}"
+    return f"{total} files: {', '.join(f'{number} {what}' for number, what in said)}"

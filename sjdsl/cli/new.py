@@ -5,6 +5,8 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.folders import require_folder
+from sjdsl.cli.list import align
+from sjdsl.games_folder import bundled
 from sjdsl.starter import starting_files
 
 
@@ -25,6 +27,23 @@ def command(name: str, folder: str) -> int:
     for path, text in paths.items():
         path.write_text(text, encoding="utf-8", newline="\n")
         click.echo(path)
-    first = next(iter(paths))
-    click.echo(f"next: sjdsl play {first}   pytest {Path(folder) / f'test_{name}.py'}   sjdsl train {first}")
+    if name in bundled():
+        click.echo(
+            f"note: there is a bundled game {name} as well. To the commands `{name}` means that one, and `{name}.sj` means yours; "
+            "another name would keep them apart"
+        )
+    game, _, tests = paths
+    for line in align([("next:", ""), *next_steps(game, tests)]):
+        click.echo(line)
     return 0
+
+
+def next_steps(game: Path, tests: Path) -> list[tuple[str, str]]:
+    """Returns what can be done with a new game, and what each command does and needs."""
+    return [
+        (f"  sjdsl play {game}", "steer an agent; needs a terminal"),
+        (f"  sjdsl check {game}", "after each change: what is wrong with it"),
+        (f"  sjdsl test {game}", "are its promises kept?"),
+        (f"  pytest {tests}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
+        (f"  sjdsl train {game} --preset two_cores", "agents that learn in it; takes minutes on two cores"),
+    ]

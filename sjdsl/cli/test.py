@@ -1,12 +1,14 @@
 """`sjdsl test`: are the promises of games kept?"""
 
 import json
+import os
 from collections.abc import Iterator
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.cache import cache_folder
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.cli.stages import stages
@@ -30,6 +32,8 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
     What can be decided is proved. The rest is played: random courses on small maps, whole episodes on the game's own map. A promise that
     breaks is shown in the shortest course found. The exit status is 1 if one breaks, or cannot be put to the test.
     """
+    os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
+
     from sjdsl.promises import Effort
 
     effort, documents, failed = Effort(examples, seed=seed), [], False

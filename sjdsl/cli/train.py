@@ -22,7 +22,11 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 @click.command("train")
 @click.argument("game", required=False)
 @click.option("--algorithm", type=click.Choice(ALGORITHMS), help="ippo unless the preset has another.")
-@click.option("--reward", type=click.Choice(REWARDS), help="Whose reward an agent learns from; common unless the preset has another.")
+@click.option(
+    "--reward",
+    type=click.Choice(REWARDS),
+    help="What an agent learns from; its own reward (individual) unless the preset has another, and common with vdn.",
+)
 @click.option("--preset", metavar="P", help="paper, two_cores, another preset of the package, or a .toml file, which may name the game.")
 @click.option(
     "--set",

@@ -14,9 +14,9 @@ QUICK = [part for value in SMALL for part in ("--set", value)]
 
 
 def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
-    trained = sjdsl("train", "orchard.sj", *QUICK, "--reward", "common", "--param", "apple=2", "--episodes", "0")
+    trained = sjdsl("train", "orchard.sj", *QUICK, "--param", "apple=2", "--episodes", "0")
     assert trained.status == 0, trained.text
-    run_dir = Path("runs/orchard_ippo_common_seed0")
+    run_dir = Path("runs/orchard_ippo_individual_seed0")  # each learns from its own reward, unless asked otherwise
     assert f"{run_dir}/" in trained.out
     assert "metrics.csv" in trained.out
     assert "training 96 environment steps: 2 updates of 4 environments x 12 steps" in trained.err

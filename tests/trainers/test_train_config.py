@@ -7,7 +7,7 @@ import pytest
 from probes import constant, quick
 from pydantic import ValidationError
 
-from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, make_config, make_train
+from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config, make_train
 
 
 @pytest.mark.parametrize(
@@ -106,3 +106,9 @@ def test_seeds_are_numbers_of_32_bits(values: dict[str, int], said: str) -> None
     with pytest.raises(ConfigError, match=rf"`seed` must be below 2\^32 = 4294967296.*{said}"):
         make_config(values)
     assert make_config(seed=2**32 - 1).seed_numbers == (2**32 - 1,)
+
+
+def test_agents_learn_from_their_own_reward_unless_asked_otherwise() -> None:
+    assert [make_config(algorithm=name).reward for name in ("ippo", "mappo", "vdn")] == ["individual", "individual", "common"]
+    assert [load_preset("two_cores", {"algorithm": name}).config.reward for name in ("ippo", "vdn")] == ["individual", "common"]
+    assert load_preset("paper", {}, "coins").config.reward == "common", "as in the released configurations"

@@ -1,0 +1,54 @@
+"""What somebody meets in their first hour: help without an error, names that nearly fit, and no files that nobody asked for."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import Sjdsl
+
+
+def test_sjdsl_alone_is_help(sjdsl: Sjdsl) -> None:
+    shown = sjdsl()
+    assert (shown.status, shown.err) == (0, "")
+    assert shown.out.startswith("Usage: sjdsl [OPTIONS] COMMAND")
+    assert shown.out == sjdsl("--help").out
+
+
+@pytest.mark.parametrize("call", [["render", "orchard"], ["train", "orchard"], ["check", "orchard"], ["play", "orchard", "--watch"]])
+def test_a_game_without_its_ending_is_found(sjdsl: Sjdsl, call: list[str]) -> None:
+    shown = sjdsl(*call)
+    assert shown.status == 1
+    assert "there is no bundled game `orchard`; for the file beside you write its whole name: `orchard.sj`" in shown.err
+
+
+def test_new_says_what_comes_next_and_what_it_needs(sjdsl: Sjdsl) -> None:
+    said = sjdsl("new", "pond").out
+    for line in (
+        "sjdsl play pond.sj",
+        "needs a terminal",
+        "pytest test_pond.py",
+        "pip install pytest",
+        "sjdsl train pond.sj --preset two_cores",
+    ):
+        assert line in said
+    assert "bundled" not in said
+    assert "there is a bundled game clean_up as well" in sjdsl("new", "clean_up").out
+    assert "19 x 28" in sjdsl("list", "clean_up").out, "the name alone is the bundled game's"
+    assert "10 x 15" in sjdsl("list", "clean_up.sj").out
+
+
+def test_testing_leaves_nothing_behind(folder: Path) -> None:
+    """Hypothesis keeps its files where the cache of this package is, whatever it may want to keep."""
+    script = """
+import sys
+from sjdsl.cli import run
+assert run(["test", "orchard.sj", "--examples", "3"]) == 0
+from hypothesis.configuration import storage_directory
+storage_directory("constants").create_if_missing()
+"""
+    (folder / "orchard.sj").write_text(
+        (folder / "orchard.sj").read_text().replace("  variant", "  checks { conserved count(agent) }\n  variant")
+    )
+    subprocess.run([sys.executable, "-c", script], cwd=folder, check=True, env={"SJDSL_CACHE": str(folder / "cache"), "PATH": ""})
+    assert sorted(path.name for path in folder.iterdir()) == ["cache", "orchard.sj"]
