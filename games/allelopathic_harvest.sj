@@ -79,6 +79,13 @@ game allelopathic_harvest "Allelopathic Harvest" {
     each agent as a where a.hits < strikes and a.recovering == 0 { set a.hits = 0 }
   }
 
+  look bush where bush.colour is red                          as red tree
+  look bush where bush.colour is green                        as green tree
+  look bush where bush.colour is blue                         as blue tree
+  look bush where bush.colour is red and bush.fruit is ripe   as red apple
+  look bush where bush.colour is green and bush.fruit is ripe as green apple
+  look bush where bush.colour is blue and bush.fruit is ripe  as blue apple
+
   observe {
     window ahead 9, behind 1, left 5, right 5  show other.coat  show other.hits  # Melting Pot
     show agent.taste  show agent.stunned  show agent.hot  show agent.empty

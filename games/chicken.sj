@@ -17,4 +17,10 @@ game chicken "Chicken in the matrix: Arena" extends "pd_arena.sj" {
     require chicken(payoff)  # T > R > S > P
     expect collected[dove] > collected[hawk] with seek patch where patch.class is dove and patch.stock is ripe over 30 episodes
   }
+  look patch where patch.class is dove                         as "#d5e4ea"
+  look patch where patch.class is hawk                         as "#f3e0bd"
+  look patch where patch.class is dove and patch.stock is ripe as sky gem
+  look patch where patch.class is hawk and patch.stock is ripe as red mushroom
+  look agent where agent.bag[dove] > 0                         with sky gem
+  look agent where agent.bag[hawk] > 0                         with red mushroom
 }

@@ -79,6 +79,12 @@ game predator_prey "Predator and Prey: Open" {
     }
   }
 
+  look oak                                            as "#6b7a2e" tree
+  look oak where oak.fruit is ripe                    with brown apple
+  look agent where agent.role is prey                 as sky
+  look agent where agent.role is predator             as red animal
+  look agent where agent.mouth in { holding, eating } with brown apple
+
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show agent.role  show agent.mouth  show other.role  show other.mouth

@@ -17,4 +17,10 @@ game stag_hunt "Stag Hunt in the matrix: Arena" extends "pd_arena.sj" {
     require stag_hunt(payoff)  # R > T >= P > S
     expect collected[stag] > collected[hare] with seek patch where patch.class is stag and patch.stock is ripe over 30 episodes
   }
+  look patch where patch.class is stag                         as "#e6d5c3"
+  look patch where patch.class is hare                         as "#d5e4ea"
+  look patch where patch.class is stag and patch.stock is ripe as brown animal
+  look patch where patch.class is hare and patch.stock is ripe as white animal
+  look agent where agent.bag[stag] > 0                         with brown animal
+  look agent where agent.bag[hare] > 0                         with white animal
 }

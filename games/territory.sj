@@ -78,6 +78,13 @@ game territory "Territory: Rooms" {
     each brick as b where b.paint is dry and b.owner is not nobody { chance rate { give yield to b.owner  tally paid for b.owner } }
   }
 
+  look brick                               as "#b98d74" wall
+  look brick where brick.damage > 0        as "#dcc6b8" wall
+  look brick where brick.damage == strikes as "#e6e0da"
+  look brick where brick.damage == strikes as grey floor
+  look brick where brick.paint is wet      with white
+  look brick where brick.paint is dry      with yellow coin
+
   observe {
     window ahead 9, behind 1, left 5, right 5  show agent.stunned  show agent.hot  show other.hits  # Melting Pot: the window
     show brick.owner as { mine where brick.owner is agent, free where brick.owner is nobody, theirs }

@@ -16,7 +16,7 @@ def make_page(path: Path, fresh: bool) -> None:
     from sjdsl.compiler.render import game_hash
     from sjdsl.doc import read_written
     from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
-    from sjdsl.doc.figures import draw_picture, figures_text, measure, read_figures
+    from sjdsl.doc.figures import draw_picture, figures_text, is_picture_of, measure, read_figures
 
     kept = {} if fresh else read_figures(path.with_suffix(".json"))
     entries = []
@@ -28,7 +28,7 @@ def make_page(path: Path, fresh: bool) -> None:
             click.echo(f"{name}: measuring")
             figures = measure(name)
             draw_picture(name, picture)
-        elif not picture.is_file():
+        elif not picture.is_file() or not is_picture_of(picture, written.game):
             draw_picture(name, picture)
         entries.append(Entry(name, written, figures))
     text = catalogue(entries)
@@ -42,7 +42,7 @@ def page_problems(path: Path) -> list[str]:
     from sjdsl.compiler.render import game_hash
     from sjdsl.doc import read_written
     from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
-    from sjdsl.doc.figures import read_figures
+    from sjdsl.doc.figures import is_picture_of, read_figures
 
     kept = read_figures(path.with_suffix(".json"))
     entries = [Entry(name, read_written(open_game(name)), kept.get(name)) for name in bundled()]
@@ -54,6 +54,8 @@ def page_problems(path: Path) -> list[str]:
             found.append(f"{entry.name}: the figures are of other rules")
     wanted = {path.parent / PICTURES / f"{entry.name}.png" for entry in entries}
     there = set((path.parent / PICTURES).glob("*.png"))
+    drawn = {path.parent / PICTURES / f"{entry.name}.png": entry.written.game for entry in entries}
+    found += [f"{picture}: of other rules or looks" for picture in sorted(wanted & there) if not is_picture_of(picture, drawn[picture])]
     found += [f"{picture}: missing" for picture in sorted(wanted - there)]
     found += [f"{picture}: of no game" for picture in sorted(there - wanted)]
     found += [f"{name}: figures of no game" for name in kept if name not in {entry.name for entry in entries}]

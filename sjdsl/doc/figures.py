@@ -1,5 +1,6 @@
 """What a random policy comes to in a game: measured with the compiled environment, kept in a file with the hash of the rules."""
 
+import hashlib
 import json
 import math
 from collections.abc import Mapping
@@ -7,10 +8,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.print_ir import game as ir_text
 
 EPISODES = 200
 SEED = 0
 PICTURE_STEPS = 40  # steps of random play before the picture
+SHOWN = "sjdsl:shown"  # the key of its digest in a picture's file
 DIGITS = 6  # significant ones that are kept
 
 
@@ -82,6 +85,20 @@ def draw_picture(name: str, path: Path) -> None:
     from sjdsl.render import make_painter, play, random_policy, save_png
 
     env = make(name)
-    *_, last = play(env, random_policy(env), PICTURE_STEPS, SEED)
+    *_, last = play(env, random_policy(env), PICTURE_STEPS, SEED, every=PICTURE_STEPS)
     path.parent.mkdir(parents=True, exist_ok=True)
-    save_png(make_painter(env).draw(last), path)
+    save_png(make_painter(env).draw(last), path, {SHOWN: picture_digest(env.game)})
+
+
+def picture_digest(game: ir.Game) -> str:
+    """Returns 16 hexadecimal digits of what a picture shows: the rules and the looks."""
+    shown = game.model_copy(update={"cites": (), "about": ()})
+    return hashlib.sha256(ir_text(shown).encode()).hexdigest()[:16]
+
+
+def is_picture_of(path: Path, game: ir.Game) -> bool:
+    """Returns whether a picture has been drawn from these rules and looks."""
+    from PIL import Image
+
+    with Image.open(path) as image:
+        return image.info.get(SHOWN) == picture_digest(game)

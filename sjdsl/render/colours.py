@@ -124,11 +124,11 @@ INK: Colour = (34, 38, 44)
 PAPER: Colour = (255, 255, 255)
 
 
-def kind_colours(game: ir.Game, plain: tuple[str, ...] = ()) -> dict[str, Colour]:
+def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> dict[str, Colour]:
     """Returns the ground of each kind: what its name says, else the next of the palette; all distinct if it can be.
 
     Args:
-      plain: kinds whose ground is that of the first kind that is neither one of them nor solid.
+      plain: kinds that have the ground of kind `main`.
     """
     colours: dict[str, Colour] = {}
     for kind in (k for k in game.kinds if k.name not in plain):
@@ -136,8 +136,7 @@ def kind_colours(game: ir.Game, plain: tuple[str, ...] = ()) -> dict[str, Colour
         wanted = [KINDS[part] for part in reversed(kind.name.split("_")) if part in KINDS]
         free = [colour for colour in (*wanted, *palette) if colour not in colours.values()]
         colours[kind.name] = (free or palette)[0]
-    open_ = [kind.name for kind in game.kinds if kind.name in colours and not is_solid(kind)]
-    return colours | dict.fromkeys(plain, colours[open_[0]] if open_ else TILES[0])
+    return colours | dict.fromkeys(plain, colours.get(main, TILES[0]))
 
 
 def is_solid(kind: ir.Kind) -> bool:

@@ -1,40 +1,78 @@
 """What a legend names: each thing that cells and agents can show, with its text."""
 
 from collections.abc import Iterator
+from itertools import islice, product
+
+import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.facts import conjuncts
+from sjdsl.compiler.print_ir import expression
 from sjdsl.render.colours import agent_colour
 from sjdsl.render.drawings import BAR_STEPS, Drawing, Figure, draw_cell
-from sjdsl.render.look import FieldLook, Look, Rule
+from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values
 
+MOST = 4096  # combinations of words that are tried
 SHOWN = 5  # eighths of the bar in a legend
 
 
 def cell_entries(look: Look) -> Iterator[tuple[Drawing, str]]:
     """Yields the kinds, what their looks say, and the words, owners and numbers that are drawn without one."""
     for kind in look.kinds:
-        always = tuple(int(rule.condition is None) for rule in kind.rules)
-        plain = draw_cell(kind, (0,) * len(kind.fields) + always)
-        same = [text for place, field in enumerate(kind.fields) for value, text in _values(field, kind.rules) if value == 0]
+        found = list(dict.fromkeys(_kind_entries(kind)))
+        if not any(text.split(":")[0] == kind.name for _, text in found):  # no cell of it is ever without one of its words
+            found[:1] = [(drawing, f"{kind.name}: {text}") for drawing, text in found[:1]]
+        yield from found
+
+
+def _kind_entries(kind: KindLook) -> Iterator[tuple[Drawing, str]]:
+    always = tuple(int(rule.condition is None) for rule in kind.rules)
+    real = frozenset(_word_drawings(kind))
+    plain = draw_cell(kind, (0,) * len(kind.fields) + always)
+    if plain in real:
+        same = [text for field in kind.fields for value, text in _values(field, kind.rules) if value == 0]
         yield plain, f"{kind.name}: {', '.join(same)}" if same else kind.name
-        for place, rule in enumerate(kind.rules):
-            if rule.condition is not None:
-                applied = tuple(max(a, int(p == place)) for p, a in enumerate(always))
-                yield draw_cell(kind, (0,) * len(kind.fields) + applied), rule.label
-        for place, field in enumerate(kind.fields):
-            for value, text in _values(field, kind.rules):
-                values = [0] * len(kind.fields)
-                values[place] = value
-                drawn = draw_cell(kind, (*values, *always))
-                if drawn != plain:
-                    yield drawn, text
+    for place, rule in enumerate(kind.rules):
+        if rule.condition is not None:
+            applied = tuple(max(a, int(p == place or _implies(rule, other))) for p, (a, other) in enumerate(zip(always, kind.rules)))
+            yield draw_cell(kind, (0,) * len(kind.fields) + applied), rule.label
+    for place, field in enumerate(kind.fields):
+        for value, text in _values(field, kind.rules):
+            values = [0] * len(kind.fields)
+            values[place] = value
+            drawn = draw_cell(kind, (*values, *always))
+            if drawn != plain and (drawn in real or field.holds != "word"):
+                yield drawn, text
+
+
+def _word_drawings(kind: KindLook) -> Iterator[Drawing]:
+    """Yields what can be drawn where all numbers are 0 and nobody owns anything, for all words together; of very many, the first."""
+    words = [range(len(field.words)) if field.holds == "word" else (0,) for field in kind.fields]
+    states = np.array(list(islice(product(*words), MOST)), int)
+    values = {field.attribute: column - (field.holds == "agent") for field, column in zip(kind.fields, states.T, strict=True)}
+    rules = [_applies(rule, kind, values, len(states)) for rule in kind.rules]
+    for number, state in enumerate(states):
+        yield draw_cell(kind, (*map(int, state), *(int(rule[number]) for rule in rules)))
+
+
+def _applies(rule: Rule, kind: KindLook, values: Values, count: int) -> np.ndarray:
+    """Returns where a look applies; one that reads more than words, which are all that is tried here, nowhere."""
+    words = {field.name for field in kind.fields if field.holds == "word"}
+    return rule.applies(kind.name, values, count) if rule.reads <= words else np.zeros(count, bool)
+
+
+def _implies(rule: Rule, other: Rule) -> bool:
+    """Returns whether another look applies wherever one does: each part of the other's condition is a part of its own."""
+    first, second = (frozenset(map(expression, conjuncts(r.condition))) if r.condition else frozenset() for r in (rule, other))
+    return second <= first
 
 
 def figure_entries(look: Look) -> Iterator[tuple[Figure, str]]:
     """Yields the roles of the agents, their looks, what they can carry, and the pale one."""
     for number, role in enumerate(look.roles):
         assert look.colour_field is not None
+        if _is_said(look.colour_field[0].removeprefix("agent_"), role, look.rules):
+            continue
         yield Figure(number, look.colour_field[1][number]), role
     for rule in look.rules:
         if rule.condition is not None:

@@ -1,10 +1,11 @@
 """Pictures as files: a GIF or an MP4 of many, or a PNG of one."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 MILLISECONDS = 120  # a frame is shown
 SAMPLES = 24  # frames whose colours make the palette
@@ -32,9 +33,12 @@ def save_mp4(frames: Sequence[Image.Image], path: Path | str, milliseconds: int 
         film.mux(stream.encode())
 
 
-def save_png(frame: Image.Image, path: Path | str) -> None:
-    """Writes one picture."""
-    frame.save(path, format="PNG", optimize=True)
+def save_png(frame: Image.Image, path: Path | str, notes: Mapping[str, str] | None = None) -> None:
+    """Writes one picture; `notes` stand in the file as texts by key."""
+    texts = PngInfo()
+    for key, note in (notes or {}).items():
+        texts.add_text(key, note)
+    frame.save(path, format="PNG", optimize=True, pnginfo=texts)
 
 
 def _palette(frames: Sequence[Image.Image]) -> Image.Image:

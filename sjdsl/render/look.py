@@ -12,7 +12,7 @@ from sjdsl.compiler.print_ir import expression
 from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, is_solid, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds
-from sjdsl.render.usual import Picture, is_taken, spawn_kinds, usual_body, usual_words
+from sjdsl.render.usual import Picture, is_passing, is_taken, main_kind, spawn_kinds, usual_body, usual_words
 
 if TYPE_CHECKING:  # the screen draws before JAX is there
     from sjdsl.runtime.env import Environment
@@ -127,7 +127,9 @@ def make_look(env: "Environment") -> Look:
         marks=tuple((phase.label, f"mark_{phase.name}", colour) for phase, colour in marks),
         colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(colour_field.type.words)),
         roles=() if colour_field is None or set(colour_field.type.words) <= set(WORDS) else colour_field.type.words,
-        carried=tuple(_carried_fields([f for f in game.agents.fields if f is not colour_field and _is_carried(f)])),
+        carried=tuple(
+            _carried_fields([f for f in game.agents.fields if f is not colour_field and _is_carried(f) and not is_passing(f, game)])
+        ),
         rules=tuple(_rule(look) for look in game.looks if look.what == "agent"),
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
@@ -143,13 +145,14 @@ def _marks(phase: ir.Phase) -> bool:
 def kind_looks(game: ir.Game) -> Iterator[KindLook]:
     """Yields the kinds on the map in the order of the file."""
     spawns = spawn_kinds(game)
-    grounds = kind_colours(game, spawns)
+    grounds = kind_colours(game, spawns, main_kind(game))
     kind_of = {meaning.glyph: meaning.kind for meaning in game.glyphs}
     grid = np.array([[kind_of[glyph] for glyph in row] for row in game.rows])
     for kind in game.kinds:
         rows, cols = np.nonzero(grid == kind.name)
         if len(rows):
-            drawn = [f for f in kind.fields if not f.timer and (f.type.kind != "word" or not f.type.by)]
+            shown = [f for f in kind.fields if not f.timer and (f.type.kind != "word" or not f.type.by)]
+            drawn = [f for f in shown if not is_passing(f, game)]
             words = [max(0, len(f.type.words) - 1) for f in drawn]
             fields = tuple(_field(f, kind.name, game, sum(words[:place])) for place, f in enumerate(drawn))
             rules = tuple(_rule(look) for look in game.looks if kind.name in look.kinds)
@@ -182,6 +185,8 @@ def _label(condition: ir.Expr, name: str) -> str:
                 parts.append(word)
             case ir.InWords():
                 parts.append(" or ".join(part.words))
+            case ir.Compare(fn=">", left=ir.At(row=ir.FieldRead(name=field), key=ir.Word(value=word)), right=ir.Number(value=0)):
+                parts.append(f"{field}: {word}")
             case _:
                 text = expression(part).replace(f"{name}.", "")
                 parts.append(text[1:-1] if text.startswith("(") and text.endswith(")") else text)

@@ -1,5 +1,6 @@
 """How kinds and words look of which a file says nothing: by their names, or by what the rules do with them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,15 +22,19 @@ class Picture:
     colour: Colour
 
 
-def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
-    """Returns the kinds without fields on which agents are put, but for the one that most of the open map is made of."""
-    targets = {kind for node in ir.walk(game) if isinstance(node, ir.Send) for kind in node.domain.var.kinds}
+def main_kind(game: ir.Game) -> str:
+    """Returns the kind that most of the open map is made of: the ground that all other things stand on."""
     kind_of = {meaning.glyph: meaning.kind for meaning in game.glyphs}
     names, counts = np.unique([kind_of[glyph] for row in game.rows for glyph in row], return_counts=True)
     cells = dict(zip(names.tolist(), counts.tolist(), strict=True))
-    plain = [k.name for k in game.kinds if not k.fields and not k.blocks and k.name in cells]
-    most = max(plain, key=lambda name: cells[name], default="")
-    return tuple(name for name in plain if name in targets and name != most)
+    return max((kind.name for kind in game.kinds if not is_solid(kind)), key=lambda name: cells.get(name, 0), default="")
+
+
+def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
+    """Returns the kinds without fields on which agents are put, but for the one that most of the open map is made of."""
+    targets = {kind for node in ir.walk(game) if isinstance(node, ir.Send) for kind in node.domain.var.kinds}
+    main = main_kind(game)
+    return tuple(kind.name for kind in game.kinds if not kind.fields and not kind.blocks and kind.name in targets and kind.name != main)
 
 
 def usual_body(kind: ir.Kind, ground: Colour, spawns: tuple[str, ...]) -> Picture | None:
@@ -74,3 +79,42 @@ def is_taken(name: str, kind: str, game: ir.Game) -> bool:
 def named_sprite(name: str) -> str | None:
     """Returns the sprite that a name, or the last part of it that does, speaks of."""
     return next((part for part in reversed(name.split("_")) if part in SPRITES), None)
+
+
+def is_passing(field: ir.VarField, game: ir.Game) -> bool:
+    """Returns whether a number or a set is gone at the end of every step: the last rule that writes it empties it wherever it is not."""
+    if field.type.kind == "word":
+        return False
+    last: tuple[ir.Set | ir.Add, tuple[ir.Node, ...]] | None = None
+    for phase in game.schedule:
+        for written in _writes(phase, field, ()):
+            last = written
+    if last is None or not isinstance(last[0], ir.Set):
+        return False
+    sentence, around = last
+    empty = isinstance(sentence.value, ir.Nobody) or (isinstance(sentence.value, ir.Number) and sentence.value.value == 0)
+    return empty and all(_leaves_none_out(node, field) for node in around)
+
+
+def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> Iterator[tuple[ir.Set | ir.Add, tuple[ir.Node, ...]]]:
+    """Yields the sentences that write a field, each with the sentences around it."""
+    if isinstance(node, ir.Set | ir.Add):
+        target = node.target.row if isinstance(node.target, ir.At) else node.target
+        if isinstance(target, ir.FieldRead) and (target.place, target.name) == (field.place, field.name):
+            if field.place != "cell" or field.kind in target.kinds:
+                yield node, around
+        return
+    for child in ir.children(node):
+        yield from _writes(child, field, (*around, node))
+
+
+def _leaves_none_out(node: ir.Node, field: ir.VarField) -> bool:
+    """Returns whether a sentence reaches every cell or agent where the field holds something."""
+    match node:
+        case ir.Phase():
+            return True
+        case ir.Each(domain=domain) if domain.on is None and domain.place is None:
+            reads = [] if domain.where is None else [n for n in ir.walk(domain.where) if isinstance(n, ir.FieldRead)]
+            return all(read.name == field.name for read in reads)
+        case _:
+            return False

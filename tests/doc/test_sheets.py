@@ -41,6 +41,12 @@ def test_a_page_that_is_not_current_is_told(tmp_path: Path, monkeypatch: pytest.
     assert f"{first}: the figures are of other rules" in told
     assert "no_game: figures of no game" in told
     assert sum("missing" in line for line in told) == len(figures)
+    (tmp_path / "pictures").mkdir()
+    drawn = TESTS.parent / "docs" / "pictures" / "coins.png"
+    for name in ("coins", "mushrooms"):
+        (tmp_path / "pictures" / f"{name}.png").write_bytes(drawn.read_bytes())
+    (said,) = [line for line in page_problems(tmp_path / "games.md") if "looks" in line]
+    assert said.endswith("mushrooms.png: of other rules or looks")
     assert not any("not what the games say" in line for line in told)
 
 

@@ -1,0 +1,1 @@
+"""Pictures, and boards in letters."""
