@@ -407,10 +407,10 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_bush = jnp.sum(state.bush_colour == 0, dtype=jnp.int32)  # allelopathic_harvest.sj:86
-    num_bush_2 = jnp.sum(state.bush_colour == 1, dtype=jnp.int32)  # allelopathic_harvest.sj:86
-    num_bush_3 = jnp.sum(state.bush_colour == 2, dtype=jnp.int32)  # allelopathic_harvest.sj:86
-    commonest = jnp.maximum(jnp.maximum(num_bush, num_bush_2), num_bush_3)  # allelopathic_harvest.sj:86
+    num_bush = jnp.sum(state.bush_colour == 0, dtype=jnp.int32)  # allelopathic_harvest.sj:93
+    num_bush_2 = jnp.sum(state.bush_colour == 1, dtype=jnp.int32)  # allelopathic_harvest.sj:93
+    num_bush_3 = jnp.sum(state.bush_colour == 2, dtype=jnp.int32)  # allelopathic_harvest.sj:93
+    commonest = jnp.maximum(jnp.maximum(num_bush, num_bush_2), num_bush_3)  # allelopathic_harvest.sj:93
     return {'commonest': commonest.astype(jnp.float32)}
 
 
@@ -429,14 +429,14 @@ def observe(state: State, params: Params) -> Array:
     plane_1 = paint(plane_1, state.mark_sow_sow_blue_blue, 4)  # allelopathic_harvest.sj:65
     plane_1 = paint(plane_1, state.mark_fire, 8)  # allelopathic_harvest.sj:71
     plane_0 = paint(plane_0, state.position, (jnp.arange(16, dtype=jnp.uint8) + 1) << 3)  # allelopathic_harvest.sj:32
-    seen_0 = windows(plane_0.reshape(48, 47), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # allelopathic_harvest.sj:83
-    seen_1 = windows(plane_1.reshape(48, 47), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # allelopathic_harvest.sj:83
-    agent = (seen_0 >> 3) & 31  # allelopathic_harvest.sj:83
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # allelopathic_harvest.sj:83
-    theirs = (agent != 0) & ~MYSELF[None]  # allelopathic_harvest.sj:83
-    shown_taste = state.agent_taste  # allelopathic_harvest.sj:84
-    shown_stunned = state.agent_stunned.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:84
-    shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:84
-    shown_empty = state.agent_empty.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:84
-    present = state.position != 0  # allelopathic_harvest.sj:84
+    seen_0 = windows(plane_0.reshape(48, 47), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # allelopathic_harvest.sj:90
+    seen_1 = windows(plane_1.reshape(48, 47), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # allelopathic_harvest.sj:90
+    agent = (seen_0 >> 3) & 31  # allelopathic_harvest.sj:90
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # allelopathic_harvest.sj:90
+    theirs = (agent != 0) & ~MYSELF[None]  # allelopathic_harvest.sj:90
+    shown_taste = state.agent_taste  # allelopathic_harvest.sj:91
+    shown_stunned = state.agent_stunned.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:91
+    shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:91
+    shown_empty = state.agent_empty.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:91
+    present = state.position != 0  # allelopathic_harvest.sj:91
     return planes_of((11, 11), present, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (seen_1 >> 0) & 15, jnp.where(theirs, state.agent_coat[who] + 1, 0), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_taste[:, None], (16, 121)), jnp.broadcast_to(shown_stunned[:, None], (16, 121)), jnp.broadcast_to(shown_hot[:, None], (16, 121)), jnp.broadcast_to(shown_empty[:, None], (16, 121)))

@@ -259,9 +259,9 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_PATCH, ((state.patch_class) * 2 + state.patch_stock + 3))  # chicken.sj:10
     plane_0 = paint(plane_0, state.mark_meet, 64)  # pd_arena.sj:54
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # pd_arena.sj:32
-    seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:67
-    agent = (seen_0 >> 3) & 7  # pd_arena.sj:67
-    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:68
-    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:68
-    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, jnp.uint8(0), jnp.uint8(1))).astype(jnp.uint8)  # pd_arena.sj:68
+    seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:74
+    agent = (seen_0 >> 3) & 7  # pd_arena.sj:74
+    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:75
+    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:75
+    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, jnp.uint8(0), jnp.uint8(1))).astype(jnp.uint8)  # pd_arena.sj:75
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (4, 121)), jnp.broadcast_to(shown_bag_2[:, None], (4, 121)), jnp.broadcast_to(shown_resting[:, None], (4, 121)))

@@ -255,7 +255,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_water = jnp.sum(state.water_state == 0, dtype=jnp.int32)  # clean_up.sj:72
+    num_water = jnp.sum(state.water_state == 0, dtype=jnp.int32)  # clean_up.sj:75
     return {'clean_water': num_water.astype(jnp.float32)}
 
 
@@ -272,8 +272,8 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = paint(plane_0, state.mark_scrub, 64)  # clean_up.sj:58
     plane_0 = paint(plane_0, state.mark_fire, 128)  # clean_up.sj:64
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # clean_up.sj:32
-    seen_0 = windows(plane_0.reshape(37, 46), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # clean_up.sj:71
-    raw = seen_0 & 7  # clean_up.sj:71
-    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # clean_up.sj:71
-    agent = (seen_0 >> 3) & 7  # clean_up.sj:71
+    seen_0 = windows(plane_0.reshape(37, 46), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # clean_up.sj:74
+    raw = seen_0 & 7  # clean_up.sj:74
+    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # clean_up.sj:74
+    agent = (seen_0 >> 3) & 7  # clean_up.sj:74
     return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 3)

@@ -286,6 +286,6 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_ROCK, (state.rock_ore + 1))  # coop_mining.sj:24
     plane_0 = paint(plane_0, state.mark_mine, 64)  # coop_mining.sj:44
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coop_mining.sj:33
-    seen_0 = windows(plane_0.reshape(45, 45), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coop_mining.sj:80
-    agent = (seen_0 >> 3) & 7  # coop_mining.sj:80
+    seen_0 = windows(plane_0.reshape(45, 45), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coop_mining.sj:84
+    agent = (seen_0 >> 3) & 7  # coop_mining.sj:84
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)

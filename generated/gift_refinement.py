@@ -262,7 +262,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    total = jnp.sum(state.agent_bag.astype(jnp.int32)[:, 1] + state.agent_bag.astype(jnp.int32)[:, 2], dtype=jnp.int32)  # gift_refinement.sj:74
+    total = jnp.sum(state.agent_bag.astype(jnp.int32)[:, 1] + state.agent_bag.astype(jnp.int32)[:, 2], dtype=jnp.int32)  # gift_refinement.sj:79
     return {'refined_held': total.astype(jnp.float32)}
 
 
@@ -277,9 +277,9 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_token + 1))  # gift_refinement.sj:22
     plane_0 = paint(plane_0, state.mark_offer, 64)  # gift_refinement.sj:50
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # gift_refinement.sj:27
-    seen_0 = windows(plane_0.reshape(43, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # gift_refinement.sj:71
-    agent = (seen_0 >> 3) & 7  # gift_refinement.sj:71
-    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # gift_refinement.sj:71
-    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # gift_refinement.sj:71
-    shown_bag_3 = state.agent_bag.astype(jnp.int32)[:, 2].astype(jnp.uint8)  # gift_refinement.sj:71
+    seen_0 = windows(plane_0.reshape(43, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # gift_refinement.sj:76
+    agent = (seen_0 >> 3) & 7  # gift_refinement.sj:76
+    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # gift_refinement.sj:76
+    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # gift_refinement.sj:76
+    shown_bag_3 = state.agent_bag.astype(jnp.int32)[:, 2].astype(jnp.uint8)  # gift_refinement.sj:76
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (5, 121)), jnp.broadcast_to(shown_bag_2[:, None], (5, 121)), jnp.broadcast_to(shown_bag_3[:, None], (5, 121)))

@@ -338,7 +338,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_tree = jnp.sum(state.tree_fruit == 1, dtype=jnp.int32)  # predator_prey.sj:86
+    num_tree = jnp.sum(state.tree_fruit == 1, dtype=jnp.int32)  # predator_prey.sj:92
     return {'apples_left': num_tree.astype(jnp.float32)}
 
 
@@ -355,12 +355,12 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_OAK, (state.oak_fruit + 8))  # predator_prey.sj:30
     plane_1 = paint(plane_1, state.mark_hunt, 1)  # predator_prey.sj:71
     plane_0 = paint(plane_0, state.position, (jnp.arange(13, dtype=jnp.uint8) + 1) << 4)  # predator_prey.sj:33
-    seen_0 = windows(plane_0.reshape(37, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # predator_prey.sj:83
-    seen_1 = windows(plane_1.reshape(37, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # predator_prey.sj:83
-    agent = (seen_0 >> 4) & 15  # predator_prey.sj:83
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # predator_prey.sj:83
-    theirs = (agent != 0) & ~MYSELF[None]  # predator_prey.sj:83
-    shown_role = state.agent_role  # predator_prey.sj:84
-    shown_mouth = state.agent_mouth  # predator_prey.sj:84
-    present = state.position != 0  # predator_prey.sj:84
+    seen_0 = windows(plane_0.reshape(37, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # predator_prey.sj:89
+    seen_1 = windows(plane_1.reshape(37, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # predator_prey.sj:89
+    agent = (seen_0 >> 4) & 15  # predator_prey.sj:89
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # predator_prey.sj:89
+    theirs = (agent != 0) & ~MYSELF[None]  # predator_prey.sj:89
+    shown_role = state.agent_role  # predator_prey.sj:90
+    shown_mouth = state.agent_mouth  # predator_prey.sj:90
+    present = state.position != 0  # predator_prey.sj:90
     return planes_of((11, 11), present, seen_0 & 15, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), seen_1, jnp.where(theirs, state.agent_role[who] + 1, 0), jnp.where(theirs, state.agent_mouth[who] + 1, 0), jnp.broadcast_to(shown_role[:, None], (13, 121)), jnp.broadcast_to(shown_mouth[:, None], (13, 121)))

@@ -338,7 +338,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_brick = jnp.sum(state.brick_owner != -1, dtype=jnp.int32)  # territory.sj:86
+    num_brick = jnp.sum(state.brick_owner != -1, dtype=jnp.int32)  # territory.sj:93
     return {'owned': num_brick.astype(jnp.float32)}
 
 
@@ -355,18 +355,18 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = paint(plane_0, state.mark_claim, 128)  # territory.sj:50
     plane_1 = paint(plane_1, state.mark_fire, 16)  # territory.sj:64
     plane_1 = paint(plane_1, state.position, (jnp.arange(9, dtype=jnp.uint8) + 1))  # territory.sj:33
-    seen_0 = windows(plane_0.reshape(37, 37), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # territory.sj:82
-    seen_1 = windows(plane_1.reshape(37, 37), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # territory.sj:82
-    raw = seen_0 & 127  # territory.sj:82
-    is_brick = (raw >= 3) & (raw < 93)  # territory.sj:82
-    brick_owner = (raw - 3) % 10  # territory.sj:82
-    brick_damage = ((raw - 3) // 10) % 3  # territory.sj:82
-    brick_paint = (((raw - 3) // 10) // 3)  # territory.sj:82
-    content = jnp.where(is_brick, ((((brick_paint * 3) + ((jnp.where((brick_owner.astype(jnp.int32) - 1) == jnp.arange(9, dtype=jnp.int32)[:, None], 0, jnp.where((brick_owner.astype(jnp.int32) - 1) == -1, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) * 3) + ((jnp.where(brick_damage.astype(jnp.int32) == 0, 0, jnp.where(brick_damage.astype(jnp.int32) < 2, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) + 3, raw + (((raw >= 93).astype(jnp.uint8)) * -63))  # territory.sj:82
-    agent = seen_1 & 15  # territory.sj:82
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # territory.sj:82
-    theirs = (agent != 0) & ~MYSELF[None]  # territory.sj:82
-    shown_stunned = state.agent_stunned.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:82
-    shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:82
-    present = state.position != 0  # territory.sj:82
+    seen_0 = windows(plane_0.reshape(37, 37), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # territory.sj:89
+    seen_1 = windows(plane_1.reshape(37, 37), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # territory.sj:89
+    raw = seen_0 & 127  # territory.sj:89
+    is_brick = (raw >= 3) & (raw < 93)  # territory.sj:89
+    brick_owner = (raw - 3) % 10  # territory.sj:89
+    brick_damage = ((raw - 3) // 10) % 3  # territory.sj:89
+    brick_paint = (((raw - 3) // 10) // 3)  # territory.sj:89
+    content = jnp.where(is_brick, ((((brick_paint * 3) + ((jnp.where((brick_owner.astype(jnp.int32) - 1) == jnp.arange(9, dtype=jnp.int32)[:, None], 0, jnp.where((brick_owner.astype(jnp.int32) - 1) == -1, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) * 3) + ((jnp.where(brick_damage.astype(jnp.int32) == 0, 0, jnp.where(brick_damage.astype(jnp.int32) < 2, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) + 3, raw + (((raw >= 93).astype(jnp.uint8)) * -63))  # territory.sj:89
+    agent = seen_1 & 15  # territory.sj:89
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # territory.sj:89
+    theirs = (agent != 0) & ~MYSELF[None]  # territory.sj:89
+    shown_stunned = state.agent_stunned.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:89
+    shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:89
+    present = state.position != 0  # territory.sj:89
     return planes_of((11, 11), present, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (((seen_0 >> 7) & 1) << 0) | (((seen_1 >> 4) & 1) << 1), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_stunned[:, None], (9, 121)), jnp.broadcast_to(shown_hot[:, None], (9, 121)))
