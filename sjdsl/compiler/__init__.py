@@ -54,8 +54,8 @@ def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) 
         rules = made.game.model_copy(update={"looks": ()})
         return lower(optimise(rules, passes), Path(source.name).name)
     except NotSupported as refused:
-        span = refused.origin or Span(source.name, 0, 0, 1, 1)
-        raise CompileError([Diagnostic(errors.NOT_SUPPORTED, span, {"what": refused.what})]) from None
+        facts = {"what": refused.what, "help": refused.instead}
+        raise CompileError([Diagnostic(errors.NOT_SUPPORTED, refused.origin, facts)]) from None  # type: ignore[arg-type]
 
 
 def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> str:

@@ -127,9 +127,15 @@ def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tupl
         return exact
     closest = max(sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=())
     unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
+    if unknown is not None and set(names) & set(closest):
+        raise scope.problems.not_a_word(unknown.span, unknown.text, "this table", closest)
     if unknown is not None:
-        known = [w for s in sets for w in s]
-        raise scope.problems.fail(errors.UNKNOWN_NAME, unknown.span, name=unknown.text, nearest=nearest(unknown.text, known))
+        near = nearest(unknown.text, [w for s in sets for w in s])
+        listed = ", ".join(dict.fromkeys(names))
+        help_ = (
+            f"the words of a table are those of a field, a row (`by`) or an event: declare one, `field NAME : {{ {listed} }} = {names[0]}`"
+        )
+        raise scope.problems.fail(errors.UNKNOWN_NAME, unknown.span, name=unknown.text, nearest=near, help="" if near else help_)
     if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
         return tuple(w for w in closest if w in names)
     missing = [w for w in closest if w not in names]

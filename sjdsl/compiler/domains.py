@@ -78,11 +78,12 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
     return found
 
 
-def without_variables(scope: Scope) -> Scope:
+def without_variables(scope: Scope, instead: str) -> Scope:
     """Returns a scope that sees neither agents, cells and values of the sentences around nor what is known of them."""
     fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
     facts = [f for f in scope.fact_nodes if not _free_names(f)]
-    return replace(scope, variables=fixed, facts=frozenset(), fact_nodes=()).knowing(facts)
+    withheld = {n: instead for n in scope.variables if n not in fixed}
+    return replace(scope, variables=fixed, facts=frozenset(), fact_nodes=(), withheld=withheld).knowing(facts)
 
 
 def _free_names(e: ir.Node) -> set[str]:

@@ -8,7 +8,7 @@ from sjdsl.compiler.facts import narrow_word
 from sjdsl.compiler.names import check_known_word
 from sjdsl.compiler.phase_use import PhaseUse
 from sjdsl.compiler.print_ir import expression as text
-from sjdsl.compiler.scope import Scope
+from sjdsl.compiler.scope import START, Scope
 from sjdsl.compiler.types import integer
 
 FACINGS = ("north", "east", "south", "west", "same")
@@ -81,10 +81,26 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 
 
+def _instead_of_variables(s: ast.Send, scope: Scope) -> str:
+    """Returns what to write where a destination should depend on who is sent."""
+    shared = "all who are sent to one place in a phase draw lots for its cells"
+    if scope.place == START:
+        return f"{shared}: give the places kinds of their own, and choose between them with `when`"
+    asked = "agent.team is p"
+    place = f"{s.domain.kind.text}.team is p"
+    match s.domain.where:
+        case ast.Binary(op="is" | "==" as op, left=ast.Path() as left, right=ast.Path() as right):
+            own = (s.domain.bind or s.domain.kind).text
+            mine, theirs = (left, right) if left.name.text == own else (right, left)
+            text = scope.static.sources[s.span.file].text
+            asked, place = (f"{text[e.span.start : e.span.end]} {op} p" for e in (theirs, mine))
+    return f"{shared}: write a phase with a parameter p, scheduled once for each value; ask in it `when {asked}`, and send `where {place}`"
+
+
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = agent(s.who, scope)
     # one set of free cells serves all who are sent: the destination cannot depend on who that is
-    destination, _ = domain(s.domain, without_variables(scope))
+    destination, _ = domain(s.domain, without_variables(scope, _instead_of_variables(s, scope)))
     if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
         raise scope.problems.fail(
             errors.WRONG_TYPE,

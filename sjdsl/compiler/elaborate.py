@@ -135,7 +135,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         if isinstance(phase, ir.Phase):
             check_conflicts(phase, built, problems)
     if rows and not any(d.code.severity == "error" for d in problems.found):
-        check_placing(built, problems)
+        check_placing(built, problems, game.sources)
     return built
 
 

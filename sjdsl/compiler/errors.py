@@ -111,7 +111,7 @@ FIELD_RANGE = Code(
 WORD_OUTSIDE = Code(
     "SJ205",
     "Not one of the words",
-    "`{word}` is not one of the words of `{name}`",
+    "`{word}` is not one of the words of {name}",
     ("did you mean `{nearest}`? the words are {words}", "its words are {words}"),
 )
 NEVER_EQUAL = Code("SJ206", "These can never be equal", "these two can never be equal: they have no word in common", "")
@@ -163,7 +163,7 @@ RAGGED_MAP = Code("SJ302", "Rows of different length", "row {row} has {length} c
 TOO_FEW_CELLS = Code(
     "SJ303",
     "Too few cells",
-    "`{kind}` has {cells} cells for {agents} agents",
+    "`{kind}` has {cells} for {agents} agents",
     "enlarge the map, or lower the number of agents",
 )
 GLYPH_TWICE = Code(
@@ -217,8 +217,8 @@ TWO_DESTINATIONS = Code(
 NO_FREE_CELL = Code(
     "SJ404",
     "There may be no free cell",
-    "`{kind}` may have no free cell: up to {agents} agents come, and only {cells} cells are certain",
-    "write `otherwise stay` after the destination, or take a map with more such cells, or fewer agents",
+    "{problem}",
+    "{help}",
 )
 MOVE_ALONE = Code(
     "SJ405",
@@ -276,4 +276,4 @@ LOOK_READS = Code(
 
 # ---- 6xx limits of the compiler
 
-NOT_SUPPORTED = Code("SJ601", "Not supported yet", "not supported yet: {what}", "")
+NOT_SUPPORTED = Code("SJ601", "Not supported yet", "not supported yet: {what}", "{help}")

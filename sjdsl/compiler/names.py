@@ -1,5 +1,6 @@
 """Paths: what a name means where it stands, its members and its entries."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 
 from sjdsl.compiler import ast, errors, guesses, ir
@@ -65,10 +66,18 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     static = scope.static
     if name.text in static.broken:
         return Poisoned()
+    if name.text in scope.withheld:
+        what, wanted = "a variable of the sentences around", "something that is the same for all who are sent"
+        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text])
     if static.kinds_of(name.text) or name.text == "agent":
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
-        wanted = f"a variable of a sentence around (`each {name.text} …`)"
-        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted)
+        wanted, help_ = f"a variable of a sentence around (`each {name.text} …`)", ""
+        if scope.defining:
+            wanted = "a parameter"
+            help_ = _with_parameter(scope.defining[-1], name.text, static)
+        elif name.text != "agent" and "agent" in scope.variables:
+            help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
+        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=help_)
     for what, table, help_ in (
         ("an event", static.events, "events are read in `checks`; what a rule reads is kept in a field"),
         ("an action", static.actions, f"`agent chose {name.text}` asks whether an agent chose it"),
@@ -78,6 +87,15 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
             return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted="a value", help=help_)
     near = scope.near(name.text)
     return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=near, help=_owned(name.text, near, static))
+
+
+def _with_parameter(define: str, variable: str, static: Static) -> str:
+    """Returns how a define is written that speaks of a variable around its use."""
+    value = static.defines[define].value.span
+    text = re.sub(rf"\b{variable}\b", "who", static.sources[value.file].text[value.start : value.end])
+    return (
+        f"a define sees its parameters alone: write `define {define}(who) = {' '.join(text.split())}`, and use it as `{define}({variable})`"
+    )
 
 
 def _owned(name: str, near: str, static: Static) -> str:
@@ -142,7 +160,9 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         "col": integer(0, max(static.map_cols - 1, 0), "cells"),
     }
     if name.text in ("row", "col") and not isinstance(owner, ir.Member):
-        raise scope.problems.fail(errors.NOT_SUPPORTED, name.span, what="the row or column of an agent that a field holds: it may be away")
+        what = "the row or column of an agent that a field holds: it may be away"
+        help_ = f"name it: `each agent as x in {text(owner)}` has those who are there, and `x.{name.text}`"
+        raise scope.problems.fail(errors.NOT_SUPPORTED, name.span, what=what, help=help_)
     if name.text in ("row", "col") and scope.place == START:
         raise scope.problems.fail(errors.NO_PLACE_YET, name.span, what=f"{text(owner)}.{name.text}")
     if name.text in types:

@@ -1,11 +1,14 @@
 """Places for agents: `phase start` sends every agent somewhere, and no `send` can run out of cells unnoticed."""
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import errors, ir
 from sjdsl.compiler.facts import conjuncts
 from sjdsl.compiler.print_ir import domain as domain_text
 from sjdsl.compiler.scope import Problems
+from sjdsl.compiler.source import Source
 
 
 @dataclass
@@ -16,12 +19,12 @@ class Pool:
     agents: set[int] = field(default_factory=set)
 
 
-def check_placing(game: ir.Game, problems: Problems) -> None:
+def check_placing(game: ir.Game, problems: Problems, sources: Mapping[str, Source]) -> None:
     """Reports agents without a place at the start, sends without enough cells, and destinations that overlap."""
     _check_start(game, problems)
     for phase in (game.start, *game.schedule):
         if isinstance(phase, ir.Phase):
-            _check_capacity(phase, game, problems)
+            _check_capacity(phase, game, problems, sources)
 
 
 def _check_start(game: ir.Game, problems: Problems) -> None:
@@ -114,7 +117,7 @@ def _number(e: ir.Expr, agent: int) -> float | None:
             return None
 
 
-def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
+def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems, sources: Mapping[str, Source]) -> None:
     pools: dict[int, Pool] = {}
     for agent in range(game.agents.number):
         for send in _possible_sends(phase.body, agent):
@@ -129,14 +132,35 @@ def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
         lacking = [s for s in pool.sends if not s.stay]
         if cells < needed and lacking:
             domain = pool.sends[0].domain
-            span = lacking[0].origin
+            span, place = lacking[0].origin, _as_written(domain, sources)
             if domain.where is None and starting:
-                facts = {"kind": " | ".join(domain.var.kinds), "cells": cells, "agents": needed}
-                problems.add(errors.TOO_FEW_CELLS, span, **facts)  # type: ignore[arg-type]
+                number = f"{cells} cell{'s' * (cells != 1)}"
+                problems.add(errors.TOO_FEW_CELLS, span, kind=place, cells=number, agents=needed)  # type: ignore[arg-type]
             else:
-                kind = " | ".join(domain.var.kinds) if domain.where is None else domain_text(domain)
-                problems.add(errors.NO_FREE_CELL, span, agents=needed, cells=cells, kind=kind)  # type: ignore[arg-type]
+                facts = _too_few(place, cells, needed, starting, known=domain.where is None or starting)
+                problems.add(errors.NO_FREE_CELL, span, **facts)  # type: ignore[arg-type]
     _check_overlap(pools, problems)
+
+
+def _too_few(place: str, cells: int, agents: int, starting: bool, known: bool) -> dict[str, str]:
+    """Returns the facts of a message about a destination; `known`: how many cells it has does not change in play."""
+    if not known:
+        problem = f"perhaps no cell of `{place}` is free: which cells fit changes in play"
+        return {"problem": problem, "help": "write `otherwise stay` after it: who then finds no cell stays"}
+    number, come = f"{cells} cell{'s' * (cells != 1)}", f"{agents} agent{'s' * (agents != 1)}"
+    if starting:
+        problem = f"{number} of the map fit `{place}`, and {come} begin there"
+        return {"problem": problem, "help": "take a map with more such cells, or fewer agents"}
+    problem = f"`{place}` has {number}, and up to {come} may be there or come"
+    return {"problem": problem, "help": "write `otherwise stay` after it, or take a map with more such cells, or fewer agents"}
+
+
+def _as_written(domain: ir.Domain, sources: Mapping[str, Source]) -> str:
+    """Returns a destination as its author wrote it, on one line."""
+    span = domain.origin
+    if span is None or span.file not in sources:
+        return domain_text(domain)
+    return " ".join(re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split())
 
 
 def _possible_sends(body: tuple[ir.Stmt, ...], agent: int) -> list[ir.Send]:

@@ -36,6 +36,7 @@ class Problems:
     def not_a_word(self, span: Span, word: str, owner: str, words: Iterable[str]) -> Poisoned:
         """Records that a word is none of the words of a field, row, event or `case`."""
         choices = list(words)
+        owner = owner if owner.startswith("this ") else f"`{owner}`"
         return self.fail(errors.WORD_OUTSIDE, span, word=word, name=owner, words=", ".join(choices), nearest=nearest(word, choices))
 
     def unknown(self, name: ast.Name, candidates: Iterable[str], what: str, instead: Mapping[str, str] | None = None) -> Poisoned:
@@ -97,6 +98,7 @@ class Scope:
 
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
     `facts`: canonical texts of conditions that hold here. `place`: what this is, for messages about draws and events.
+    `withheld`: variables around that cannot be used here, with what to write instead.
     """
 
     static: Static
@@ -107,6 +109,7 @@ class Scope:
     place: str = "a phase"
     events_readable: bool = False
     defining: tuple[str, ...] = ()
+    withheld: Mapping[str, str] = field(default_factory=dict)
 
     def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable."""

@@ -2,9 +2,10 @@
 
 from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import condition, fixed
 from sjdsl.compiler.scope import Poisoned, Problems, Scope, Static
+from sjdsl.compiler.sight_help import labels as example_labels
+from sjdsl.compiler.sight_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
 from sjdsl.compiler.types import HEADINGS, element, words
 from sjdsl.compiler.unseen import is_of_a_plane
 
@@ -86,8 +87,9 @@ def _entries(sight: ir.Sight) -> list[ir.Sight]:
     return [sight.model_copy(update={"type": one, "word": word}) for word in sight.type.by[0]]
 
 
-def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
+def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
     """Returns which sight a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, or a world field."""
+    path = sight.what
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
     if len(members) != len(path.steps) or len(members) > 1:
@@ -102,8 +104,7 @@ def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, i
         if head in static.kinds:
             return ("cell", head, ""), None
         if head not in static.fields:
-            near = nearest(head, [*static.fields, *OWNERS, *static.kinds])
-            raise problems.fail(errors.UNKNOWN_NAME, path.name.span, name=head, nearest=near)
+            raise without_field(sight, static, problems)
         static.used.add(f"field {head}")
         return ("world", "", head), static.fields[head]
     name = members[0]
@@ -113,21 +114,20 @@ def _resolve(path: ast.Path, static: Static, problems: Problems) -> tuple[Key, i
         if head == "other" and name.text == "heading":
             return ("heading", "", ""), None
         if name.text not in static.agent_fields:
-            near = nearest(name.text, static.agent_fields)
-            raise problems.fail(errors.NO_FIELD, name.span, owner="an agent", name=name.text, nearest=near)
+            raise no_agent_field(head, name, static, problems)
         return (OWNERS[head], "", name.text), static.agent_fields[name.text]
+    if head in static.groups:
+        raise of_group(sight, name, static, problems)
     if head not in static.kinds:
-        near = nearest(head, [*OWNERS, *static.kinds])
-        raise problems.fail(errors.UNKNOWN_NAME, path.name.span, name=head, nearest=near)
+        raise problems.unknown(path.name, [*OWNERS, *static.kinds], "what has fields")
     fields = {f.name: f for f in static.kinds[head].fields}
     if name.text not in fields:
-        near = nearest(name.text, fields)
-        raise problems.fail(errors.NO_FIELD, name.span, owner=f"the kind `{head}`", name=name.text, nearest=near)
+        raise no_cell_field(head, name, fields, problems)
     return ("cell", head, name.text), fields[name.text]
 
 
 def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
-    key, field = _resolve(show.what, static, problems)
+    key, field = _resolve(show, static, problems)
     what, kind, name = key
     if what == "cell" and not name:
         seen[key] = _look(show, kind, static, problems)
@@ -139,28 +139,36 @@ def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: P
     labels = _labels(show, what, kind, static, problems)
     type_ = field.type
     if not labels and type_.kind in ("agent", "agents"):
+        told = example_labels(path_text(show.what), type_.kind)
         raise problems.fail(
             errors.WRONG_TYPE,
             show.span,
-            wanted="labels (`show p as { mine where …, none }`)",
-            given="a field that holds agents",
-            help="an agent's number means nothing to an observer",
+            wanted="a field with labels",
+            given="a field that holds agents, whose numbers mean nothing to an observer",
+            help=f"write `show {path_text(show.what)}{told}`",
         )
     if not labels and type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
-        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number that is not a count from 0 to 255")
+        help_ = f"show it with labels, `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
+        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number that is not a count from 0 to 255", help=help_)
     if what == "cell" and not labels and type_.kind != "word":
-        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number of a cell without labels (`as { … }`)")
+        help_ = f"write `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
+        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number of a cell without labels", help=help_)
     seen[key] = ir.Sight(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
 
 
 def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Sight:
     """Returns how cells of a kind look: like the first label whose condition holds."""
     if not show.labels:
-        help = f"`show {kind} as {{ floor }}` makes them look like the kind `floor`"
+        help = of_a_kind(kind, "show", static)
         raise problems.fail(errors.WRONG_TYPE, show.span, wanted=f"what cells of `{kind}` look like", given="a kind without it", help=help)
     labels = _labels(show, "cell", kind, static, problems)
     names = tuple(dict.fromkeys(label.name for label in labels))
     return ir.Sight(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
+
+
+def path_text(path: ast.Path) -> str:
+    """Returns a path of names as it is written."""
+    return ".".join([path.name.text, *(s.name.text for s in path.steps if isinstance(s, ast.Member))])
 
 
 def _scope(what: str, kind: str, static: Static, problems: Problems) -> Scope:
@@ -187,9 +195,9 @@ def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Prob
 
 
 def _hide(hide: ast.Hide, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
-    key, _ = _resolve(hide.what, static, problems)
+    key, _ = _resolve(hide, static, problems)
     if key[0] == "cell" and not key[2]:
-        help = f"`show {key[1]} as {{ floor }}` makes its cells look like the kind `floor`"
+        help = of_a_kind(key[1], "hide", static)
         raise problems.fail(errors.WRONG_TYPE, hide.what.span, wanted="something that is seen of cells", given="a kind", help=help)
     if hide.condition is None:
         seen.pop(key, None)

@@ -26,7 +26,7 @@ def _labels(d: Diagnostic, named: dict[str, Span], types: dict[str, Span], game:
     near = str(d.facts.get("nearest", ""))
     if d.code in (errors.WORD_OUTSIDE, errors.FIELD_RANGE):
         what = "words are" if d.code is errors.WORD_OUTSIDE else "range is"
-        span, text = types.get(str(d.facts["name"]).split("[")[0].split(".")[-1]), f"its {what} declared here"
+        span, text = types.get(str(d.facts["name"]).strip("`").split("[")[0].split(".")[-1]), f"its {what} declared here"
     elif d.code in (errors.TOO_FEW_CELLS, errors.NO_FREE_CELL):
         span, text = _number_of_agents(game), "so many agents"
     else:

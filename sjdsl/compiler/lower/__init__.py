@@ -28,8 +28,17 @@ STORED = {"u8": "uint8", "u32": "uint32", "i32": "int32", "f32": "float32", "boo
 
 
 def lower(game: ir.Game, source: str) -> Program:
-    """Returns the array program of a game. Raises NotSupported for what it cannot say exactly."""
+    """Returns the array program of a game. Raises NotSupported, with a place, for what it cannot say exactly."""
     module = Module(game, Layout(game))
+    try:
+        return _program(game, source, module)
+    except NotSupported as refused:
+        around = None if module.writer is None else module.writer.origin
+        refused.origin = refused.origin or around or game.agents.origin
+        raise
+
+
+def _program(game: ir.Game, source: str, module: Module) -> Program:
     pools = all_pools(game)
     functions = [_phase(game.start, pools[game.start.name], module)]
     for turn in game.schedule:

@@ -240,10 +240,12 @@ def _candidates(d: ir.Domain, frame: Frame, w: Writer) -> tuple[AgentVar | CellV
 def match_(s: ir.Match, frame: Frame, w: Writer) -> Frame:
     """Returns the place inside a `match`: the left side's axis, those without a partner masked out."""
     if frame.axes or frame.digits:  # a `pick 1` around it gives no axis, yet its pairs are others
-        raise NotSupported("`match` inside another quantifier", s.origin)
+        instead = "write the `match` outside, and what is around it as conditions in its `where`"
+        raise NotSupported("`match` inside `each`, `pick`, `first` or another `match`", s.origin, instead)
     left = enter(s.left, replace(frame, mask=None), w)
     if not left.axes:
-        raise NotSupported("`match` of one determined agent", s.origin)
+        instead = "one agent has no rivals for it: write `each` for the left side, and `pick 1` inside for the right"
+        raise NotSupported("`match` of one certain agent", s.origin, instead)
     partner, size = _partners(s, left, w)
     partner = w.keep(s.right.var.name, partner)
     matched = binary("<", partner, literal(size, "i32"), "bool")
@@ -261,7 +263,7 @@ def _partners(s: ir.Match, left: Frame, w: Writer) -> tuple[Value, int]:
     right, rows = s.right, left.axes[-1]
     alike = (s.left.var.who, s.left.var.kinds) == (right.var.who, right.var.kinds)
     if not alike and set(s.left.var.kinds) & set(right.var.kinds):
-        raise NotSupported("a `match` of two groups of cells that overlap", s.origin)
+        raise NotSupported("a `match` of two groups that have cells in common", s.origin, "match a group with itself, or with other kinds")
     size = w.module.num_agents if right.var.who == "agent" else w.module.layout.num_cells(right.var.kinds)
     if s.first:
         inner, lanes, found, _ = _nearest(right, left.always(), w)
@@ -271,7 +273,8 @@ def _partners(s: ir.Match, left: Frame, w: Writer) -> tuple[Value, int]:
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]
     if cols == rows:
-        raise NotSupported("a `match` whose right side is determined by the left", s.origin)
+        instead = "write `each` for both sides, one inside the other"
+        raise NotSupported("a `match` whose right side is one certain agent for each left one", s.origin, instead)
     if variable.axis is None:
         return _among_reached(s, _index(variable), inner.mask, (rows, cols), size, alike, w), size
     assert size == cols.size

@@ -72,7 +72,8 @@ def looks(game: ir.Game) -> tuple[Look, ...]:
         if _as_another(found[kind.name], game) is None:
             raw += found[kind.name].raw_values
     if raw > 256 or len(labels) > 256:
-        raise NotSupported(f"{max(raw, len(labels))} different looks of cells (at most 256)", game.kinds[-1].origin)
+        what = f"{max(raw, len(labels))} different looks of cells (at most 256)"
+        raise NotSupported(what, game.kinds[-1].origin, "`hide` fields of cells that need not be seen, or show them with fewer labels")
     return tuple(_painted_as(look, found, game) for look in found.values())
 
 
@@ -124,7 +125,8 @@ def _values(field: ir.VarField, game: ir.Game) -> int:
         case "int" if not type_.by and type_.low >= 0 and _bound(field, game) < 256:
             return int(_bound(field, game)) + 1
         case _:
-            raise NotSupported(f"labels that depend on `{field.name}`, which is not a word, an agent or a small count", field.origin)
+            what = f"labels that depend on `{field.name}`, which is not a word, an agent or a count up to 255"
+            raise NotSupported(what, field.origin, "keep what the labels ask for in a field of words")
 
 
 def _bound(field: ir.VarField, game: ir.Game) -> float:
@@ -188,7 +190,8 @@ def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
     if high == float("inf"):
         raise NotSupported(f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255", sight.origin)
     if high > 255:
-        raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", sight.origin)
+        instead = f"show it with labels, such as `show {name} as {{ much where {name} > 99, little }}`"
+        raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", sight.origin, instead)
     return TokenPlane(name, "number", (), int(high))
 
 

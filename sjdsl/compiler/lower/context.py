@@ -14,11 +14,11 @@ from sjdsl.compiler.source import Span
 
 
 class NotSupported(Exception):
-    """The array program cannot say this exactly; nothing is approximated."""
+    """The array program cannot say this exactly; nothing is approximated. `instead`: what can be written."""
 
-    def __init__(self, what: str, origin: Span | None):
+    def __init__(self, what: str, origin: Span | None, instead: str = ""):
         super().__init__(what)
-        self.what, self.origin = what, origin
+        self.what, self.origin, self.instead = what, origin, instead
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,7 @@ class Module:
     layout: Layout
     constants: dict[str, Constant] = field(default_factory=dict)
     names: Names = field(default_factory=Names)
+    writer: "Writer | None" = None  # the last one, whose sentence is at fault where nothing else is known
     _by_content: dict[tuple[str, bytes, tuple[int, ...]], str] = field(default_factory=dict)
 
     def constant(self, name: str, array: np.ndarray | Table, comment: str) -> str:
@@ -133,6 +134,9 @@ class Writer:
     added: dict[str, list[Value]] = field(default_factory=dict)
     marked: dict[str, int] = field(default_factory=dict)
     joined: dict[str, list[str]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.module.writer = self
 
     def line(self, text: str) -> None:
         self.lines.append(Line(text, self.origin))

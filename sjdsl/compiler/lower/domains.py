@@ -94,7 +94,7 @@ def _among(d: ir.Domain, place: ir.Among, frame: Frame, w: Writer) -> Frame:
     """`each agent as one in { a, b }`: an axis over the named variables; one agent named twice counts once."""
     axis = w.axis(d.var.name, len(place.members))
     if d.var.who != "agent":
-        raise NotSupported("a list of cells in braces", d.origin)
+        raise NotSupported("a list of cells in braces", d.origin, "write the sentence for each of the cells by itself")
     members = [frame.variables[m.name] for m in place.members]
     indices = [m.index for m in members]  # type: ignore[union-attr]
     axes = union(*(i.axes for i in indices))
@@ -122,7 +122,7 @@ def _cells(d: ir.Domain, frame: Frame, w: Writer) -> Frame:
         variable = CellVar(site, d.var.kinds)
         return extended(frame, axis, d, variable, iota(axis), axis.size).when(ok)
     if d.place is not None:
-        raise NotSupported("cells in braces", d.origin)
+        raise NotSupported("a list of cells in braces", d.origin, "write the sentence for each of the cells by itself")
     axis = w.axis(d.var.name, size)
     variable = CellVar(iota(axis), d.var.kinds, axis)
     return extended(frame, axis, d, variable, variable.site, size)
@@ -211,7 +211,8 @@ def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value
     if any(b.what == shape.name and b.condition is not None for k in w.module.game.kinds for b in k.blocks):
         return w.keep(f"{ident}_reached", _walked(shape, on_map, cells, axis, w))
     if axis.size > 32:
-        raise NotSupported(f"a shape of {axis.size} cells that something on the map blocks (at most 32)", shape.origin)
+        what = f"a shape of {axis.size} cells that something on the map blocks (at most 32)"
+        raise NotSupported(what, shape.origin, "make it smaller, or let nothing block it")
     text = "u8" if axis.size <= 8 else "u32"
     table = w.module.constant(
         f"{ident}_reach",
@@ -251,7 +252,8 @@ def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: A
     )
     site = Value(f"{table}[{wrapped(cells)}]", "i32", cells.axes)
     if agent is None and any(isinstance(n, ir.Member) and n.who == "agent" for n in ir.walk(block)):
-        raise NotSupported("a shape blocked by a condition on the agent", block.origin)
+        what = "a shape blocked by a condition on the agent"
+        raise NotSupported(what, block.origin, "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone")
     variables: dict[str, AgentVar | CellVar] = {kind.name: CellVar(site, (kind.name,))}
     if agent is not None:
         variables["agent"] = agent

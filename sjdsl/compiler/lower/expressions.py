@@ -151,7 +151,8 @@ def entry(e: ir.At, frame: Frame, w: Writer) -> Value:
     if not row.axes:
         return Value(f"{wrapped(row)}[{key.text}]", row.dtype, key.axes, row.levels - 1)
     if row.levels != 1:
-        raise NotSupported("an entry of a table that differs from instance to instance", e.origin)
+        instead = "write one of the words out with `case`"
+        raise NotSupported("a table of several levels by words that differ from member to member", e.origin, instead)
     axes = union(row.axes, key.axes)
     return Value(f"entry({aligned_row(row, axes)}, {aligned(key, axes)})", row.dtype, axes)
 

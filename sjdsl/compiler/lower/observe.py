@@ -203,15 +203,24 @@ def _sight(sight: ir.Sight, words: tuple[str, ...], values: dict[str, Value], pl
         result = literal(words.index(sight.labels[-1].name), "u8")
         for label in reversed(sight.labels[:-1]):
             assert label.condition is not None
-            result = select(lower(label.condition, place, w), literal(words.index(label.name), "u8"), result)
+            result = select(_asked(label.condition, place, w), literal(words.index(label.name), "u8"), result)
             if result.text.startswith("jnp.where") and result.dtype != "u8":
                 result = replace(result, dtype="u8")
         result = Value(f"{wrapped(result)}.astype(jnp.uint8)", "u8", result.axes) if not result.literal else result
     else:
         result = values[sight.field]
     if sight.hidden_when is not None:
-        result = select(lower(sight.hidden_when, place, w), literal(len(words) - 1, "u8"), result)
+        result = select(_asked(sight.hidden_when, place, w), literal(len(words) - 1, "u8"), result)
     return result
+
+
+def _asked(test: ir.Expr, place: Frame, w: Writer) -> Value:
+    """Returns what a label or `hide` asks; its place is that of what cannot be asked."""
+    try:
+        return lower(test, place, w)
+    except NotSupported as refused:
+        refused.origin = refused.origin or test.origin
+        raise
 
 
 def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> list[Value]:

@@ -118,7 +118,8 @@ def cell(owner: CellVar, w: Writer) -> Value:
 def check_placed(owner: CellVar) -> None:
     """A cell of a window is known by its looks alone: where it is, and what is around it, cannot be asked."""
     if getattr(owner, "values", None) is not None:
-        raise NotSupported("a label or `hide` that depends on where a cell is, on who is on it, or on what is around it", None)
+        what = "a label or `hide` that depends on where a cell is, on who is on it, or on what is around it"
+        raise NotSupported(what, None, "keep what it asks for in a field of the kind: labels read the cell's own fields and the observer's")
 
 
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:

@@ -113,7 +113,8 @@ def when(s: ir.When, frame: Frame, w: Writer, sends: Sends) -> None:
 def mark(s: ir.Mark, frame: Frame, w: Writer) -> None:
     """Keeps the cells to be shown in the next observation; 0 stands for none."""
     if frame.variables[s.anchor.name].axis is None or not isinstance(frame.variables[s.anchor.name], AgentVar):
-        raise NotSupported("`mark` around anything but an agent of an `each`", s.origin)
+        instead = "mark around an agent that an `each` names"
+        raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     place = ir.Near(shape=s.shape, anchor=s.anchor)
     swept = sweep(place, frame, w)
     over = tuple(a for a in frame.axes if a not in swept.cells.axes)

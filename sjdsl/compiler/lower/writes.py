@@ -300,12 +300,14 @@ def _add_member(
     attribute = attribute_name(declared)
     n = w.module.num_agents
     if n > 32:
-        raise NotSupported(f"a set of agents in a game of {n} agents (at most 32)", s.origin)
+        instead = "keep a field of each agent instead, of the words of who belongs to it and who does not"
+        raise NotSupported(f"a set of agents in a game of {n} agents (at most 32)", s.origin, instead)
     member = lower(s.value, frame.always(), w)
     joining = frame.variables[s.value.name] if isinstance(s.value, ir.Member) else None
     dtype = DTYPES[w.module.set_dtype]
     if who is None:
-        raise NotSupported("a world field that is a set of agents", s.origin)
+        instead = "keep a field of each agent instead, such as `field in_club : { outside_it, inside_it } = outside_it`"
+        raise NotSupported("adding to a set of agents that is a field of the world", s.origin, instead)
     index = who.index if isinstance(who, AgentVar) else who.site
     size = n if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
     key = [to_words(lower(k, frame.always(), w), k.type.words, target.type.by[0]) for k in keys]
