@@ -8,14 +8,17 @@ import pytest
 import sjdsl
 from sjdsl.compiler import build, compile_source
 from sjdsl.compiler.looks import COLOURS, SPRITES
+from sjdsl.compiler.read import read_source
 from sjdsl.compiler.render import game_hash
 from sjdsl.compiler.source import Source
+from sjdsl.games_folder import find_game
+from sjdsl.render import make_painter, take_snapshot
 from sjdsl.render.colours import agent_colour, mixed, read_colour
 from sjdsl.render.drawings import TINTED, cell_keys, draw_cell, draw_figures
 from sjdsl.render.entries import cell_entries, figure_entries
 from sjdsl.render.look import Look, make_look
 from sjdsl.render.sprites import FILLING, SHAPES, draw_sprite
-from sjdsl.render.usual import Picture
+from sjdsl.render.usual import Picture, is_passing, spawn_kinds
 from sjdsl.runtime.env import Environment
 
 GAME = """sj 1
@@ -140,8 +143,6 @@ def test_what_is_usual_follows_from_the_rules(plain: Environment) -> None:
     assert fruit.pictures[1].sprite == "apple", "agents take it where they stand"
     sent = GAME.replace("send agent to moss", "send agent to start_").replace('S"', '1"').replace("S#", "1#").replace("bS.", "b1.")
     spawns = build(Source("grove.sj", sent.replace("LOOKS", "").replace("agents 3", "agents 2"))).game
-    from sjdsl.render.usual import spawn_kinds
-
     assert spawn_kinds(spawns) == ("start_",)
 
 
@@ -185,3 +186,28 @@ def test_every_file_and_every_name_of_a_sprite() -> None:
     folder = Path(sjdsl.__file__).parent / "render" / "sprites"
     assert {path.stem for path in folder.iterdir()} == {*SPRITES, *SHAPES, "agent"}
     assert not set(SPRITES) & set(COLOURS)
+
+
+def test_a_legend_leaves_out_what_no_cell_shows() -> None:
+    """Every patch has a class, so there is no plain one; and no word is said twice."""
+    look = make_look(sjdsl.make("pd_arena"))
+    assert [text for _, text in cell_entries(look)] == ["floor", "wall", "patch: coop", "defect", "coop, ripe", "defect, ripe", "gate"]
+    assert [text for _, text in figure_entries(look)] == ["bag: coop", "bag: defect", "pale: can only stay"]
+
+
+@pytest.mark.parametrize(("name", "passing"), [("gift_refinement", {"post"}), ("territory", {"rivals"}), ("coop_mining", set())])
+def test_what_is_gone_after_every_step_is_not_drawn(name: str, passing: set[str]) -> None:
+    game = build(read_source(find_game(name))).game
+    fields = [*game.agents.fields, *(field for kind in game.kinds for field in kind.fields)]
+    assert {field.name for field in fields if is_passing(field, game)} == passing
+
+
+def test_a_frame_drawn_again_rasterises_nothing(looked: Environment) -> None:
+    import jax
+
+    _, state = looked.reset(jax.random.key(0))
+    snapshot, painter = take_snapshot(looked, state, np.zeros(3)), make_painter(looked)
+    first = np.asarray(painter.draw(snapshot))
+    before = draw_sprite.cache_info().misses
+    assert (np.asarray(painter.draw(snapshot)) == first).all()
+    assert draw_sprite.cache_info().misses == before
