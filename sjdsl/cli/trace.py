@@ -47,6 +47,7 @@ def command(
     action for each agent or one for all; a single one counts for every step.
     """
     from sjdsl.interpreter.board import board_of
+    from sjdsl.interpreter.overflow import LeavesFloat32
     from sjdsl.trace.lines import make_teller, moment_lines
     from sjdsl.trace.report import moment_report
     from sjdsl.trace.rules import Rules
@@ -57,14 +58,18 @@ def command(
     except ValueError as error:
         raise click.ClickException(str(error)) from None
     teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game), everything)
-    if as_json:
-        click.echo(json.dumps({"game": made.game.name, "seed": seed, "steps": [moment_report(m, teller) for m in moments]}, indent=2))
-        return
-    click.echo(f"{made.game.title or made.game.name}, seed {seed}")
-    click.echo(f"  {'   '.join(teller.looks.legend())}   ^>v< agents\n")
-    for moment in moments:
-        for line in moment_lines(moment, teller):
-            click.echo(line)
+    try:
+        if as_json:
+            click.echo(json.dumps({"game": made.game.name, "seed": seed, "steps": [moment_report(m, teller) for m in moments]}, indent=2))
+            return
+        click.echo(f"{made.game.title or made.game.name}, seed {seed}")
+        click.echo(f"  {'   '.join(teller.looks.legend())}   ^>v< agents\n")
+        for moment in moments:
+            for line in moment_lines(moment, teller):
+                click.echo(line)
+    except LeavesFloat32 as left:
+        rules = Rules(made.sources)
+        raise click.ClickException(f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}") from None
 
 
 def build_game(

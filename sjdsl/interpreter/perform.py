@@ -9,22 +9,32 @@ from sjdsl.interpreter import chances, members, shapes
 from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.evaluate import agents_in, evaluate
 from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.writes import Counted, Sending, Writes, slots
 
 
 def perform(body: tuple[ir.Stmt, ...], here: Instance, writes: Writes) -> None:
-    """Collects the writes of a block; a name bound by `let` or `draw` holds to the end of it."""
+    """Collects the writes of a block; a name bound by `let` or `draw` holds to the end of it. Raises LeavesFloat32."""
     for sentence in body:
-        match sentence:
-            case ir.Let():
-                here = here.binding({sentence.name: evaluate(sentence.value, here)})
-            case ir.Draw():
-                drawn = _noted(chances.draw(sentence, here), writes)
-                here = here.binding({sentence.name: drawn.result}).because(drawn)
-            case _:
-                before = writes.sizes()
-                _sentence(sentence, here, writes)
-                writes.tell(sentence, here, before)
+        try:
+            here = _performed(sentence, here, writes)
+        except FloatingPointError:
+            raise LeavesFloat32(sentence, here.world.step) from None
+
+
+def _performed(sentence: ir.Stmt, here: Instance, writes: Writes) -> Instance:
+    """Collects the writes of one sentence; returns the instance in which those after it stand."""
+    match sentence:
+        case ir.Let():
+            return here.binding({sentence.name: evaluate(sentence.value, here)})
+        case ir.Draw():
+            drawn = _noted(chances.draw(sentence, here), writes)
+            return here.binding({sentence.name: drawn.result}).because(drawn)
+        case _:
+            before = writes.sizes()
+            _sentence(sentence, here, writes)
+            writes.tell(sentence, here, before)
+            return here
 
 
 def _sentence(

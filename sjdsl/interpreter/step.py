@@ -12,6 +12,7 @@ from sjdsl.interpreter.draws import Draws
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
+from sjdsl.interpreter.overflow import watched
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
 from sjdsl.interpreter.state import Outcome, Value, World, copied
@@ -33,7 +34,10 @@ def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell |
 def step(
     game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws, tell: Tell | None = None
 ) -> tuple[World, Outcome]:
-    """Returns the next state and what happened on the way. `world` is left as it was. `tell` is given an account of every turn."""
+    """Returns the next state and what happened on the way. `world` is left as it was. `tell` is given an account of every turn.
+
+    Raises LeavesFloat32.
+    """
     board = board_of(game)
     world = copied(world)
     world.params = dict(params)
@@ -51,7 +55,7 @@ def step(
                     tell(Account(turn, here.world, world))
             case _:
                 assert_never(turn)
-    outcome.measures = {m.name: evaluate(m.value, Instance(board, world, allowed)) for m in game.measures}
+    outcome.measures = {m.name: _measured(m, Instance(board, world, allowed)) for m in game.measures}
     world.step += 1
     outcome.truncated = world.step >= evaluate(game.episode, Instance(board, world))
     return world, outcome
@@ -66,7 +70,13 @@ def action_mask(game: ir.Game, world: World) -> list[list[bool]]:
 
 def read(game: ir.Game, world: World, e: ir.Expr, totals: Mapping[tuple[str, str | None], int] | None = None) -> Value:
     """Returns the value of an expression of `checks`. `totals`: (event, word or None) -> its count so far."""
-    return evaluate(e, Instance(board_of(game), world, totals=totals or {}))
+    with watched(lambda: e, world.step):
+        return evaluate(e, Instance(board_of(game), world, totals=totals or {}))
+
+
+def _measured(measure: ir.Measure, here: Instance) -> Value:
+    with watched(lambda: measure, here.world.step):
+        return evaluate(measure.value, here)
 
 
 def _forbidden(board: Board, world: World, agent: int) -> set[int]:
@@ -88,9 +98,11 @@ def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, .
 def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None) -> World:
     """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
     writes = Writes() if tell is None else Writes(told=[], drawn=[])
-    perform(phase.body, here, writes)
+    with watched(lambda: phase, here.world.step):
+        perform(phase.body, here, writes)
     world = copied(here.world)
-    write_fields(writes, here.board, world)
+    with watched(lambda: _adding(phase, ir.Add), here.world.step):
+        write_fields(writes, here.board, world)
     if id(phase) in here.board.moving:
         assert not writes.sends, f"`{phase.label}` moves and sends"
         move(writes.movers or {}, here, world)
@@ -99,8 +111,9 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"
         remove(agent, world)
     world.marks += [(phase.name, *cell) for cell in sorted(writes.marks)]
-    for agent, value in writes.gives:
-        outcome.reward[agent] = np.float32(outcome.reward[agent] + value)
+    with watched(lambda: _adding(phase, ir.Give), here.world.step):
+        for agent, value in writes.gives:
+            outcome.reward[agent] = np.float32(outcome.reward[agent] + value)
     for counted in writes.tallies:
         _count(counted, here.board, outcome)
     outcome.terminated = outcome.terminated or writes.end
@@ -108,6 +121,12 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
     if tell is not None:
         tell(Account(phase, here.world, world, tuple(writes.told or ()), tuple(writes.drawn or ())))
     return world
+
+
+def _adding(phase: ir.Phase, sort: type[ir.Add | ir.Give]) -> ir.Node:
+    """Returns the sentence of a phase in which reals are added up, the last one written; the phase if it has none."""
+    found = [n for n in ir.walk(phase) if isinstance(n, sort) and n.value.type.kind == "real"]
+    return found[-1] if found else phase
 
 
 def _tick(here: Instance) -> World:

@@ -1,6 +1,6 @@
 """A course of play on the interpreter: a layout, numbers, words and actions, and every state on the way."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,8 +8,10 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account
 from sjdsl.interpreter.draws import Draws, Threefry
 from sjdsl.interpreter.numbers import real
+from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, Value, World, default_params
 from sjdsl.interpreter.step import read, reset, step
+from sjdsl.promises.coverage import Feature, happened_in
 from sjdsl.promises.draws import Luck, Lucky, episode_key, policy_words, reset_key, step_key
 from sjdsl.promises.policies import choose
 from sjdsl.promises.watch import Totals, add_totals
@@ -37,24 +39,54 @@ class Course:
 class Played:
     """A course as it went. `worlds`, `totals`: the first state and the one after each step; the other lists: of each step.
 
-    happened: where in the file the sentences stand that wrote something, and the branches of chances, as (start, branch or -1).
+    happened: see `coverage.py`; began: the same of the phase `start`. left: the real that left float32 in the step after the last state,
+      whose actions are the last of `actions`; None if none did. known: what promises read of the states, by the identity of the promise.
     """
 
     game: ir.Game
     params: Mapping[str, Value]
-    worlds: list[World]
-    totals: list[Totals]
+    worlds: list[World] = field(default_factory=list)
+    totals: list[Totals] = field(default_factory=list)
     actions: list[tuple[int, ...]] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
-    happened: list[frozenset[tuple[int, int]]] = field(default_factory=list)
+    happened: list[frozenset[Feature]] = field(default_factory=list)
+    began: frozenset[Feature] = frozenset()
+    left: LeavesFloat32 | None = None
+    known: dict[int, list[tuple[Any, ...]]] = field(default_factory=dict)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the episode has ended, or cannot go on."""
+        last = self.outcomes[-1:] and (self.outcomes[-1].terminated or self.outcomes[-1].truncated)
+        return bool(last) or self.left is not None
 
     def values(self, check: ir.Check) -> list[tuple[Any, ...]]:
         """Returns what a promise of the game reads of each state."""
-        return [self.values_at(check, at) for at in range(len(self.worlds))]
+        known = self.known.setdefault(id(check), [])
+        known += [self._read(check, self.worlds[at], self.totals[at]) for at in range(len(known), len(self.worlds))]
+        return known
 
-    def values_at(self, check: ir.Check, at: int) -> tuple[Any, ...]:
-        """Returns what a promise reads of one state."""
-        return tuple(read(self.game, self.worlds[at], e, self.totals[at]) for e in check.values)
+    def add(self, world: World, totals: Totals, checks: Sequence[ir.Check]) -> None:
+        """Adds a state. Raises LeavesFloat32, and adds nothing, if a promise cannot be read of it."""
+        read_now = [self._read(check, world, totals) for check in checks]
+        for check, values in zip(checks, read_now, strict=True):
+            self.known.setdefault(id(check), []).append(values)
+        self.worlds.append(world)
+        self.totals.append(totals)
+
+    def cut(self, steps: int) -> "Played":
+        """Returns the course up to the state after so many steps."""
+        known = {check: values[: steps + 1] for check, values in self.known.items()}
+        lists = (self.actions, self.outcomes, self.happened)
+        return Played(
+            self.game, self.params, self.worlds[: steps + 1], self.totals[: steps + 1], *(x[:steps] for x in lists), self.began, None, known
+        )
+
+    def _read(self, check: ir.Check, world: World, totals: Totals) -> tuple[Any, ...]:
+        return tuple(read(self.game, world, e, totals) for e in check.values)
+
+
+Driver = Callable[[World, int], Sequence[int] | None]  # state, number of the step -> an action for each agent; None: enough
 
 
 def params_of(game: ir.Game, given: Sequence[tuple[str, Value]]) -> dict[str, Value]:
@@ -71,33 +103,61 @@ def words_of(course: Course, at: int) -> Draws:
     return Lucky(step_key(key, at), course.luck[at]) if course.luck else step_key(key, at)
 
 
-def play(game: ir.Game, course: Course, steps: int | None = None) -> Played:
-    """Plays a course, to its end or to that of the episode. `steps`: at most so many, if the policies say all that is done."""
+def play(
+    game: ir.Game,
+    course: Course,
+    steps: int | None = None,
+    checks: Sequence[ir.Check] = (),
+    since: Played | None = None,
+    driver: Driver | None = None,
+) -> Played:
+    """Plays a course to its end, to that of the episode, or until a real leaves float32.
+
+    Args:
+      steps: at most so many, if the policies say all that is done.
+      checks: promises that are read of every state.
+      since: how the course begins, as it was played before.
+      driver: says what the agents do, in place of the course.
+    """
     params, key = params_of(game, course.params), episode_key(course.seed, course.episode)
-    world = reset(game, params, words_of(course, -1))
-    played = Played(game, params, [world], [add_totals({}, _nothing(game), game)])
-    for number in range(len(course.actions) if steps is None else steps):
-        actions, told = _actions(game, course, world, number, key), []
-        world, outcome = step(game, world, actions, params, words_of(course, number), told.append)
-        played.happened.append(_happened(told))
-        played.worlds.append(world)
-        played.actions.append(actions)
-        played.outcomes.append(outcome)
-        played.totals.append(add_totals(played.totals[-1], outcome.events, game))
-        if outcome.terminated or outcome.truncated:
+    if since is None:
+        played = _begin(game, course, params, checks)
+    else:
+        played = since.cut(len(since.outcomes))
+    for number in range(len(played.outcomes), len(course.actions) if steps is None else steps):
+        if played.is_over:
             break
+        world = played.worlds[-1]
+        actions = _actions(game, course, world, number, key) if driver is None else driver(world, number)
+        if actions is None:
+            break
+        played.actions.append(tuple(actions))
+        _follow(played, words_of(course, number), checks)
     return played
 
 
-def _happened(told: list[Account]) -> frozenset[tuple[int, int]]:
-    places = [(d.sentence.origin, -1) for account in told for d in account.done]
-    places += [
-        (d.sentence.origin, -2 if d.result is None else d.result)
-        for account in told
-        for d in account.drawn
-        if isinstance(d.sentence, ir.Chance)
-    ]
-    return frozenset((origin.start, branch) for origin, branch in places if origin is not None)
+def _begin(game: ir.Game, course: Course, params: Mapping[str, Value], checks: Sequence[ir.Check]) -> Played:
+    told: list[Account] = []
+    played = Played(game, params)
+    try:
+        played.add(reset(game, params, words_of(course, -1), told.append), add_totals({}, _nothing(game), game), checks)
+    except LeavesFloat32 as left:
+        played.left = left
+    played.began = happened_in(told)
+    return played
+
+
+def _follow(played: Played, words: Draws, checks: Sequence[ir.Check]) -> None:
+    """Takes the step whose actions are the last ones."""
+    told: list[Account] = []
+    try:
+        world, outcome = step(played.game, played.worlds[-1], played.actions[-1], played.params, words, told.append)
+        played.add(world, add_totals(played.totals[-1], outcome.events, played.game), checks)
+    except LeavesFloat32 as left:
+        played.left = left
+        return
+    played.happened.append(happened_in(told))
+    played.outcomes.append(outcome)
 
 
 def _actions(game: ir.Game, course: Course, world: World, number: int, key: Threefry) -> tuple[int, ...]:
@@ -112,10 +172,3 @@ def _nothing(game: ir.Game) -> dict[str, Any]:
     agents = range(game.agents.number)
     zeros = {e.name: [0] * len(e.by) if e.by else 0 for e in game.events}
     return {e.name: [zeros[e.name] for _ in agents] if e.per_agent else zeros[e.name] for e in game.events}
-
-
-def accounts(played: Played, course: Course, at: int) -> list[Account]:
-    """Returns the account of a step (0, 1, …) of a course, turn by turn."""
-    found: list[Account] = []
-    step(played.game, played.worlds[at], played.actions[at], played.params, words_of(course, at), found.append)
-    return found

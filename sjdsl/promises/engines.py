@@ -8,8 +8,10 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import World, default_params
-from sjdsl.promises.course import Course, play
+from sjdsl.interpreter.step import step
+from sjdsl.promises.course import Course, Played, params_of, play, words_of
 from sjdsl.promises.ground import Ground
 from sjdsl.promises.watch import STATES
 
@@ -20,12 +22,16 @@ Total = tuple[str, str | None]
 
 @dataclass(frozen=True)
 class Episode:
-    """One episode: what each promise reads in the first state and after each step, the actions of each step, the final totals."""
+    """One episode: what each promise reads in the first state and after each step, the actions of each step, the final totals.
+
+    left: the step in which a real left float32; None if none did. What promises read from then on is not there.
+    """
 
     number: int
     values: list[list[tuple[Any, ...]]]
     actions: list[tuple[int, ...]]
     totals: dict[Total, int]
+    left: int | None = None
 
 
 class Stretch:
@@ -68,8 +74,25 @@ class Stretch:
         return world_of(self._player.env, state)
 
     def _interpreted(self, policies: Sequence[ir.Policy], number: int) -> Episode:
-        played = play(self.ground.own, self.course(policies, number), self.length)
-        return Episode(number, [played.values(check) for check in self.checks], played.actions, dict(played.totals[-1]))
+        played = play(self.ground.own, self.course(policies, number), self.length, self.checks)
+        left = None if played.left is None else len(played.outcomes)
+        return Episode(number, [played.values(check) for check in self.checks], played.actions, dict((played.totals or [{}])[-1]), left)
+
+    def overflow(self, episode: Episode, policies: Sequence[ir.Policy]) -> Played:
+        """Returns the end of an episode in which a real leaves float32: the state before, and the step."""
+        assert episode.left is not None
+        course, game = self.course(policies, episode.number), self.ground.own
+        if self._player is None:
+            return play(game, course, self.length, self.checks)
+        played = Played(game, params_of(game, ()), [self.world_before(episode, policies, episode.left)], [dict(episode.totals)])
+        played.actions.append(episode.actions[episode.left])
+        try:
+            _, outcome = step(game, played.worlds[-1], played.actions[-1], played.params, words_of(course, episode.left))
+            played.outcomes.append(outcome)
+        except LeavesFloat32 as left:
+            played.left = left
+        played.left = played.left or LeavesFloat32(next((c for c in game.checks if c.origin is not None), game), episode.left)
+        return played
 
     def _compiled(self, policies: Sequence[ir.Policy], first: int, number: int) -> list[Episode]:
         if self._player is None:
@@ -79,13 +102,15 @@ class Stretch:
         played = self._player.play(self._player.script(policies), self.seed, first, number)
         found = []
         for i in range(number):
-            steps, values, at = int(played.length[i]), [], 0
+            left = int(played.left[i]) if played.left[i] < played.length[i] else None
+            steps, values, at = int(played.length[i]) if left is None else left, [], 0
             for check in self.checks:
                 columns = played.values[i, : steps + 1, at : at + len(check.values)]
                 values.append([tuple(_value(x, e) for x, e in zip(row, check.values, strict=True)) for row in columns.tolist()])
                 at += len(check.values)
             totals = {total: int(counts[i]) for total, counts in played.totals.items()}
-            found.append(Episode(first + i, values, [tuple(a) for a in played.actions[i, :steps].tolist()], totals))
+            actions = [tuple(a) for a in played.actions[i, : steps + (left is not None)].tolist()]
+            found.append(Episode(first + i, values, actions, totals, left))
         return found
 
 

@@ -25,7 +25,8 @@ class Episodes:
     """Episodes as they went, B of them.
 
     values: `[B, T + 1, K]`, of each expression in the first state and after each step; actions `[B, T, N]`; length `[B]`, steps
-    until the end of each; totals: the final ones, (event, word or None) -> `[B]`. number: that of the first episode.
+    until the end of each; totals: the final ones, (event, word or None) -> `[B]`. number: that of the first episode. left `[B]`: the first
+    step in which a real of the state, a reward or a value was infinite or no number; T if none was.
     """
 
     number: int
@@ -33,6 +34,7 @@ class Episodes:
     actions: np.ndarray
     length: np.ndarray
     totals: dict[tuple[str, str | None], np.ndarray]
+    left: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,8 @@ class Player:
             keys = np.array([(seed & 0xFFFFFFFF, start + i) for i in range(BATCH)], np.uint32)
             arguments = (jnp.asarray(keys), (script.table, script.count, script.seek))
             parts.append(jax.tree.map(np.asarray, self._run(*arguments)))
-        values, actions, length, totals = (jax.tree.map(lambda *x: np.concatenate(x), *[p[i] for p in parts]) for i in range(4))
-        return Episodes(first, values, actions, length, totals)
+        values, actions, length, totals, left = (jax.tree.map(lambda *x: np.concatenate(x), *[p[i] for p in parts]) for i in range(5))
+        return Episodes(first, values, actions, length, totals, left)
 
     def state_before(self, actions: np.ndarray, seed: int, episode: int, step: int) -> Any:
         """Returns the state before a step of an episode whose actions are known."""
@@ -94,16 +96,18 @@ class Player:
         def advance(carry: Any, t: Array) -> Any:
             state, totals, over = carry
             actions = self._choose(state, _words(key, POLICY, t), script)
-            _, state, _, done, info = env.step_env(_words(key, STEP, t), state, actions)
+            _, state, reward, done, info = env.step_env(_words(key, STEP, t), state, actions)
             counted = {name: totals[name] + jnp.where(over, 0, jnp.sum(info["events"][name])) for *_, name in names}
-            return (state, counted, over | done), (read(state, counted), actions, over)
+            values = read(state, counted)
+            return (state, counted, over | done), (values, actions, over, _is_finite((state, reward, values)))
 
         _, state = env.reset(_words(key, RESET, jnp.int32(0)))
         none = {name: jnp.int32(0) for *_, name in names}
         first = read(state, none)
-        (_, totals, _), (values, actions, over) = jax.lax.scan(advance, (state, none, jnp.bool_(False)), jnp.arange(self._steps))
+        (_, totals, _), (values, actions, over, finite) = jax.lax.scan(advance, (state, none, jnp.bool_(False)), jnp.arange(self._steps))
         length = jnp.sum(~over)
-        return jnp.concatenate([first[None], values]), actions, length, {(e, w): totals[name] for e, w, name in names}
+        left = jnp.where(finite, self._steps, jnp.arange(self._steps)).min()
+        return jnp.concatenate([first[None], values]), actions, length, {(e, w): totals[name] for e, w, name in names}, left
 
     def _choose(self, state: Any, key: Array, script: tuple[Array, Array, Array]) -> Array:
         """Returns an action for each agent, as `policies.choose` does on the interpreter."""
@@ -137,6 +141,12 @@ class Player:
         best = moves[jnp.argmin(distance[target, after[node] // columns], axis=1)]
         lost = moves[below(words, jnp.int32(len(ways.moves)))]
         return jnp.where(away | (least == 0), stay, jnp.where(least == FAR, lost, best))
+
+
+def _is_finite(tree: Any) -> Array:
+    """Returns whether all reals of a tree are numbers inside float32."""
+    reals = [leaf for leaf in jax.tree.leaves(tree) if jnp.issubdtype(leaf.dtype, jnp.floating)]
+    return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in reals])) if reals else jnp.bool_(True)
 
 
 def _read_totals(lowered: Lowered, totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:

@@ -1,6 +1,5 @@
-"""Random courses: a small map of the game's glyphs, few agents, numbers within their limits, actions with habits, words with luck."""
+"""Random starts of courses: a small map of the game's glyphs, few agents, numbers within their limits."""
 
-from dataclasses import replace
 from random import Random
 from typing import Any
 
@@ -8,22 +7,17 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.require import holds
 from sjdsl.interpreter.state import Value
 from sjdsl.promises.course import Course
-from sjdsl.promises.draws import LUCKS, Luck
 from sjdsl.promises.ground import Ground
-from sjdsl.promises.ways import STEPS, TURNS
 
-MOST_STEPS, MOST_ROWS, MOST_COLUMNS = 16, 4, 5
-LONGEST = 48  # steps after which a course is not continued
+MOST_ROWS, MOST_COLUMNS = 4, 5
 OTHERS = 0.3  # how often a number is not the file's
-HABIT = 0.5  # how often an agent does what it always does
-MOVES = {*STEPS, *TURNS, "stay"}
 PLAIN = (0, 3, 9, 27)  # how much oftener than all others one glyph is on a map: where little is left to use up, it is used up soon
 WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
 COUNTS = (0, 1, 2, 5)  # of a whole number without limits
 
 
-def random_course(ground: Ground, random: Random) -> Course | None:
-    """Returns a course from a random start; None if the compiler refuses its map."""
+def random_start(ground: Ground, random: Random) -> Course | None:
+    """Returns a course without a step, from a random start; None if the compiler refuses its map."""
     agents = min(random.choice(ground.few_agents), random.choice(ground.few_agents))
     rows = random_map(ground, agents, random)
     if ground.on(rows, agents) is None:
@@ -32,16 +26,13 @@ def random_course(ground: Ground, random: Random) -> Course | None:
     if game is None:
         return None
     params = _required(game, random_numbers(game, random))
-    actions, luck = _random_steps(game, agents, random)
-    return Course(rows, agents, params, random.randrange(2**16), luck, actions, _random_policies(game, agents, random))
+    return Course(rows, agents, params, random.randrange(2**16), (), (), (None,) * agents)
 
 
-def continued(ground: Ground, old: Course, random: Random) -> Course:
-    """Returns an old course that goes on in another way."""
-    game = ground.on(old.rows, old.agents)
-    assert game is not None
-    actions, luck = _random_steps(game, old.agents, random)
-    return replace(old, actions=old.actions + actions, luck=old.luck + luck)
+def own_start(ground: Ground, random: Random) -> Course:
+    """Returns a course without a step on the game's own map, with all its agents and the numbers of the file."""
+    agents = ground.own.agents.number
+    return Course(ground.own.rows, agents, (), random.randrange(2**16), (), (), (None,) * agents)
 
 
 def random_map(ground: Ground, agents: int, random: Random) -> tuple[str, ...]:
@@ -99,21 +90,3 @@ def _required(game: ir.Game, changed: tuple[tuple[str, Value], ...]) -> tuple[tu
             named = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
             changed = tuple((name, value) for name, value in changed if name not in named)
     return changed if all(holds(c.values[0], own | dict(changed)) for c in requires) else ()
-
-
-def _random_steps(game: ir.Game, agents: int, random: Random) -> tuple[tuple[tuple[int, ...], ...], tuple[Luck, ...]]:
-    """Returns actions and luck of some steps: each agent has a habit, rather an action of the game's own than a move."""
-    count = len(game.agents.actions)
-    special = [a for a, name in enumerate(game.agents.actions) if name not in MOVES]
-    habits = [random.choice((special if special and random.random() < HABIT else None) or range(count)) for _ in range(agents)]
-    steps = random.randint(1, MOST_STEPS)
-    actions = tuple(tuple(habits[a] if random.random() < HABIT else random.randrange(count) for a in range(agents)) for _ in range(steps))
-    return actions, (random.choice(LUCKS),) * steps
-
-
-def _random_policies(game: ir.Game, agents: int, random: Random) -> tuple[ir.Policy | None, ...]:
-    """Returns what the agents do: as drawn, or, some of them, walk to what a promise of the game speaks of."""
-    seekers = [p for c in game.checks for p in c.policies if p.domain is not None]
-    if not seekers:
-        return (None,) * agents
-    return tuple(random.choice(seekers) if random.random() < HABIT / 2 else None for _ in range(agents))

@@ -26,7 +26,7 @@ PLACES = {"place": PLACE, "heading": HEADING, "moved": MOVED, "away": AWAY}
 def tell_episode(ground: Ground, stretch: Stretch, episode: Episode, policies: Sequence[ir.Policy], number: int, where: Break) -> list[str]:
     """Returns the end of an episode, and of the step with which a promise breaks in it what the promise speaks of."""
     check = ground.own.checks[number]
-    names = ", ".join(dict.fromkeys(ground.text_of(p) if p.origin is not None else p.name for p in policies))
+    names = names_of(ground, policies)
     totals = ", ".join(f"{name}{f'[{word}]' if word else ''} {count}" for (name, word), count in episode.totals.items())
     lines = [f"episode {episode.number} on the game's own map, the agents in turn: {names}"]
     lines += [f"at its end, after {len(episode.actions)} steps: {totals}"] if totals else []
@@ -39,6 +39,11 @@ def tell_episode(ground: Ground, stretch: Stretch, episode: Episode, policies: S
     for e, before, after in zip(check.values, episode.values[number][since], episode.values[number][where.at], strict=True):
         lines.append(f"{ground.text_of(e)}: {shown(before)} {when(since)}, {shown(after)} {when(where.at)}")
     return lines
+
+
+def names_of(ground: Ground, policies: Sequence[ir.Policy]) -> str:
+    """Returns the policies as they are written."""
+    return ", ".join(dict.fromkeys(ground.text_of(p) if p.origin is not None else p.name for p in policies))
 
 
 def _still(

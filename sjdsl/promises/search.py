@@ -1,32 +1,34 @@
-"""Looks for courses that break a promise, and shrinks them: Hypothesis on the interpreter."""
+"""Looks for courses that break a promise, guided by what has not happened yet, and shrinks them; all on the interpreter."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from random import Random
 
-import numpy as np
-from hypothesis import HealthCheck, Phase, find, settings
-from hypothesis.errors import NoSuchExample, Unsatisfiable
-from hypothesis.strategies import randoms
-
 from sjdsl.compiler import ir
-from sjdsl.interpreter.state import Value
+from sjdsl.promises.corpus import Corpus, Kept
 from sjdsl.promises.course import Course, Played, play
-from sjdsl.promises.examples import LONGEST, continued, random_course
+from sjdsl.promises.coverage import places_run
+from sjdsl.promises.draws import LUCKS
+from sjdsl.promises.errands import random_stretch
+from sjdsl.promises.examples import own_start, random_start
 from sjdsl.promises.ground import Ground
+from sjdsl.promises.recipes import Recipe, recipes_of
+from sjdsl.promises.sentences import Place, leaves_of
 from sjdsl.promises.shrink import shrink
 from sjdsl.promises.verdict import Effort
 from sjdsl.promises.watch import STATES, Break, find_break
 
-AGAIN = 0.4  # how often an older course goes on
-SELDOM = 3  # so often something happens and still makes a course worth going on with
-Breaks = Callable[[ir.Check, Played, Course], Break | None]
+AGAIN = 0.75  # how often an older course goes on
+OWN = 0.05  # how often, while lines are missing after all courses asked for, one begins on the game's own map
+MOST_STEPS = 16  # in one stretch of a course
+FLOATS = -1  # stands for the promise that every real stays inside float32
+Breaks = Callable[[ir.Check, Played, Course, int], Break | None]  # the last one: the first state that is new
 
 
 @dataclass(frozen=True)
 class Broken:
-    """A course that breaks a promise: which one (its place among the game's checks), and where."""
+    """A course that breaks a promise: which one (its place among the game's checks, or FLOATS), and where."""
 
     promise: int
     course: Course
@@ -36,145 +38,147 @@ class Broken:
 
 @dataclass
 class Tried:
-    """How many courses were played, `refused` ones, with a map the game does not take, among them; `happened`: what happened how often.
+    """How many courses were played, `refused` ones, with a map the game does not take, among them; `ran`: how often each sentence did.
 
-    corpus: courses, cut off where something happened that had seldom happened before. triggers: for each `once`, in how many its first
-      condition came.
+    triggers: for each `once`, in how many courses its first condition came.
     """
 
     played: int = 0
     refused: int = 0
-    happened: Counter[object] = field(default_factory=Counter)
-    corpus: list[Course] = field(default_factory=list)
+    ran: Counter[Place] = field(default_factory=Counter)
+    corpus: Corpus = field(default_factory=Corpus)
     triggers: Counter[int] = field(default_factory=Counter)
 
-    def next(self, ground: Ground, random: Random) -> Course | None:
-        """Returns the course to play: a new one, or an older one that goes on. None: its map is refused."""
-        self.played += 1
-        if self.corpus and random.random() < AGAIN:
-            late = max(random.randrange(len(self.corpus)), random.randrange(len(self.corpus)))
-            return continued(ground, self.corpus[late], random)
-        return random_course(ground, random)
 
-    def keep(self, course: Course, played: Played) -> None:
-        """Remembers a course if it has something new."""
-        before: set[object] = set()
-        for t, here in enumerate(played.happened):
-            new = (here | _seen(played, t + 1)) - before
-            before |= new
-            self.triggers.update(
-                number
-                for number, check in enumerate(played.game.checks)
-                if check.sort == "once" and any((number, 0, first, True) in new for first in (False, True))
-            )
-            over = played.outcomes[t].terminated or played.outcomes[t].truncated
-            if t < LONGEST and not over and any(self.happened[feature] < SELDOM for feature in new):
-                self.happened.update(new)
-                self.corpus.append(replace(course, actions=tuple(played.actions[: t + 1]), luck=course.luck[: t + 1]))
-
-
-def _seen(played: Played, at: int) -> set[object]:
-    """Returns, roughly, what a state is like: which values fields have somewhere, and what the promises read of it and of the start."""
-    world = played.worlds[at]
-    fields = [*world.cells.items(), *world.agents.items(), *((name, [value]) for name, value in world.fields.items())]
-    found: set[object] = {(name, _rough(value)) for name, values in fields for value in values}
-    for number, check in enumerate(played.game.checks):
-        if check.sort in STATES:
-            ends = zip(played.values_at(check, 0), played.values_at(check, at), strict=True)
-            found |= {(number, place, _rough(first), _rough(value)) for place, (first, value) in enumerate(ends)}
-    return found
-
-
-def _rough(value: Value) -> object:
-    if isinstance(value, tuple):
-        return tuple(map(_rough, value))
-    if isinstance(value, frozenset):
-        return min(len(value), 2)
-    if isinstance(value, str | bool) or value is None:
-        return value
-    return int(np.sign(value)) * min(2, int(abs(value)))
-
-
-def breaks_in_states(check: ir.Check, played: Played, course: Course) -> Break | None:
+def breaks_in_states(check: ir.Check, played: Played, course: Course, since: int) -> Break | None:
     """Returns where a promise about states breaks in a course."""
-    del course
+    del course, since
     return find_break(check, played.values(check))
 
 
-def search(ground: Ground, promises: list[int], effort: Effort, breaks: Breaks = breaks_in_states) -> tuple[list[Broken], Tried]:
-    """Returns for each promise that random courses break the simplest course found, and what was played until none broke any more.
+class Search:
+    """Courses played for some promises of a game together, until all are broken or there have been enough."""
+
+    def __init__(self, ground: Ground, promises: list[int], effort: Effort, breaks: Breaks, needed: Mapping[int, Collection[Place]]):
+        self.ground, self.effort, self.breaks = ground, effort, breaks
+        self.left, self.found, self.tried = list(promises), list[Broken](), Tried()
+        self.recipes = recipes_of(leaves_of(ground.own))
+        self._needed, self._random = dict(needed), Random(effort.seed)
+
+    def run(self) -> None:
+        """Plays as many courses as asked for, and up to as many again while lines that promises depend on never ran."""
+        while self.tried.played < 2 * self.effort.examples:
+            missing = {place for places in self._needed.values() for place in places} - set(self.tried.ran)
+            if not missing and (not self.left or self.tried.played >= self.effort.examples):
+                break
+            self._one(missing if self.tried.played >= self.effort.examples else set())
+
+    def _one(self, missing: set[Place]) -> None:
+        """Plays one more stretch of a course."""
+        self.tried.played += 1
+        begun = self._begin(bool(missing))
+        if begun is None:
+            self.tried.refused += 1
+            return
+        course, since = begun
+        random, game = self._random, since.game
+        recipes: tuple[Recipe, ...] = tuple(r for r in self.recipes if r.place in missing) or self.recipes
+        played, first = since, len(since.outcomes)
+        if since.worlds and not since.is_over:
+            steps = random.randint(1, MOST_STEPS)
+            driver = random_stretch(game, recipes, self.tried.ran, steps, random)
+            course = replace(course, luck=course.luck + (random.choice(LUCKS),) * steps)
+            played = play(game, course, first + steps, self._checks(game), since, driver)
+        course = replace(course, actions=tuple(played.actions), luck=course.luck[: len(played.actions)])
+        self._look(course, played, first)
+
+    def _begin(self, on_own: bool) -> tuple[Course, Played] | None:
+        """Returns the course to go on with, an older one or a new start; None if the game does not take its map."""
+        random, kept = self._random, self.tried.corpus.kept
+        if kept and random.random() < AGAIN:
+            older: Kept = self.tried.corpus.choose(random)
+            return older.course, older.played
+        course = own_start(self.ground, random) if on_own and random.random() < OWN else random_start(self.ground, random)
+        game = None if course is None else self.ground.on(course.rows, course.agents)
+        if course is None or game is None:
+            return None
+        return course, play(game, course, 0, self._checks(game))
+
+    def _checks(self, game: ir.Game) -> list[ir.Check]:
+        return [game.checks[number] for number in self.left if game.checks[number].sort in STATES]
+
+    def _look(self, course: Course, played: Played, first: int) -> None:
+        """Counts what happened in the new steps of a course, looks for promises that it breaks, and keeps it if it has something new."""
+        self.tried.ran.update(place for t in range(first, len(played.happened)) for place in places_run(played.happened[t]))
+        if not first:
+            self.tried.ran.update(places_run(played.began))
+        checks = played.game.checks
+        for number in self.left:
+            if checks[number].sort == "once":
+                self.tried.triggers[number] += any(trigger for trigger, _ in played.values(checks[number])[first + 1 :])
+        unbroken = [*self.left, *([] if any(b.promise == FLOATS for b in self.found) else [FLOATS])]
+        for number in unbroken:
+            broken = first_broken(played, [number], course, self.breaks, first)
+            if broken is not None:
+                self.found.append(simplest(self.ground, broken, self.breaks, self.effort.tries))
+                self.left = [left for left in self.left if left != number]
+                self._needed.pop(number, None)
+        self.tried.corpus.add(course, played, first, [n for n in self.left if checks[n].sort in STATES])
+
+
+def search(
+    ground: Ground,
+    promises: list[int],
+    effort: Effort,
+    breaks: Breaks = breaks_in_states,
+    needed: Mapping[int, Collection[Place]] | None = None,
+) -> tuple[list[Broken], Tried]:
+    """Returns for each promise that courses break the simplest course found, and what was played.
 
     Args:
       promises: places among the game's checks.
       breaks: where a promise breaks in a course.
+      needed: sentences on which promises depend, perhaps others than those: while one never ran, more courses are played.
     """
-    left, found, tried = list(promises), [], Tried()
-    while left and effort.examples:
-        tried = Tried()
-        broken = _one(ground, left, effort, breaks, tried)
-        if broken is None:
-            break
-        found.append(broken)
-        left.remove(broken.promise)
-    return found, tried
+    searching = Search(ground, promises, effort, breaks, needed or {})
+    searching.run()
+    return searching.found, searching.tried
 
 
-def _one(ground: Ground, promises: list[int], effort: Effort, breaks: Breaks, tried: Tried) -> Broken | None:
-    """Returns the first course found that breaks one of the promises, made simple."""
-    found: list[Broken] = []
-
-    def is_broken(drawn: Random) -> bool:
-        if not found:
-            course = tried.next(ground, drawn)
-            game = None if course is None else ground.on(course.rows, course.agents)
-            if course is not None and game is not None:
-                played = play(game, course)
-                tried.keep(course, played)
-                found.extend(_first_broken(played, promises, course, breaks))
-            tried.refused += course is None
-        return bool(found)
-
-    # Hypothesis could shrink what it draws, too: it needs ten times as long as `shrink`, which knows what a map is.
-    chosen = settings(
-        max_examples=effort.examples, deadline=None, database=None, phases=(Phase.generate,), suppress_health_check=list(HealthCheck)
-    )
-    try:
-        find(randoms(use_true_random=True), is_broken, settings=chosen, random=Random(effort.seed))
-    except (NoSuchExample, Unsatisfiable):
-        return None
-    return _simplest(ground, found[0], breaks, effort.tries)
-
-
-def _simplest(ground: Ground, broken: Broken, breaks: Breaks, tries: int) -> Broken:
+def simplest(ground: Ground, broken: Broken, breaks: Breaks, tries: int) -> Broken:
     """Returns the break of a promise in the simplest course that can be made of one."""
 
-    def attempt(course: Course) -> list[Broken]:
+    def attempt(course: Course) -> Broken | None:
         game = ground.on(course.rows, course.agents)
-        if game is None or course.agents not in ground.few_agents:
-            return []
-        return _first_broken(play(game, course), [broken.promise], course, breaks)
+        if game is None or course.agents not in (*ground.few_agents, broken.course.agents):
+            return None
+        checks = [game.checks[broken.promise]] if broken.promise != FLOATS and game.checks[broken.promise].sort in STATES else []
+        return first_broken(play(game, course, None, checks), [broken.promise], course, breaks, 0)
 
     def shorter(course: Course) -> Course | None:
         found = attempt(course)
-        return _written(found[0]) if found else None
+        return (
+            None if found is None else replace(found.course, actions=course.actions[: _length(found)], luck=course.luck[: _length(found)])
+        )
 
     first = shorter(broken.course)
-    assert first is not None
-    (found,) = attempt(shrink(first, ground.own, ground.glyphs[0], shorter, tries))
+    assert first is not None, "a course that is played again goes another way"
+    found = attempt(shrink(first, ground.own, ground.glyphs[0], shorter, tries))
+    assert found is not None
     return found
 
 
-def _written(broken: Broken) -> Course:
-    """Returns the course up to its break, with the actions of its policies written down."""
-    length = max(1, broken.where.at)
-    actions, course = tuple(broken.played.actions[:length]), broken.course
-    return replace(course, actions=actions, luck=course.luck[:length], policies=(None,) * course.agents)
+def _length(broken: Broken) -> int:
+    return max(1, broken.where.at)
 
 
-def _first_broken(played: Played, promises: list[int], course: Course, breaks: Breaks) -> list[Broken]:
+def first_broken(played: Played, promises: Collection[int], course: Course, breaks: Breaks, since: int) -> Broken | None:
     """Returns the first of the promises that a course breaks, if any."""
     for number in promises:
-        where = breaks(played.game.checks[number], played, course)
+        if number == FLOATS:
+            where = None if played.left is None else Break(len(played.worlds))
+        else:
+            where = breaks(played.game.checks[number], played, course, since)
         if where is not None:
-            return [Broken(number, course, played, where)]
-    return []
+            return Broken(number, course, played, where)
+    return None

@@ -10,6 +10,7 @@ from sjdsl.interpreter.draws import Draws
 from sjdsl.interpreter.state import Value, World
 from sjdsl.interpreter.step import action_mask, read, step
 from sjdsl.promises.course import words_of
+from sjdsl.promises.floats import tell_overflow
 from sjdsl.promises.ground import Ground
 from sjdsl.promises.search import Broken
 from sjdsl.promises.watch import Totals
@@ -28,8 +29,11 @@ def tell_course(ground: Ground, broken: Broken) -> list[str]:
     played, course = broken.played, broken.course
     numbers = "".join(f", {name} = {shown(value)} (the file: {shown(_own(ground.own, name))})" for name, value in course.params)
     lines = [f"{course.agents} agent{'s' * (course.agents != 1)} on a small map{numbers}", *legend(ground, played.game, played.worlds[0])]
-    for t in range(max(1, broken.where.at)):
+    leaves = played.left is not None and broken.where.at == len(played.worlds)
+    for t in range(broken.where.at - 1 if leaves else max(1, broken.where.at)):
         lines += tell_step(ground, played.game, played.worlds[t], played.actions[t], played.params, words_of(course, t))
+    if leaves:
+        return lines + tell_overflow(ground, played)
     return lines + said_of_values(ground, broken)
 
 

@@ -44,21 +44,26 @@ def writes(game: ir.Game) -> Iterator[Part]:
         fields = [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
         yield from (_part(f.place, f.kind, f.name) for f in fields if f.timer)
     for n in (node for turn in game.schedule for node in ir.walk(turn)):
-        match n:
-            case ir.Set() | ir.Add():
-                yield from _target(n.target)
-            case ir.Tally():
-                yield ("event", n.event)
-            case ir.Move():
-                yield from (PLACE, HEADING, MOVED)
-            case ir.Send():
-                yield from (PLACE, HEADING)
-                if n.after is not None and n.after.type.high > 0:
-                    yield AWAY
-            case ir.Remove():
-                yield from (PLACE, AWAY)
-            case _:
-                pass
+        yield from written_by(n)
+
+
+def written_by(n: ir.Node) -> Iterator[Part]:
+    """Yields what one sentence can write; nothing for one that has others in it."""
+    match n:
+        case ir.Set() | ir.Add():
+            yield from _target(n.target)
+        case ir.Tally():
+            yield ("event", n.event)
+        case ir.Move():
+            yield from (PLACE, HEADING, MOVED)
+        case ir.Send():
+            yield from (PLACE, HEADING)
+            if n.after is not None and n.after.type.high > 0:
+                yield AWAY
+        case ir.Remove():
+            yield from (PLACE, AWAY)
+        case _:
+            pass
 
 
 def _target(target: ir.Expr) -> Iterator[Part]:

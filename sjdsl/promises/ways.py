@@ -1,5 +1,6 @@
 """Ways over a map: where each move leads from each cell, and how many moves it takes to get somewhere."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -53,11 +54,38 @@ def _ways(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relati
     return Ways(width, moves, after, _distances(steps, cells, headed), headed)
 
 
+@lru_cache(maxsize=64)
+def _moves(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool) -> tuple[tuple[int, ...], np.ndarray]:
+    moves = tuple(i for i, a in enumerate(actions) if a in STEPS or a in TURNS)
+    return moves, _after(rows, blocking, actions, moves, relative)
+
+
+def moves_of(game: ir.Game) -> tuple[tuple[int, ...], np.ndarray]:
+    """Returns the numbers of the moves and where they lead, `Ways.moves` and `Ways.after`, for a map of any size."""
+    return _moves(game.rows, _blocking(game), game.agents.actions, game.agents.relative)
+
+
+def moves_to(goals: Collection[int], after: np.ndarray) -> np.ndarray:
+    """Returns how many moves it takes from each node to the nearest of some nodes, `[nodes]` int64; FAR without a way."""
+    distance = np.full(after.shape[0], FAR, np.int64)
+    distance[list(goals)] = 0
+    while after.shape[1]:
+        nearer = np.minimum(distance, distance[after].min(axis=1) + 1)
+        if (nearer == distance).all():
+            break
+        distance = nearer
+    return np.minimum(distance, FAR)
+
+
 def ways_of(game: ir.Game) -> Ways:
     """Returns the ways over a game's map. Raises TooLarge."""
+    return _ways(game.rows, _blocking(game), game.agents.actions, game.agents.relative)
+
+
+def _blocking(game: ir.Game) -> str:
+    """Returns the glyphs of cells that agents can never enter."""
     kinds = {k.name for k in game.kinds if any(b.what == "agents" and b.condition is None for b in k.blocks)}
-    blocking = "".join(g.glyph for g in game.glyphs if g.kind in kinds)
-    return _ways(game.rows, blocking, game.agents.actions, game.agents.relative)
+    return "".join(g.glyph for g in game.glyphs if g.kind in kinds)
 
 
 def _after(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], moves: tuple[int, ...], relative: bool) -> np.ndarray:

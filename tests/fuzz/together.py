@@ -14,6 +14,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.lower import lower
 from sjdsl.compiler.render import render
 from sjdsl.interpreter.draws import Recorded, Threefry
+from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.runtime.env import Environment
@@ -75,7 +76,10 @@ def interpret(game: ir.Game, play: Play) -> History:
     for words, actions in zip(play.keys, play.actions, strict=True):
         draws = Recorded(Threefry(*words))
         mask = action_mask(game, world)
-        ended, outcome = step(game, world, actions, given, draws)
+        try:
+            ended, outcome = step(game, world, actions, given, draws)
+        except LeavesFloat32:
+            break
         world = reset(game, given, draws) if outcome.terminated or outcome.truncated else ended
         history.near += len(draws.near)
         if history.near or runs_away(ended):
