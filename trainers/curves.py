@@ -8,9 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from .metrics_files import METRICS_JSONL, Row
+from .panels import Line, draw_panels, split_lines
 from .resuming import RunError, read_manifest
 
 POINTS = 200  # of a curve: updates are averaged to as many
+# How a column's name begins, and what it is of an episode.
+OF_AN_EPISODE = {"event_": "{} in an episode", "mean_": "mean of {} over an episode", "final_": "{} at the end of an episode"}
 
 
 def column(rows: Sequence[Row], metric: str) -> np.ndarray:
@@ -55,29 +58,53 @@ def read_seeds(run_dir: Path) -> list[list[Row]]:
 
 
 def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> None:
-    """Draws a metric of runs, `(label, folder)`, over environment steps.
+    """Draws a metric of runs, `(label, folder)`, over environment steps: five runs to a plot at most.
 
     Raises:
-      RunError: a run has no such metric.
+      RunError: a run has no such metric, or no value of it yet.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7, 4), layout="constrained")
-    axes = figure.add_subplot()
-    for label, folder in runs:
-        seeds = read_seeds(folder)
-        length = min(len(rows) for rows in seeds)
-        steps = np.array([row["env_steps"] for row in seeds[0][:length]])
-        values = np.stack([column(rows[:length], metric) for rows in seeds])
-        known = np.isfinite(values).all(axis=0)
-        steps, values = _thinned(steps[known], values[:, known])
-        (line,) = axes.plot(steps, values.mean(axis=0), label=f"{label}, {len(seeds)} seed{'s' if len(seeds) > 1 else ''}")
-        axes.fill_between(steps, values.min(axis=0), values.max(axis=0), color=line.get_color(), alpha=0.25, linewidth=0)
-    axes.set(xlabel="environment steps", ylabel=metric)
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
+    lines = [curve_line(label, folder, metric) for label, folder in runs]
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
+    draw_panels(split_lines(lines, in_words(metric))).savefig(path, dpi=110)
+
+
+def curve_line(label: str, folder: Path, metric: str) -> Line:
+    """Returns the mean of a metric over a run's seeds, and its range."""
+    seeds = read_seeds(folder)
+    length = min(len(rows) for rows in seeds)
+    steps = np.array([row["env_steps"] for row in seeds[0][:length]])
+    values = np.stack([column(rows[:length], metric) for rows in seeds])
+    known = np.isfinite(values).all(axis=0)
+    if not known.any():
+        raise RunError(f"{folder} has no value of `{metric}` in any update: there is no curve to draw. Perhaps no episode ended in the run")
+    steps, values = _thinned(steps[known], values[:, known])
+    whose = f"{label}, {len(seeds)} seed{'s' if len(seeds) > 1 else ''}"
+    return Line(whose, steps, values.mean(axis=0), values.min(axis=0), values.max(axis=0))
+
+
+def in_words(metric: str) -> str:
+    """Returns what a metric is, as the title of an axis: `event_own/event_own+event_other` is a share."""
+    above, _, below = metric.partition("/")
+    if not below:
+        return _sum_in_words(above)
+    relation = "share of" if set(above.split("+")) <= set(below.split("+")) else "ratio of"
+    joint = "in" if relation == "share of" else "to"
+    return f"{relation} {_names_in_words(above)} {joint} {_names_in_words(below)}"
+
+
+def _sum_in_words(names: str) -> str:
+    prefixes = {next((prefix for prefix in OF_AN_EPISODE if name.startswith(prefix)), "") for name in names.split("+")}
+    (form,) = {OF_AN_EPISODE.get(prefix, "{}") for prefix in prefixes} if len(prefixes) == 1 else ("{}",)
+    return form.format(_names_in_words(names))
+
+
+def _names_in_words(names: str) -> str:
+    words = []
+    for name in names.split("+"):
+        bare = next((name.removeprefix(prefix) for prefix in OF_AN_EPISODE if name.startswith(prefix)), name)
+        bare, _, agent = bare.partition("_agent_")
+        words.append(bare.replace("_", " ") + (f" of agent {agent}" if agent else ""))
+    return " and ".join(words)
 
 
 def _thinned(steps: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,12 +12,13 @@ from jax import Array
 from .config import Config
 from .environment import Environment
 from .evaluation import Evaluation, evaluation_key, make_evaluator, summarise
+from .learning_curve import draw_learning_curve
 from .loggers import LoggerName, Loggers, open_loggers
 from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
 from .policies import trained_policy
 from .policy_file import POLICIES, SUFFIX, remove_policies, write_policy
 from .processes import is_first
-from .run_folder import describe_game, draw_learning_curve
+from .run_folder import describe_game
 
 Evaluator = Callable[[Array, Any], Evaluation]
 POINTS = 1000  # of a learning curve, at most

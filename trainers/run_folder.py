@@ -1,10 +1,9 @@
-"""The folder of a run: its manifest, the folders of its seeds, and the picture of what was learnt."""
+"""The folder of a run: its manifest, and the folders of its seeds."""
 
 import importlib.metadata
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import UTC, datetime
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +12,10 @@ from jax.tree_util import keystr, tree_leaves_with_path
 
 from .config import Config
 from .environment import Environment, reset_shapes
-from .metrics_files import Row
-from .run_files import plain, write_whole
+from .run_files import plain
 from .shaping import kept_share
 
 MANIFEST = "manifest.json"
-LEARNING_CURVE = "learning_curve.png"
 
 PACKAGES = ("sjdsl", "jax", "jaxlib", "flax", "optax", "numpy")
 
@@ -77,25 +74,3 @@ def seed_folders(run_dir: Path, config: Config) -> tuple[Path, ...]:
     if config.seeds == 1:
         return (run_dir,)
     return tuple(run_dir / f"seed_{number}" for number in config.seed_numbers)
-
-
-def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:
-    """Draws the collective return of finished episodes over environment steps; nothing if no episode finished."""
-    from matplotlib.figure import Figure  # here: importing it costs as much as a short test
-
-    finished = [row for row in rows if row["episodes"] > 0]
-    if not finished:
-        return
-    figure = Figure(figsize=(7, 4), layout="constrained")
-    axes = figure.add_subplot()
-    steps = [row["env_steps"] for row in finished]
-    axes.plot(steps, [row["collective_return"] for row in finished], label="collective, raw", color="black")
-    agents = [name for name in finished[0] if name.startswith("return_agent_")]
-    for index, name in enumerate(agents):
-        axes.plot(steps, [row[name] for row in finished], label=f"agent {index}, raw", linewidth=0.8)
-    axes.set(xlabel="environment steps", ylabel="return per episode", title=title)
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="small", ncols=2 if len(agents) > 4 else 1)
-    picture = BytesIO()
-    figure.savefig(picture, format="png", dpi=120)
-    write_whole(folder / LEARNING_CURVE, picture.getvalue())

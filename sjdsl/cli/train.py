@@ -141,6 +141,7 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
     """Evaluates each seed's policy, and says what the run took."""
     import jax
 
+    from sjdsl.trainers.learning_curve import LEARNING_CURVE
     from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
     from sjdsl.trainers.progress import rate
 
@@ -156,6 +157,10 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
         f"\n{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.seeds):,.0f} steps a second; "
         f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
+    if not any((folder / LEARNING_CURVE).exists() for folder in result.folders):
+        click.echo(
+            f"no learning curve was drawn, for no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
+        )
     for seed, update in result.diverged.items():
         click.echo(f"seed {seed} stopped in update {update}, for its loss became nan; its policy is that of update {update - 1}")
     list_files(result.run_dir)

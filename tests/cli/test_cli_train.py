@@ -218,6 +218,7 @@ def test_the_end_says_which_seed_stopped(capsys: pytest.CaptureFixture[str], tmp
     said = capsys.readouterr().out
     assert "seed 3 stopped in update 4, for its loss became nan; its policy is that of update 3" in said
     assert "81,920 environment steps in 4.0 s: 20,480 steps a second" in said
+    assert "no learning curve was drawn, for no episode ended within the 640 steps of each environment" in said
 
 
 def test_a_total_below_one_update_is_said_before(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from sjdsl.trainers import RunError
-from sjdsl.trainers.curves import column, draw_curves, read_seeds
+from sjdsl.trainers.curves import column, curve_line, draw_curves, in_words, read_seeds
+from sjdsl.trainers.learning_curve import curve_panels
+from sjdsl.trainers.panels import Line, draw_panels, split_lines
 
 ROWS = [
     {"update": 1, "env_steps": 10, "collective_return": None, "event_own_agent_0": None, "event_own_agent_1": None, "event_other": None},
@@ -45,3 +47,59 @@ def test_runs_of_several_seeds_are_drawn(tmp_path: Path) -> None:
     assert [len(rows) for rows in read_seeds(tmp_path / "run")] == [3, 3]
     draw_curves([("a", tmp_path / "run")], "collective_return", tmp_path / "curve.png")
     assert (tmp_path / "curve.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("metric", "words"),
+    [
+        ("collective_return", "collective return"),
+        ("event_own", "own in an episode"),
+        ("event_own+event_other", "own and other in an episode"),
+        ("event_own_coins/event_own_coins+event_other_coins", "share of own coins in own coins and other coins"),
+        ("event_own/episodes", "ratio of own to episodes"),
+        ("mean_apples_left", "mean of apples left over an episode"),
+        ("final_owned", "owned at the end of an episode"),
+        ("event_own_agent_1", "own of agent 1 in an episode"),
+    ],
+)
+def test_an_axis_is_titled_in_words(metric: str, words: str) -> None:
+    assert in_words(metric) == words
+
+
+def line(label: str, points: int = 3) -> Line:
+    return Line(label, np.arange(points), np.arange(points))
+
+
+@pytest.mark.parametrize(("lines", "plots"), [(1, [1]), (5, [5]), (6, [3, 3]), (7, [4, 3]), (11, [4, 3, 4])])
+def test_a_plot_has_five_lines_at_most(lines: int, plots: list[int]) -> None:
+    panels = split_lines([line(f"run {number}") for number in range(lines)], "return")
+    assert [len(panel.lines) for panel in panels] == plots
+    assert [shown.label for panel in panels for shown in panel.lines] == [f"run {number}" for number in range(lines)]
+    figure = draw_panels(panels)
+    assert [len(axes.lines) for axes in figure.axes] == plots
+    assert {axes.get_ylim() for axes in figure.axes} == {figure.axes[0].get_ylim()}, "side by side they can be compared"
+
+
+def test_one_point_is_seen() -> None:
+    (axes,) = draw_panels(split_lines([line("a", 1), line("b", 2)], "return")).axes
+    assert [shown.get_marker() for shown in axes.lines] == ["o", ""]
+
+
+def test_agents_stand_beside_the_return_of_all() -> None:
+    agents = {f"return_agent_{number}": 1.0 for number in range(7)}
+    rows = [{"env_steps": 10, "episodes": 0, "collective_return": np.nan, **agents}]
+    assert curve_panels(rows) == []
+    rows.append({"env_steps": 20, "episodes": 2, "collective_return": 7.0, **agents})
+    panels = curve_panels(rows)
+    assert [panel.title for panel in panels] == ["all agents together", "agents 0 to 3", "agents 4 to 6"]
+    assert panels[0].lines[0].steps.tolist() == [20], "where an episode has ended"
+    assert [panel.title for panel in curve_panels([{key: rows[1][key] for key in ("env_steps", "episodes", "collective_return")}])] == [
+        "all agents together"
+    ]
+
+
+def test_a_run_without_values_is_no_curve(tmp_path: Path) -> None:
+    (tmp_path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}}))
+    (tmp_path / "metrics.jsonl").write_text(json.dumps(ROWS[0]) + "\n")
+    with pytest.raises(RunError, match=r"there is no curve to draw\. Perhaps no episode ended in the run"):
+        curve_line("a", tmp_path, "collective_return")

@@ -1,0 +1,47 @@
+"""The learning curve of one seed: the return of all agents together, and beside it each agent's own."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from .metrics_files import Row
+from .panels import Line, Panel, draw_panels, split_lines
+from .run_files import write_whole
+
+LEARNING_CURVE = "learning_curve.png"
+
+
+def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:
+    """Draws the raw returns of the episodes that ended over environment steps; nothing if none ended."""
+    panels = curve_panels(rows)
+    if not panels:
+        return
+    picture = BytesIO()
+    draw_panels(panels, title).savefig(picture, format="png", dpi=120)
+    write_whole(folder / LEARNING_CURVE, picture.getvalue())
+
+
+def curve_panels(rows: Sequence[Row]) -> list[Panel]:
+    """Returns what is drawn: nothing where no episode has ended, no plot of agents where there is one."""
+    ended = [row for row in rows if row["episodes"] > 0]
+    if not ended:
+        return []
+    steps = np.array([row["env_steps"] for row in ended])
+
+    def line(name: str, label: str) -> Line:
+        return Line(label, steps, np.array([row[name] for row in ended], float))
+
+    together = Panel("all agents together", "collective return of an episode", (line("collective_return", "collective return"),))
+    names = [name for name in ended[0] if name.startswith("return_agent_")]
+    agents = [line(name, f"agent {number}") for number, name in enumerate(names)]
+    if len(agents) < 2:
+        return [together]
+    return [together, *(replace(panel, title=_who(panel)) for panel in split_lines(agents, "return of an agent in an episode"))]
+
+
+def _who(panel: Panel) -> str:
+    first, last = (line.label.removeprefix("agent ") for line in (panel.lines[0], panel.lines[-1]))
+    return f"agents {first} to {last}" if first != last else f"agent {first}"
