@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sjdsl
-from sjdsl.compiler import build, compile_source
+from sjdsl.compiler import build, check, compile_source
 from sjdsl.compiler.looks import COLOURS, SPRITES
 from sjdsl.compiler.read import read_source
 from sjdsl.compiler.render import game_hash
@@ -211,3 +211,20 @@ def test_a_frame_drawn_again_rasterises_nothing(looked: Environment) -> None:
     before = draw_sprite.cache_info().misses
     assert (np.asarray(painter.draw(snapshot)) == first).all()
     assert draw_sprite.cache_info().misses == before
+
+
+@pytest.mark.parametrize(
+    ("look", "code"),
+    [
+        ("look agent where agent.unread > 1 as red", "SJ505"),  # what only a picture reads is used by no rule
+        ("look moss as red blue", "SJ115"),
+        ("look moss as gem coin", "SJ115"),
+        ("look mos as red", "SJ101"),
+        ("look bush where bush.hue is green as red", "SJ205"),
+    ],
+)
+def test_what_is_wrong_with_a_look_is_said(look: str, code: str) -> None:
+    text = GAME.replace("LOOKS", look).replace("timer tired", "timer tired  field unread : 0 .. 3 = 0")
+    used = text.replace("set agent.tired = 3", "set agent.tired = 3  add 0 * agent.unread to agent.bag[dry]")
+    found = {d.code.code for d in check(Source("grove.sj", text if code == "SJ505" else used))}
+    assert code in found
