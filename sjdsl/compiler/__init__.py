@@ -4,7 +4,7 @@ text -> ast.File -> Composition -> ir.Game -> ir.Game -> Program -> text
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sjdsl.compiler import ast, errors, ir
@@ -17,6 +17,7 @@ from sjdsl.compiler.program import Program
 from sjdsl.compiler.read import read_source
 from sjdsl.compiler.scope import Problems
 from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler.ways_out import with_ways_out
 from sjdsl.compiler.worldmap import inside_folder
 
 STAGES = ("ast", "ir", "optimised", "program", "python")
@@ -36,8 +37,20 @@ def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
     game = compose(source, parse(source), tuple(variants), load_base)
     typed, found = elaborate(game, overrides or Overrides())
     if typed is None:
-        raise CompileError(found)
+        raise CompileError(with_ways_out(found, source, game, lambda text: _attempt(replace(source, text=text), variants, overrides)))
     return Build(typed, tuple(found), game.sources)
+
+
+def _attempt(source: Source, variants: Sequence[str], overrides: Overrides | None) -> list[Diagnostic]:
+    """Returns the errors of a changed text."""
+    try:
+        game = compose(source, parse(source), tuple(variants), load_base)
+        typed, found = elaborate(game, overrides or Overrides())
+        if typed is not None:
+            lower_build(Build(typed, (), game.sources), source)
+    except CompileError as refused:
+        found = list(refused.diagnostics)
+    return [d for d in found if d.code.severity == "error"]
 
 
 def number_names(source: Source, variants: Sequence[str] = ()) -> tuple[list[str], list[str]]:

@@ -106,7 +106,7 @@ FIELD_RANGE = Code(
     "SJ204",
     "A field can leave its range",
     "`{name}` can leave its range {low} .. {high} here: it can become {reached}",
-    "write `capped` after the range, or guard the change with `when`",
+    ("{help}", "write `capped` after the range, or guard the change with `when`"),
 )
 WORD_OUTSIDE = Code(
     "SJ205",
@@ -200,19 +200,22 @@ WRITE_CONFLICT = Code(
     "SJ401",
     "Two writes in one phase",
     "`{name}` of one {owner} can be written twice in phase `{phase}`",
-    "write two phases; or pair them with `match`; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+    (
+        "{accepted}",
+        "write two phases; or pair them with `match`; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+    ),
 )
 ADD_AND_SET = Code(
     "SJ402",
     "Set and add in one phase",
     "`{name}` is both set and added to in phase `{phase}`",
-    "write two phases, or make the two exclude each other",
+    ("{accepted}", "write two phases, or make the two exclude each other"),
 )
 TWO_DESTINATIONS = Code(
     "SJ403",
     "Two destinations",
     "an agent can be sent to two places in phase `{phase}`",
-    "make the two exclude each other, or send to one place",
+    ("{accepted}", "make the two exclude each other, or send to one place"),
 )
 NO_FREE_CELL = Code(
     "SJ404",

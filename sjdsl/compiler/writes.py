@@ -87,7 +87,19 @@ def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Exp
             low=f"{target.type.low:g}",
             high=f"{target.type.high:g}",
             reached=reached,
+            help=_instead_of_set(s, field, target, scope),
         )
+
+
+def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scope) -> str:
+    """Returns what to write where a `set` is to stop at the end of a range that is `capped`: only `add` does."""
+    if not field.capped:
+        return ""
+    match s.value:
+        case ast.Binary(op="+", left=ast.Path() as left, right=right) if text(build(left, scope)) == text(target):
+            added = scope.static.sources[right.span.file].text[right.span.start : right.span.end]
+            return f"only `add` stops at the end of a range that is `capped`: write `add {added} to {text(target)}`"
+    return "only `add` stops at the end of a range that is `capped`: guard the change with `when`, or bound it with `min` and `max`"
 
 
 def _check_unit(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
