@@ -1,11 +1,18 @@
-"""What tests of several folders share: strict JAX, programs compiled once, and goldens that can be written anew."""
+"""What tests of several folders share: strict JAX, programs compiled once, memory given back, and goldens that can be written anew."""
 
+import ctypes
+import gc
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import jax
 import pytest
+
+# Half the seconds of compiling, and the programs run as fast: two of XLA's ways to make fast programs that tests do not need.
+QUICK_TO_COMPILE = "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1"
+MUCH_MEMORY = 1_000_000_000  # bytes of a worker, beyond which it gives back what it can between files
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -16,11 +23,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Saves time: workers, commands and later runs share what XLA has compiled, and it is compiled for few steps, not for speed."""
+    """Saves time: workers, commands and later runs share what XLA has compiled, and it is compiled for few steps, not for speed.
+
+    This comes before JAX's first computation: XLA reads its flags once.
+    """
     folder = config.rootpath / ".pytest_cache" / "jax"
     settings: dict[str, object] = {"jax_compilation_cache_dir": str(folder), "jax_persistent_cache_min_compile_time_secs": 0.3}
     if not config.getoption("--all"):
         settings["jax_disable_most_optimizations"] = True
+        os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICK_TO_COMPILE}".strip()
     for name, value in settings.items():
         os.environ[name.upper()] = str(value)
         jax.config.update(name, value)
@@ -33,6 +44,24 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     slow = [item for item in items if item.get_closest_marker("slow")]
     config.hook.pytest_deselected(items=slow)
     items[:] = [item for item in items if item not in slow]
+
+
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
+    """Gives back the memory of compiled programs after a file, where there is much: other files seldom use the same ones."""
+    if (nextitem is None or nextitem.path != item.path) and _resident_bytes() > MUCH_MEMORY:
+        jax.clear_caches()
+        gc.collect()
+        if sys.platform == "linux":
+            ctypes.CDLL(None).malloc_trim(0)  # else the C library keeps it
+
+
+def _resident_bytes() -> int:
+    """Returns the memory this process holds; 0 where the system does not say."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    except OSError:
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 @pytest.fixture(autouse=True)
