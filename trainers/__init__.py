@@ -5,11 +5,24 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
     from .evaluation import Estimate, Evaluation, estimate, evaluate, save_evaluation, summarise
-    from .policies import MemoryPolicy, Policy, PolicyError, load_policy, random_policy, trained_policy
+    from .own import register
+    from .policies import (
+        MemoryPolicy,
+        Policy,
+        PolicyError,
+        find_policy,
+        load_policy,
+        mixed_policy,
+        random_policy,
+        stay_policy,
+        trained_policy,
+    )
     from .preset import Preset, load_preset
     from .program import Train, TrainState, make_train
     from .resuming import RunError
     from .run import Result, resume, train
+    from .step import Step
+    from .updates import Update
 
 __all__ = [
     "Config",
@@ -23,18 +36,24 @@ __all__ = [
     "Preset",
     "Result",
     "RunError",
+    "Step",
     "Train",
     "TrainState",
+    "Update",
     "VDNConfig",
     "estimate",
     "evaluate",
+    "find_policy",
     "load_policy",
     "load_preset",
     "make_config",
     "make_train",
+    "mixed_policy",
     "random_policy",
+    "register",
     "resume",
     "save_evaluation",
+    "stay_policy",
     "summarise",
     "train",
     "trained_policy",
@@ -52,18 +71,24 @@ _HOMES = {
     "Preset": "preset",
     "Result": "run",
     "RunError": "resuming",
+    "Step": "step",
     "Train": "program",
     "TrainState": "program",
+    "Update": "updates",
     "VDNConfig": "config",
     "estimate": "evaluation",
     "evaluate": "evaluation",
+    "find_policy": "policies",
     "load_policy": "policies",
     "load_preset": "preset",
     "make_config": "config",
     "make_train": "program",
+    "mixed_policy": "policies",
     "random_policy": "policies",
+    "register": "own",
     "resume": "run",
     "save_evaluation": "evaluation",
+    "stay_policy": "policies",
     "summarise": "evaluation",
     "train": "run",
     "trained_policy": "policies",

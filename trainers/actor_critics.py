@@ -84,7 +84,7 @@ class ActorCritics:
             memories.append(jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after))
             logits.append(says)
             values.append(worth)
-        ordered = partial(in_order, self.bundles, axis=AGENTS_AXIS)
+        ordered = partial(in_order, self.bundles, axis=AGENTS_AXIS, num_agents=observation.shape[AGENTS_AXIS])
         return tuple(memories), ordered(logits), ordered(values)
 
 

@@ -1,8 +1,9 @@
 """The configuration of a training run: checked once, then never changed."""
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+import re
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AfterValidator,
@@ -19,11 +20,14 @@ from pydantic import (
 )
 
 from .config_errors import ConfigError, sentence_of
+from .own import Kind, find, is_own, lasting, name_of
+from .policy_names import lasting_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
 Algorithm = Literal["ippo", "mappo", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
+NetworkKind = Literal["mlp", "cnn"]
 SEEDS = 2**32  # how many there are: JAX makes a key of the lower 32 bits, so that a larger seed would be another's run
 
 
@@ -49,12 +53,41 @@ def _odd(value: int) -> int:
     return value
 
 
+def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any], Any]:
+    """Returns a check of `names` and of what users bring along: that is found at once, and a function that is passed gets a name."""
+
+    def check(value: Any) -> Any:
+        if callable(value):
+            return name_of(kind, value)
+        if not isinstance(value, str) or (value not in names and not is_own(kind, value)):
+            raise ValueError(f"{', '.join(map(repr, names))}, the name of a {kind} that was registered, or FILE.py:NAME")
+        if value not in names:
+            find(kind, value)
+            return lasting(kind, value)
+        return value
+
+    return check
+
+
+def _partners(value: Any) -> Any:
+    """Returns partners, `{1: "random"}` or `"1,2=random,3=runs/a"`, as pairs of an agent's number and its policy's name."""
+    if isinstance(value, str):
+        parts = re.findall(r"\s*([\d,\s]+)=([^,]+)", value)
+        if not value.strip() or re.sub(r"\s*([\d,\s]+)=([^,]+)(,|$)", "", value):
+            raise ValueError("of the form AGENT=POLICY, such as 1=random or 1,2=runs/a")
+        value = {int(agent): policy.strip() for agents, policy in parts for agent in agents.replace(" ", "").strip(",").split(",")}
+    if isinstance(value, Mapping):
+        value = value.items()
+    return tuple(sorted((int(agent), lasting_name(policy)) for agent, policy in value))
+
+
 Count = Annotated[PositiveInt, BeforeValidator(_whole_number)]
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
 Sides = Annotated[tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...], Field(min_length=1), BeforeValidator(_listed)]
 Groups = Annotated[tuple[NonNegativeInt, ...], BeforeValidator(_listed)]
+Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partners)]
 
 
 class Config(BaseModel):
@@ -73,7 +106,10 @@ class Config(BaseModel):
     anneal_learning_rate: bool = True  # linearly to zero over the run
     max_gradient_norm: PositiveFloat = 0.5
 
-    reward: RewardMode = "individual"
+    init_from: Annotated[str, BeforeValidator(lasting_name)] = ""  # the policy whose parameters the run starts with; "": drawn ones
+    partners: Partners = ()  # (agent, policy): agents that act by a given policy and do not learn
+
+    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", get_args(RewardMode)))] = "individual"  # or one's own, of a `Step`
     common_reward: Literal["sum", "mean"] = "sum"
     reward_smoothing: Fraction = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
     svo_angle: Angles = (90.0,)  # degrees, the angle sought; one for all agents or one each
@@ -89,7 +125,7 @@ class Config(BaseModel):
     agent_id: bool = False  # networks read which agent it is besides what it sees: those who share one may come to differ
     mask_actions: bool = True  # an action that the game forbids now is not drawn, valued or learnt from
 
-    network: Literal["mlp", "cnn"] = "cnn"
+    network: Annotated[str, BeforeValidator(_one_of_or_own("network", get_args(NetworkKind)))] = "cnn"  # or one's own, of tokens
     network_width: Count = 64  # units of each hidden dense layer
     convolution_sides: Sides = (5, 3, 3)  # of cnn: cells along the side of each convolution's kernel, one after the other
     convolution_channels: Count = 32  # of cnn: features that each gives a cell

@@ -1,7 +1,8 @@
 """The networks: token observations in; action logits, state values or action values out."""
 
+import inspect
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import flax.linen as nn
 import jax
@@ -11,8 +12,10 @@ from jax import Array
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
 
+from .config_errors import ConfigError
 from .convolution import convolve
 from .initialisation import orthogonal
+from .own import find
 
 HIDDEN_GAIN = 2.0**0.5
 ACTOR_GAIN = 0.01
@@ -31,7 +34,7 @@ class Torso(nn.Module):
     """
 
     planes: tuple[TokenPlane, ...]
-    kind: Literal["mlp", "cnn"]
+    kind: str  # mlp, cnn, or the name of a user's own
     width: int
     dtype: Any
     sides: tuple[int, ...] = CONVOLUTION_SIDES
@@ -43,6 +46,8 @@ class Torso(nn.Module):
         if not self.planes:
             return self._dense(observation.astype(self.dtype))
         lead = observation.shape[:-3]
+        if self.kind not in ("mlp", "cnn"):
+            return self._own(observation.reshape(-1, *observation.shape[-3:])).reshape(*lead, -1).astype(self.dtype)
         features = to_channels(observation, self.planes, self.dtype, scale_numbers=True)
         features = features.reshape(-1, *features.shape[-3:])
         if self.kind == "cnn":
@@ -53,6 +58,25 @@ class Torso(nn.Module):
                 bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:])
                 features = nn.relu(convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype))
         return self._dense(features.reshape(*lead, -1))
+
+    def _own(self, tokens: Array) -> Array:
+        """Returns the features `[M, K]` that a user's module makes of tokens `[M, P, V, V]` uint8.
+
+        It is made with those of `planes`, `width` and `dtype` that it has fields, or arguments, for.
+        """
+        make = find("network", self.kind)
+        fields = inspect.signature(make).parameters
+        known = {"planes": self.planes, "width": self.width, "dtype": self.dtype}
+        module = make(**{name: value for name, value in known.items() if name in fields})
+        if module.scope is None:  # it was made before, by whoever registered it
+            module = module.clone(parent=self, name="own")
+        features = module(tokens)
+        if features.ndim != 2 or features.shape[0] != tokens.shape[0]:
+            raise ConfigError(
+                f"the network `{self.kind}` must make features [M, K] of tokens [M, planes, rows, columns], here {tokens.shape}; it made "
+                f"{features.shape}"
+            )
+        return features
 
     def _dense(self, features: Array) -> Array:
         return nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
@@ -110,7 +134,7 @@ class ActorCritic(nn.Module):
     num_agents: int  # S
     planes: tuple[TokenPlane, ...]
     joint_planes: tuple[TokenPlane, ...] | None  # None: a local critic; (): joint is a vector
-    kind: Literal["mlp", "cnn"]
+    kind: str
     width: int
     recurrent: bool = False
     dtype: Any = jnp.float32
@@ -165,7 +189,7 @@ class ActionValues(nn.Module):
 
     num_actions: int
     planes: tuple[TokenPlane, ...]
-    kind: Literal["mlp", "cnn"]
+    kind: str
     width: int
     dtype: Any = jnp.float32
     numbers: int = 0  # N, where what agents are is an input; 0: it is none

@@ -9,41 +9,94 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.runtime.policy import MemoryPolicy, Policy, with_memory
+from sjdsl.runtime.policy import MemoryPolicy, Policy, mixed_policy, random_policy, stay_policy, with_memory
 
 from .actor_critics import make_actor_critics
-from .config import Config, PPOConfig, VDNConfig
+from .config import Config, ConfigError, PPOConfig, VDNConfig
 from .environment import Environment, abstract_key, reset_shapes
 from .masks import masked, wants_masks
-from .policy_file import PolicyError, policy_path, read_policy
+from .own import find, is_own
+from .partners import with_partners
+from .policy_file import Described, PolicyError, policy_path, read_policy
+from .policy_names import KNOWN, split_name
 from .vdn import best_action, explore, make_action_values
 
-__all__ = ["MemoryPolicy", "Policy", "PolicyError", "load_policy", "random_policy", "trained_policy", "with_memory"]
+__all__ = [
+    "MemoryPolicy",
+    "Policy",
+    "PolicyError",
+    "find_policy",
+    "load_policy",
+    "mixed_policy",
+    "random_policy",
+    "stay_policy",
+    "trained_policy",
+    "with_memory",
+]
+
+# What two runs must have alike for one to start with the parameters of the other.
+SHAPING_NETWORKS = (
+    "algorithm",
+    "network",
+    "network_width",
+    "convolution_sides",
+    "convolution_channels",
+    "agent_id",
+    "sharing",
+    "roles",
+    "critic",
+    "memory",
+    "partners",
+)
 
 
-def random_policy(env: Environment) -> Callable[[Array, Array], Array]:
-    """Returns the policy that draws every action with equal probability."""
+def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | None = None) -> Policy:
+    """Returns a policy by its name, or what is one already.
 
-    def act(key: Array, observation: Array) -> Array:
-        del observation
-        return jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
-
-    return act
+    Args:
+      policy: `random`, `stay`, the folder of a run, `RUN@best`, `RUN@UPDATE`, `RUN/seed_N`, a `.safetensors` file, `FILE.py:FUNCTION`, a
+        name that was registered; or a function `(key, observation [N, P, V, V]) -> actions [N]`, or a `MemoryPolicy`.
+      env: environment to act in.
+      greedy: of a trained policy, as in `trained_policy`.
+    Raises:
+      PolicyError: there is none of that name, or it does not fit `env`.
+    """
+    if not isinstance(policy, str | Path):
+        return policy
+    name = str(policy)
+    if name == "random":
+        return random_policy(env)
+    if name == "stay":
+        if "stay" not in env.action_names:
+            raise PolicyError(f"`stay` is no action of {env.name}; its actions are {', '.join(env.action_names)}")
+        return stay_policy(env)
+    path, which = split_name(name)
+    if path.exists() or path.suffix == ".safetensors":
+        return load_policy(path, env, greedy=greedy, which=which)
+    if is_own("policy", name):
+        try:
+            return find("policy", name)
+        except ConfigError as error:
+            raise PolicyError(str(error)) from None
+    raise PolicyError(f"there is no policy `{name}`; a policy is {KNOWN}")
 
 
 def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool | None = None) -> Policy:
     """Returns the policy of `parameters`.
 
     Args:
+      config: of the run; agents that it held fixed act by their own policies.
       greedy: take the best action instead of drawing one. None: as what was learnt is meant to act: actors, which learn probabilities,
         draw their actions; action values have none, and the best is taken. Values with `greedy=False` explore as the run did at its end.
     """
     match config:
         case PPOConfig():
-            return _actor_policy(env, config, parameters, bool(greedy))
+            policy = _actor_policy(env, config, parameters, bool(greedy))
         case VDNConfig():
-            return _value_policy(env, config, parameters, greedy is None or greedy)
-    raise TypeError(f"no algorithm takes a {type(config).__name__}")
+            policy = _value_policy(env, config, parameters, greedy is None or greedy)
+        case _:
+            raise TypeError(f"no algorithm takes a {type(config).__name__}")
+    return with_partners(env, config, policy)
 
 
 def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
@@ -91,20 +144,49 @@ def parameter_shapes(env: Environment, config: Config) -> Any:
     raise TypeError(f"no algorithm takes a {type(config).__name__}")
 
 
-def load_policy(source: Path | str, env: Environment, update: int | None = None, greedy: bool | None = None, which: str = "last") -> Policy:
+def load_policy(
+    source: Path | str, env: Environment, update: int | None = None, greedy: bool | None = None, which: str | int = "last"
+) -> Policy:
     """Returns a stored policy.
 
     Args:
       source: the folder of a run, or one of the `.safetensors` files in its `policies`, with the `.json` file beside it.
       env: environment to act in; it must have the actions and observation planes of the one trained on. Another
         variant or other parameters are allowed, with a warning.
-      update: of a folder, the policy of one of its checkpoints.
+      update: of a folder, one of its policies stored by number.
       greedy: take the best action, or draw one; None: as the algorithm is meant to act, see `trained_policy`.
-      which: of a folder, `last` or `best`, by its evaluations.
+      which: of a folder, `last` or `best`, by its evaluations, or the number of an update.
     Raises:
       PolicyError: no such policy, or it cannot be read, or it does not fit `env`.
     """
     path = policy_path(Path(source), which if update is None else update)
+    parameters, described = _read(path, env)
+    return trained_policy(env, described.config, parameters, greedy)
+
+
+def load_parameters(name: str, env: Environment, config: Config) -> Any:
+    """Returns the parameters of the policy that a run with `config` starts from.
+
+    Raises:
+      ConfigError: it is no stored policy, or of other networks than the run has. PolicyError: it cannot be read.
+    """
+    path, which = split_name(name)
+    if not path.exists():
+        raise ConfigError(f"`init_from` must be the folder of a run, RUN@best, RUN@UPDATE, or a .safetensors file; there is no `{name}`")
+    file = policy_path(path, which)
+    parameters, described = _read(file, env)
+    differs = [
+        f"{key} = {getattr(described.config, key, 'none')} there and {getattr(config, key, 'none')} here"
+        for key in SHAPING_NETWORKS
+        if getattr(described.config, key, None) != getattr(config, key, None)
+    ]
+    if jax.tree.map(jnp.shape, parameters) != jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(env, config)):
+        raise ConfigError(f"a run cannot start from {file}, whose networks are others: {'; '.join(differs) or 'the game is another'}")
+    return parameters
+
+
+def _read(path: Path, env: Environment) -> tuple[Any, Described]:
+    """Returns the parameters of a stored policy and what they are of. Raises PolicyError, also where it does not fit `env`."""
     parameters, described = read_policy(path, lambda config: parameter_shapes(env, config))
     game = described.game
     if game["hash"] != env.hash:
@@ -117,4 +199,4 @@ def load_policy(source: Path | str, env: Environment, update: int | None = None,
             f"{len(game['action_names'])} actions and observations {game['observation_shape']}; "
             f"here are {env.num_actions} actions and observations {list(reset_shapes(env)[0].shape)}"
         )
-    return trained_policy(env, described.config, parameters, greedy)
+    return parameters, described

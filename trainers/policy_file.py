@@ -16,9 +16,11 @@ from safetensors.numpy import save
 from .config import Config, ConfigError, make_config
 from .config_errors import RETIRED
 from .digest import digest_of
+from .policy_names import split_name
 from .run_files import write_json, write_whole
 
 POLICIES = "policies"
+START = "start.safetensors"  # in the folder of a run that started from another's policy: a copy of it
 SUFFIX = ".safetensors"
 DIGEST = "sha256"  # in the metadata of the file: of its tensors, their names, dtypes and shapes
 
@@ -44,6 +46,14 @@ def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> N
     tensors = {keystr(place): np.ascontiguousarray(leaf) for place, leaf in leaves}
     write_json(path.with_suffix(".json"), described)
     write_whole(path, save(tensors, {DIGEST: digest_of(tensors)}))
+
+
+def copy_policy(name: str, path: Path) -> None:
+    """Copies the policy of a name to `path`, with the `.json` beside it; the tensors last, for they make it one."""
+    folder, which = split_name(name)
+    source = policy_path(folder, which)
+    for suffix in (".json", SUFFIX):
+        write_whole(path.with_suffix(suffix), source.with_suffix(suffix).read_bytes())
 
 
 def remove_policies(folder: Path, kept: int) -> None:

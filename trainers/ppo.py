@@ -17,6 +17,7 @@ from .episodes import mean_episode
 from .masks import allowed_in, masked, pack_mask, unpack_mask
 from .networks import Memory
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
+from .partners import learning_agents, make_partners
 from .program import Metrics, Train, TrainState, keep_if_finite
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
 from .shaping import make_shaping
@@ -65,17 +66,19 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
         config = config.model_copy(update={"clip_epsilon": config.clip_epsilon / env.num_agents})
     networks = make_actor_critics(env, config)
     shaping = make_shaping(config, env.num_agents)
+    partners = make_partners(env, config)
+    learning = jnp.asarray(learning_agents(env.num_agents, config))
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
-        worlds = start_worlds(env, config.num_envs, networks.start_memory(config.num_envs), worlds_key)
+        worlds = start_worlds(env, config.num_envs, networks.start_memory(config.num_envs), worlds_key, partners)
         learners = tuple(start_learner(parameters, config) for parameters in networks.init(network_key, env))
         return TrainState(key, learners, worlds, jnp.int32(0), jnp.bool_(False))
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         key, rollout_key = jax.random.split(state.key)
         actor = make_actor(env, networks, parameters(state))
-        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping)
+        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
         after = state.replace(key=key, worlds=worlds)
         return after, (rollout, state.worlds.memory, finished, measured)
 
@@ -94,7 +97,7 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
             "metric": measured,
             **losses,
-            "explained_variance": explained_variance(batch.value, batch.target),
+            "explained_variance": explained_variance(batch.value[..., learning], batch.target[..., learning]),
             "learning_rate": learning_rate_schedule(config)(state.learner[0].step.ravel()[0]),
         }
         return TrainState(key, learners, worlds, state.updates + 1, ~jnp.isfinite(losses["loss"])), metrics

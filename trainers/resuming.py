@@ -63,6 +63,28 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
     return manifest
 
 
+def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> dict[str, Any]:
+    """Returns the manifest of a run that is to take so many environment steps in all.
+
+    Raises:
+      RunError: it has done them already.
+    """
+    config = manifest["config"]
+    longer = make_config({**config, "total_timesteps": total_timesteps})
+    done = int(manifest.get("updates", 0))
+    if longer.num_updates < done or longer.total_timesteps < config["total_timesteps"]:
+        raise RunError(
+            f"{run_dir} is a run of {config['total_timesteps']:,} steps that has done {done * longer.steps_per_update:,}; a run can be "
+            f"made longer, not shorter: total_timesteps must be more, not {longer.total_timesteps:,}"
+        )
+    note = {"from": config["total_timesteps"], "to": longer.total_timesteps, "updates": done}
+    return manifest | {
+        "config": longer.model_dump(mode="json"),
+        "derived": manifest.get("derived", {}) | {"updates": longer.num_updates},
+        "extended": [*manifest.get("extended", []), note],
+    }
+
+
 def restore_last(checkpoints: Checkpoints, compiled: Compiled) -> tuple[TrainState, int]:
     """Returns the state to go on from and the updates done until then: the first state where there is no checkpoint.
 

@@ -11,7 +11,9 @@ from jax import Array
 
 from .environment import Environment
 from .episodes import EpisodeSums, FinishedEpisodes, add_step, hand_over, zero_sums
+from .partners import NOBODY, Partners
 from .shaping import Shaping
+from .step import Step
 
 
 @flax.struct.dataclass
@@ -24,6 +26,7 @@ class Worlds:
     trace: Array  # [B, N] float32, smoothed raw rewards of the episode under way
     memory: Any  # of the agents, as the algorithm has it
     sums: EpisodeSums  # [B, ...] of the episodes under way
+    partners: Any = ()  # [B, ...] memory of the agents that are held fixed
 
 
 @flax.struct.dataclass
@@ -58,7 +61,7 @@ class Actor:
     joint: Callable[[Any], Any] = lambda _: None
 
 
-def start_worlds(env: Environment, num_envs: int, memory: Any, key: Array) -> Worlds:
+def start_worlds(env: Environment, num_envs: int, memory: Any, key: Array, partners: Partners = NOBODY) -> Worlds:
     """Returns `num_envs` fresh environments; `memory` is the agents' before their first step."""
     observation, state = jax.vmap(env.reset)(jax.random.split(key, num_envs))
     return Worlds(
@@ -68,6 +71,7 @@ def start_worlds(env: Environment, num_envs: int, memory: Any, key: Array) -> Wo
         trace=jnp.zeros((num_envs, env.num_agents)),
         memory=memory,
         sums=zero_sums(env, num_envs),
+        partners=partners.start(num_envs),
     )
 
 
@@ -77,7 +81,7 @@ def chosen_log_probability(logits: Array, action: Array) -> Array:
 
 
 def collect_rollout(
-    env: Environment, actor: Actor, worlds: Worlds, key: Array, num_steps: int, shaping: Shaping
+    env: Environment, actor: Actor, worlds: Worlds, key: Array, num_steps: int, shaping: Shaping, partners: Partners = NOBODY
 ) -> tuple[Worlds, Rollout, FinishedEpisodes, dict[str, Array]]:
     """Plays `num_steps` steps in every environment.
 
@@ -88,19 +92,28 @@ def collect_rollout(
       key: consumed.
       num_steps: T.
       shaping: how raw rewards become shaped ones.
+      partners: agents that act by a given policy, whatever the actor has them do.
     Returns:
       the worlds afterwards, the rollout, the total over the episodes that finished in it, and the game's metrics
       averaged over all its steps.
     """
 
     def advance(worlds: Worlds, key: Array) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
-        action_key, env_key = jax.random.split(key)
+        action_key, env_key, *others = jax.random.split(key, 3 if partners.agents else 2)
         joint = actor.joint(worlds.state)
         memory, action, acting = actor.act(worlds, joint, action_key)
+        theirs = worlds.partners
+        for partners_key in others:
+            theirs, taken = partners.act(env, theirs, partners_key, worlds.observation, worlds.state, worlds.fresh)
+            action = partners.in_place(action, taken)
         env_keys = jax.random.split(env_key, action.shape[0])
         observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
         trace = shaping.smoothing * worlds.trace + reward
-        shaped_reward = shaping.shape(reward, trace)
+        if shaping.own is None:
+            shaped_reward = shaping.shape(reward, trace)
+        else:
+            happened = (worlds.observation, worlds.state, info["events"], info["metrics"], done, info["truncated"])
+            shaped_reward = jax.vmap(shaping.own)(Step(reward, trace, action, *happened)).astype(jnp.float32)
         running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
         step = Rollout(
             observation=actor.pack(worlds.observation),
@@ -114,7 +127,7 @@ def collect_rollout(
             acting=acting,
             ending=actor.follow(memory, observation, info),
         )
-        after = Worlds(state, observation, done, jnp.where(done[:, None], 0.0, trace), memory, running)
+        after = Worlds(state, observation, done, jnp.where(done[:, None], 0.0, trace), memory, running, theirs)
         return after, (step, finished, info["metrics"])
 
     worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, jax.random.split(key, num_steps))

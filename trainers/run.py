@@ -17,15 +17,16 @@ from .config import Config, make_config
 from .environment import Environment
 from .loggers import LoggerName
 from .metrics_files import METRICS_JSONL, Row, read_rows
+from .policy_file import START, copy_policy
 from .processes import any_says, is_first
 from .program import make_train
 from .progress import ProgressStyle, show_progress
 from .recorder import open_recorders
-from .resuming import RunError, check_same_run, restore_last
+from .resuming import RunError, check_same_run, extended, restore_last
 from .rows import mean_row
 from .run_files import write_json
 from .run_folder import MANIFEST, describe_run, seed_folders
-from .updates import Keeping, Progress, diverged_before, run_updates
+from .updates import Callback, Keeping, Progress, diverged_before, make_teller, run_updates
 
 __all__ = ["Result", "RunError", "resume", "train"]
 
@@ -58,6 +59,7 @@ def train(
     provenance: Mapping[str, Any] | None = None,
     loggers: Sequence[LoggerName] = (),
     asked: Mapping[str, Any] | None = None,
+    callback: Callback | None = None,
 ) -> Result:
     """Trains and writes manifest, metrics, checkpoints, policies and learning curve to `run_dir` as it goes.
 
@@ -69,17 +71,20 @@ def train(
       provenance: JSON values kept in the manifest, such as the arguments `env` was made with.
       loggers: where metrics go besides: `tensorboard`, `wandb`.
       asked: further JSON values kept in the manifest, for whoever resumes the run.
+      callback: called with an `Update` after each update, in the first of several processes; the run ends there if it returns True.
     Raises:
       RunError: the folder is in use, training diverged with every seed, or the disk or the memory is full; what was written until then stays.
-      ConfigError: the configuration does not fit the environment.
+      ConfigError: the configuration does not fit the environment. PolicyError: a policy that it names cannot be read.
     """
     run_dir = Path(run_dir)
     if any_says(run_dir.exists() and (not run_dir.is_dir() or any(run_dir.iterdir()))):
         raise RunError(f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it")
     make_train(env, config)  # what does not fit is said before the folder is made
     run_dir.mkdir(parents=True, exist_ok=True)
+    if config.init_from and is_first():
+        copy_policy(config.init_from, run_dir / START)
     manifest = describe_run(env, config, provenance or {}) | {"loggers": list(loggers), "asked": dict(asked or {})}
-    return _run(env, config, run_dir, progress, manifest)
+    return _run(env, config, run_dir, progress, manifest, callback)
 
 
 def resume(
@@ -88,32 +93,42 @@ def resume(
     progress: ProgressStyle = "auto",
     loggers: Sequence[LoggerName] | None = None,
     asked: Mapping[str, Any] | None = None,
+    callback: Callback | None = None,
+    total_timesteps: int | None = None,
 ) -> Result:
     """Goes on with a run from its last checkpoint; on a CPU it ends with the metrics of a run that was never stopped.
 
     Args:
       env: made as the run's manifest says.
       run_dir: the folder of a run that was stopped, by whatever.
-      progress, loggers, asked: as in `train`; loggers and what was asked stay those of the run unless they are given.
+      progress, loggers, asked, callback: as in `train`; loggers and what was asked stay those of the run unless they are given.
+      total_timesteps: makes the run longer, also a finished one. Schedules over the whole run, as of the learning rate, are from there
+        on those of the longer run.
     Raises:
-      RunError: no such run, or it was of another game or of other versions.
+      RunError: no such run, or it was of another game or of other versions, or it has done more steps already.
     """
     run_dir = Path(run_dir)
     manifest = check_same_run(env, run_dir)
+    if total_timesteps is not None:
+        manifest = extended(manifest, run_dir, total_timesteps)
     manifest |= {"status": "running", "resumed": [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]}
     manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
     manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
-    return _run(env, make_config(manifest["config"]), run_dir, progress, manifest)
+    return _run(env, make_config(manifest["config"]), run_dir, progress, manifest, callback)
 
 
-def _run(env: Environment, config: Config, run_dir: Path, progress: ProgressStyle, manifest: dict[str, Any]) -> Result:
+def _run(
+    env: Environment, config: Config, run_dir: Path, progress: ProgressStyle, manifest: dict[str, Any], callback: Callback | None
+) -> Result:
     began = time.perf_counter()
     title = f"{env.name}, {config.algorithm}, {config.reward} reward"
     folders = seed_folders(run_dir, config)
     with ExitStack() as stack:
         stack.enter_context(_told(run_dir, manifest))
         show = stack.enter_context(show_progress(progress if is_first() else "none", config.num_updates, title, config.seeds))
-        compiled = compile_train(make_train(env, config), config)
+        start = run_dir / START  # not where it was copied from, which may be gone
+        program = make_train(env, config.model_copy(update={"init_from": str(start)}) if start.is_file() else config)
+        compiled = compile_train(program, config)
         manifest |= {"compile_seconds": compiled.seconds, "program_megabytes": compiled.megabytes}
         checkpoints = Checkpoints(run_dir)
         stack.callback(checkpoints.close)
@@ -121,7 +136,8 @@ def _run(env: Environment, config: Config, run_dir: Path, progress: ProgressStyl
         recorders = stack.enter_context(open_recorders(folders, env, config, done, manifest["loggers"], title))
         so_far = Progress(done, diverged_before(state, recorders, config))
         try:
-            state = run_updates(compiled, state, so_far, config, Keeping(recorders, checkpoints, show))
+            told = () if callback is None or not is_first() else (make_teller(callback, env, config, run_dir),)
+            state = run_updates(compiled, state, so_far, config, Keeping(recorders, checkpoints, show, *told))
         finally:
             manifest |= {
                 "updates": so_far.updates,
@@ -129,6 +145,8 @@ def _run(env: Environment, config: Config, run_dir: Path, progress: ProgressStyl
                 "seconds": time.perf_counter() - began,
                 "peak_megabytes": peak_megabytes(),
             }
+        if so_far.stopped:
+            manifest["status"] = f"stopped by its callback after update {so_far.updates}"
         parameters = jax.device_get(compiled.parameters(state))
     seconds = time.perf_counter() - began
     return Result(run_dir, parameters, so_far.updates, so_far.diverged, folders, compiled.seconds, seconds, peak_megabytes())
@@ -141,7 +159,8 @@ def _told(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
         write_json(run_dir / MANIFEST, manifest)
     try:
         yield
-        manifest["status"] = "finished"
+        if manifest["status"] == "running":
+            manifest["status"] = "finished"
     except KeyboardInterrupt:
         manifest["status"] = "interrupted"
         raise

@@ -6,12 +6,14 @@ The environment pays raw rewards and knows nothing of these; metrics have both.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import assert_never
+from typing import get_args
 
 import jax.numpy as jnp
 from jax import Array
 
-from .config import Config, ConfigError
+from .config import Config, ConfigError, RewardMode
+from .own import find
+from .step import Step
 
 
 @dataclass(frozen=True)
@@ -19,11 +21,13 @@ class Shaping:
     """Which rewards agents learn from.
 
     `shape(reward, trace)` takes raw rewards and their traces, both `[..., N]`. A trace adds up an episode's rewards with
-    decay, e_t = smoothing * e_{t-1} + r_t; with smoothing 0 it is the reward.
+    decay, e_t = smoothing * e_{t-1} + r_t; with smoothing 0 it is the reward. A user's `own` reward sees a whole step of one environment
+    instead.
     """
 
     shape: Callable[[Array, Array], Array]
     smoothing: float
+    own: Callable[[Step], Array] | None = None
 
 
 def make_shaping(config: Config, num_agents: int) -> Shaping:
@@ -49,10 +53,11 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
                 penalty = svo_deviation(trace, angles, config.svo_at_rest, config.svo_quadrant)
                 return scale * (reward - config.svo_weight * penalty)
             case _:
-                assert_never(config.reward)
+                raise AssertionError(config.reward)  # one's own is not shaped
 
     angles = _angle_of_each(config, num_agents)
-    return Shaping(shape, _smoothing(config))
+    own = None if config.reward in get_args(RewardMode) else find("reward", config.reward)
+    return Shaping(shape, _smoothing(config), own)
 
 
 def _smoothing(config: Config) -> float:

@@ -12,6 +12,7 @@ from jax import Array
 
 from .config import ConfigError, PPOConfig
 from .environment import Environment
+from .partners import learning_agents
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,10 @@ class Bundle:
 
 
 def bundle_teams(env: Environment, config: PPOConfig) -> tuple[Bundle, ...]:
-    """Returns the teams that `sharing` makes, those of one size together.
+    """Returns the teams that `sharing` makes of the agents that learn, those of one size together.
 
     Raises:
-      ConfigError: `roles` do not fit the agents, or are wanted of a game that has none.
+      ConfigError: `partners` or `roles` do not fit the agents, or are wanted of a game that has none.
     """
     role_of_agent: Sequence[int]
     match config.sharing:
@@ -51,7 +52,9 @@ def bundle_teams(env: Environment, config: PPOConfig) -> tuple[Bundle, ...]:
         raise ConfigError(
             f"`roles` must be a number for each of the {env.num_agents} agents of `{env.name}`, not {len(role_of_agent)} numbers"
         )
-    teams = [tuple(agent for agent, role in enumerate(role_of_agent) if role == wanted) for wanted in sorted(set(role_of_agent))]
+    learning = learning_agents(env.num_agents, config)
+    wanted_roles = sorted({role_of_agent[agent] for agent in learning})
+    teams = [tuple(agent for agent in learning if role_of_agent[agent] == wanted) for wanted in wanted_roles]
     by_size = groupby(sorted(teams, key=len), key=len)
     return tuple(Bundle(tuple(group)) for _, group in by_size)
 
@@ -101,10 +104,13 @@ def _side_by_side(leaf: Array, axis: int) -> Array:
     return leaf.reshape(*leaf.shape[:axis], -1, *leaf.shape[axis + 2 :])
 
 
-def in_order(bundles: Sequence[Bundle], parts: Sequence[Array], axis: int) -> Array:
-    """Returns the results of all bundles with agents in their own order on `axis`."""
+def in_order(bundles: Sequence[Bundle], parts: Sequence[Array], axis: int, num_agents: int) -> Array:
+    """Returns the results of all bundles with agents in their own order on `axis`; zeros for those in none, who do not learn."""
     together = jnp.concatenate(parts, axis=axis) if len(parts) > 1 else parts[0]
     agents = np.concatenate([bundle.indices.ravel() for bundle in bundles])
+    if agents.size < num_agents:
+        shape = (*together.shape[:axis], num_agents, *together.shape[axis + 1 :])
+        return jnp.zeros(shape, together.dtype).at[(slice(None),) * axis + (jnp.asarray(agents),)].set(together)
     if (agents == np.arange(agents.size)).all():
         return together
     return jnp.take(together, jnp.asarray(np.argsort(agents)), axis=axis)

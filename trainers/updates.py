@@ -4,19 +4,23 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from .checkpoint_pace import CheckpointPace
 from .checkpoints import Checkpoints
 from .compiled import Compiled, NoMemoryError
 from .config import Config
+from .environment import Environment
 from .metrics_files import Row
+from .policies import Policy, trained_policy
 from .processes import any_says
 from .program import TrainState
 from .recorder import Recorder
@@ -26,12 +30,33 @@ from .rows import flatten_metrics, mean_row
 Show = Callable[[Row], None]  # what is done with a row for people to see
 
 
+@dataclass(frozen=True)
+class Update:
+    """What a callback is told after an update."""
+
+    number: int  # updates done
+    env_steps: int  # of each seed, so far
+    row: Row  # the metrics of this update; of several seeds the means
+    rows: Mapping[int, Row]  # seed -> its metrics; those that have diverged are left out
+    run_dir: Path
+    policy_of: Callable[[int], Policy]  # seed -> the policy as it is now
+
+    @property
+    def policy(self) -> Policy:
+        """The policy as it is now, of the first seed."""
+        return self.policy_of(next(iter(self.rows)))
+
+
+Callback = Callable[[Update], Any]  # what is done after an update; if it returns True, the run ends there
+
+
 @dataclass
 class Progress:
     """How far a run is."""
 
     updates: int  # done
     diverged: dict[int, int] = field(default_factory=dict)  # seed -> the update in which its loss was not finite
+    stopped: bool = False  # by its callback
 
 
 @dataclass(frozen=True)
@@ -41,6 +66,7 @@ class Keeping:
     recorders: Sequence[Recorder]  # of each seed; none in processes that do not write
     checkpoints: Checkpoints
     show: Show
+    tell: Callable[[int, Sequence[Row], Sequence[int], Any], bool] = lambda *_: False  # the callback; whether the run is to end
 
 
 def run_updates(compiled: Compiled, state: TrainState, progress: Progress, config: Config, keeping: Keeping) -> TrainState:
@@ -83,9 +109,12 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                 if any_says(pace.is_due(number, time.perf_counter())):
                     pace.written(*_save(state, parameters, number, learning, config, keeping))
                     saved = number
-                last = time.perf_counter()  # what was evaluated and saved is no part of an update
                 if any_says(asked_to_stop()):
                     raise KeyboardInterrupt
+                if any_says(keeping.tell(number, rows, learning, parameters)):
+                    progress.stopped = True
+                    break
+                last = time.perf_counter()  # what was evaluated, saved and told is no part of an update
         except OSError:
             whole = None  # there is no room for another attempt
             raise
@@ -97,6 +126,23 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
             if whole is not None and whole > saved:
                 _save(state, compiled.parameters(state), whole, _learning(progress, config), config, keeping)
     return state
+
+
+def make_teller(
+    callback: Callback, env: Environment, config: Config, run_dir: Path
+) -> Callable[[int, Sequence[Row], Sequence[int], Any], bool]:
+    """Returns what tells a callback of an update: of its number, rows, the indices of the seeds that learn, and the parameters."""
+
+    def tell(number: int, rows: Sequence[Row], learning: Sequence[int], parameters: Any) -> bool:
+        def policy_of(seed: int) -> Policy:
+            own = of_seed(parameters, config.seed_numbers.index(seed), config)
+            return trained_policy(env, config, jax.tree.map(jnp.copy, own))  # the next update reuses the memory of these
+
+        known = {config.seed_numbers[index]: rows[index] for index in learning}
+        row = mean_row([rows[index] for index in learning])
+        return callback(Update(number, row["env_steps"], row, known, run_dir, policy_of)) is True
+
+    return tell
 
 
 def of_seed(tree: Any, index: int, config: Config) -> Any:

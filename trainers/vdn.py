@@ -19,6 +19,7 @@ from .episodes import mean_episode
 from .masks import allowed_in, draw_any, masked, pack_mask, unpack_mask, wants_masks
 from .networks import ActionValues
 from .packing import Packing
+from .partners import learning_agents, make_partners
 from .program import Metrics, Train, TrainState, keep_if_finite
 from .replay import Replay, add_entries, draw_entries, empty_replay
 from .rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
@@ -80,10 +81,11 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
     optimiser = make_optimiser(config)
     packing = packing_of(env)
     masks = wants_masks(env, config)
+    partners = make_partners(env, config)
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
-        worlds = start_worlds(env, config.num_envs, (), worlds_key)
+        worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
         online = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(step=jnp.int32(0))
         target = jax.tree.map(jnp.copy, parameters)
@@ -94,7 +96,7 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
         actor = make_actor(env, network, packing, masks, state.learner.online.params, epsilon)
-        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping)
+        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
         replay = add_entries(state.learner.replay, _entries(rollout))
         learner = state.learner.replace(replay=replay)
         reward = rollout.reward.sum(axis=-1).mean()
@@ -232,16 +234,18 @@ def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transit
 
     y = r + gamma * sum over i of max_a Q'_i(s', a) over the actions allowed in s', nothing beyond r after a true ending; with
     `double_q` the action is the best of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
+    Sums are over the agents that learn.
     """
     values = network.apply(parameters, batch.observation)
-    taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0].sum(axis=-1)
+    learning = jnp.asarray(learning_agents(values.shape[-2], config))
+    taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0][..., learning].sum(axis=-1)
     next_values = network.apply(target, batch.following)
     if config.double_q:
         best = best_action(network.apply(parameters, batch.following), batch.allowed)
         following = jnp.take_along_axis(next_values, best[..., None], axis=-1)[..., 0]
     else:
         following = masked(next_values, batch.allowed).max(axis=-1)
-    wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, following.sum(axis=-1))
+    wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, following[..., learning].sum(axis=-1))
     error = taken - jax.lax.stop_gradient(wanted)
     loss = jnp.square(error).mean()
     return loss, {"loss": loss, "team_value": taken.mean()}

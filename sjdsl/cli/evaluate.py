@@ -3,6 +3,8 @@
 import json
 import math
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -84,12 +86,18 @@ def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, 
     """Returns the policy in the folder of a run or in a file; what is to be said about it is said in a line."""
     from sjdsl.trainers import load_policy
 
+    with telling():
+        return load_policy(source, env, greedy=greedy, which=which)
+
+
+@contextmanager
+def telling() -> Iterator[None]:
+    """Has warnings said in a line each, as notes."""
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
-        policy = load_policy(source, env, greedy=greedy, which=which)
+        yield
     for note in notes:
         click.echo(f"note: {note.message}", err=True)
-    return policy
 
 
 def _interval(figure: "Estimate") -> str:

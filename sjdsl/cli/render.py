@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
-from sjdsl.cli.evaluate import stored_policy
+from sjdsl.cli.evaluate import telling
 from sjdsl.cli.film import check_film, save_film, told
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.stages import LOADING, stages
@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 @click.option("--steps", type=click.IntRange(min=0), default=100, show_default=True, help="Steps to play.")
 @click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Show one step of so many.")
 @click.option(
-    "--policy", default="random", show_default=True, metavar="P", help="random, stay, the folder of a training run, or a stored policy."
+    "--policy",
+    default="random",
+    show_default=True,
+    metavar="P",
+    help="random, stay, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION.",
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second.")
@@ -51,19 +55,21 @@ def command(game: str, output: str | None, steps: int, every: int, policy: str, 
 
 
 def choose_policy(name: str, env: "Environment") -> Any:
-    """Returns a policy by name, or the one that a run stored in its folder."""
-    from sjdsl.render import random_policy, stay_policy
+    """Returns a policy by its name; what is to be said about it is said in a line."""
+    if name in ("random", "stay"):  # these need no trainers, whose packages take a second to load
+        from sjdsl.runtime.policy import random_policy, stay_policy
 
-    match name:
-        case "random":
-            return random_policy(env)
-        case "stay":
-            return stay_policy(env)
+        return random_policy(env) if name == "random" else stay_policy(env)
     check_policy(name)
-    return stored_policy(Path(name), env)
+    from sjdsl.trainers import find_policy
+
+    with telling():
+        return find_policy(name, env)
 
 
 def check_policy(name: str) -> None:
-    """Raises ClickException for what is neither the name of a policy nor a file or folder."""
-    if name not in ("random", "stay") and not Path(name).exists():
-        raise click.ClickException(f"there is no policy `{name}`; it is random, stay, the folder of a training run, or a stored policy")
+    """Raises ClickException for what cannot be the name of a policy."""
+    from sjdsl.trainers.policy_names import KNOWN, might_be_named
+
+    if not might_be_named(name):
+        raise click.ClickException(f"there is no policy `{name}`; a policy is {KNOWN}")

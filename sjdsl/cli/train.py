@@ -24,8 +24,9 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 @click.option("--algorithm", type=click.Choice(ALGORITHMS), help="ippo unless the preset has another.")
 @click.option(
     "--reward",
-    type=click.Choice(REWARDS),
-    help="What an agent learns from; its own reward (individual) unless the preset has another, and common with vdn.",
+    metavar="R",
+    help=f"What an agent learns from: {', '.join(REWARDS)}, or FILE.py:FUNCTION; its own reward (individual) unless the preset has another, "
+    "and common with vdn.",
 )
 @click.option("--preset", metavar="P", help="paper, two_cores, another preset of the package, or a .toml file, which may name the game.")
 @click.option(
@@ -38,7 +39,9 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 @click.option("--seed", type=SEED, help="0 unless the preset has another.")
 @click.option("--seeds", type=click.IntRange(min=1), metavar="K", help="Train K seeds side by side: seed, seed + 1 and so on.")
 @click.option("--run", "run_dir", metavar="DIR", help="Where the run's files go; by default a new folder in runs/.")
-@click.option("--resume", "resumed", metavar="DIR", help="Go on with the run in DIR, which was stopped.")
+@click.option(
+    "--resume", "resumed", metavar="DIR", help="Go on with the run in DIR, which was stopped; with --set total_timesteps=… make it longer."
+)
 @click.option(
     "--episodes",
     type=click.IntRange(min=0),
@@ -51,6 +54,16 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
     type=click.Choice(["tensorboard", "wandb"]),
     help="Where metrics go besides files; a run that is resumed keeps its own.",
 )
+@click.option(
+    "--init-from", metavar="POLICY", help="Start with the parameters of a policy: RUN, RUN@best, RUN@UPDATE or a .safetensors file."
+)
+@click.option(
+    "--partners",
+    multiple=True,
+    metavar="AGENT=POLICY",
+    help="Agents that act by a policy and do not learn, such as 1=random or 1,2=RUN@best.",
+)
+@click.option("--callback", metavar="FILE.py:NAME", help="A function of one's own, called after each update.")
 @click.option("--distributed", is_flag=True, help="One of several processes that train together; see docs/training.md.")
 @click.option("--keys", is_flag=True, help="List the configuration's keys with their values, and stop.")
 @environment_options
@@ -66,6 +79,9 @@ def command(
     resumed: str | None,
     episodes: int | None,
     loggers: tuple[str, ...],
+    init_from: str | None,
+    partners: tuple[str, ...],
+    callback: str | None,
     distributed: bool,
     keys: bool,
     **described: Any,
@@ -74,15 +90,19 @@ def command(
 
     The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation.
     """
-    given = {"algorithm": algorithm, "reward": reward, "seed": seed, "seeds": seeds}
+    given = {"algorithm": algorithm, "reward": reward, "seed": seed, "seeds": seeds, "init_from": init_from}
+    given["partners"] = ",".join(partners) or None
     known = {name: value for name, value in given.items() if value is not None}
     if distributed:
         join_processes()
     if resumed is not None:
-        ours = {"GAME": game, "--preset": preset, "--set": changes, "--run": run_dir}
+        longer = read_texts(changes).get("total_timesteps")
+        others = tuple(name for name in read_texts(changes) if name != "total_timesteps")
+        ours = {"GAME": game, "--preset": preset, "--set": others, "--run": run_dir}
+        known = {name.replace("_", "-"): value for name, value in known.items()}
         theirs = {name.removesuffix("_file").replace("params", "param"): value for name, value in described.items()}
         _refuse_beside_resume({**known, **ours, **theirs})
-        _resume(Path(resumed), episodes, loggers or None)
+        _resume(Path(resumed), episodes, loggers or None, callback, longer)
         return
     game, kept, config = _choose(game, preset, {**read_texts(changes), **known}, needed=not keys)
     if keys:
@@ -92,10 +112,12 @@ def command(
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
     check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
-    _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers)
+    _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers, callback)
 
 
-def _start(provenance: dict[str, Any], config: "Config", run_dir: str | None, episodes: int, loggers: tuple[str, ...]) -> None:
+def _start(
+    provenance: dict[str, Any], config: "Config", run_dir: str | None, episodes: int, loggers: tuple[str, ...], callback: str | None
+) -> None:
     click.echo(extent_of(config), err=True)
     with stages(LOADING):
         from sjdsl.trainers import train
@@ -103,8 +125,9 @@ def _start(provenance: dict[str, Any], config: "Config", run_dir: str | None, ep
 
         check_loggers(loggers)
         env = make_environment(provenance)
-    path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{config.algorithm}_{config.reward}_seed{config.seed}")
-    result = train(env, config, path, provenance=provenance, loggers=loggers, asked={"episodes": episodes})
+        found, asked = find_callback(callback)
+    path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{config.algorithm}_{reward_word(config.reward)}_seed{config.seed}")
+    result = train(env, config, path, provenance=provenance, loggers=loggers, asked={"episodes": episodes, **asked}, callback=found)
     _finish(result, env, config, episodes)
 
 
@@ -118,7 +141,7 @@ def extent_of(config: "Config") -> str:
     return f"training {what} (total_timesteps={config.total_timesteps:,} is rounded up to whole updates): {plan}"
 
 
-def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None) -> None:
+def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None, callback: str | None, longer: str | None) -> None:
     from sjdsl.trainers import make_config, resume
     from sjdsl.trainers.loggers import check_loggers
     from sjdsl.trainers.resuming import read_manifest
@@ -133,8 +156,23 @@ def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None) -
         )
     with stages(LOADING):
         env = make_environment(manifest["provenance"])
-    result = resume(env, path, loggers=loggers, asked={"episodes": episodes})
-    _finish(result, env, make_config(manifest["config"]), episodes)
+    found, asked = find_callback(callback or manifest.get("asked", {}).get("callback"))
+    total = None if longer is None else make_config(total_timesteps=longer).total_timesteps
+    asked |= {"episodes": episodes}
+    result = resume(env, path, loggers=loggers, asked=asked, callback=found, total_timesteps=total)
+    _finish(result, env, make_config(read_manifest(path)["config"]), episodes)
+
+
+def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
+    """Returns the callback of a name, and the name as it is kept in a manifest."""
+    from sjdsl.trainers.own import find, lasting
+
+    return (None, {}) if name is None else (find("callback", name), {"callback": lasting("callback", name)})
+
+
+def reward_word(reward: str) -> str:
+    """Returns the name of a reward as part of a folder's name: of `FILE.py:NAME` the last."""
+    return reward.rpartition(":")[2]
 
 
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
@@ -169,7 +207,8 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
 def _refuse_beside_resume(given: dict[str, Any]) -> None:
     wrong = [name if name.startswith("--") or name == "GAME" else f"--{name}" for name, value in given.items() if value not in (None, ())]
     if wrong:
-        raise click.UsageError(f"a run goes on as it was started: leave out {', '.join(wrong)}", click.get_current_context())
+        said = f"a run goes on as it was started, but for its total_timesteps: leave out {', '.join(wrong)}"
+        raise click.UsageError(said, click.get_current_context())
 
 
 def join_processes() -> None:

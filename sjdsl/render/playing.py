@@ -1,27 +1,16 @@
 """Episodes to look at: snapshots of one environment under a policy."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from sjdsl.render.snapshot import Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
-from sjdsl.runtime.policy import Policy, take_actions, with_memory
+from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
 
-
-def stay_policy(env: Environment) -> Callable[[Array, Array], Array]:
-    """Returns the policy under which nobody does anything."""
-    stay = jnp.full(env.num_agents, env.action_names.index("stay"), jnp.int32)
-    return lambda _key, _observation: stay
-
-
-def random_policy(env: Environment) -> Callable[[Array, Array], Array]:
-    """Returns the policy that draws every action with equal probability."""
-    return lambda key, _observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
+__all__ = ["play", "random_policy", "stay_policy"]
 
 
 def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every: int = 1) -> Iterator[Snapshot]:

@@ -1,9 +1,11 @@
 """Policies: functions `(key, observation [N, ...]) -> actions [N] int32` of one environment, with memory or without."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 from jax import Array
 
 
@@ -34,3 +36,35 @@ def take_actions(env: Any, policy: MemoryPolicy, memory: Any, key: Array, observ
     """Returns the policy's memory and its actions `[N]` in a state of one environment; `observation` is what is seen of the state."""
     allowed = (env.allowed_actions(state),) if policy.reads_allowed else ()
     return policy.act(memory, key, observation, *allowed)
+
+
+def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]]) -> MemoryPolicy:
+    """Returns the policy under which the agents of each part act by its policy; those of no part take action 0.
+
+    Args:
+      parts: `(numbers of agents, policy)`. A policy sees the observations of all agents, and gives actions for all.
+    """
+    policies = [(list(agents), with_memory(policy)) for agents, policy in parts]
+    reads_allowed = any(policy.reads_allowed for _, policy in policies)
+
+    def act(memory: Any, key: Array, observation: Array, *allowed: Array) -> tuple[Any, Array]:
+        actions = jnp.zeros(num_agents, jnp.int32)
+        after = []
+        for (agents, policy), own, own_key in zip(policies, memory, jax.random.split(key, len(policies)), strict=True):
+            own, taken = policy.act(own, own_key, observation, *(allowed if policy.reads_allowed else ()))
+            actions = actions.at[jnp.asarray(agents)].set(jnp.asarray(taken, jnp.int32)[jnp.asarray(agents)])
+            after.append(own)
+        return tuple(after), actions
+
+    return MemoryPolicy(tuple(policy.start for _, policy in policies), act, reads_allowed)
+
+
+def stay_policy(env: Any) -> Callable[[Array, Array], Array]:
+    """Returns the policy under which nobody does anything. Raises ValueError where no action is `stay`."""
+    stay = jnp.full(env.num_agents, list(env.action_names).index("stay"), jnp.int32)
+    return lambda _key, _observation: stay
+
+
+def random_policy(env: Any) -> Callable[[Array, Array], Array]:
+    """Returns the policy that draws every action with equal probability."""
+    return lambda key, _observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)

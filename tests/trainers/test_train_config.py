@@ -22,7 +22,10 @@ from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_
         ({"gamma": -0.1}, "`gamma` must be at least 0.0, not -0.1"),
         ({"learning_rate": float("inf")}, "`learning_rate` must be a finite number, not inf"),
         ({"anneal_learning_rate": "perhaps"}, "`anneal_learning_rate` must be true or false, not 'perhaps'"),
-        ({"reward": "shared"}, "`reward` must be 'individual', 'common', 'svo', 'exchange' or 'inequity', not 'shared'"),
+        (
+            {"reward": "shared"},
+            "`reward` must be 'individual', 'common', 'svo', 'exchange', 'inequity', the name of a reward that was registered, or FILE.py:NAME, not",
+        ),
         ({"exchange_ratio": 1.1}, "`exchange_ratio` must be at most 1.0, not 1.1"),
         ({"svo_angle": 200}, "`svo_angle` must be at most 180.0, not 200"),
         ({"svo_angle": ()}, "`svo_angle` must be one number or more"),

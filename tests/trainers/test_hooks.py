@@ -1,0 +1,334 @@
+"""What users bring along: networks, rewards, callbacks, policies to start from, partners that do not learn."""
+
+import json
+import shutil
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import flax.linen as nn
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from probes import QUICK, matching, quick, run_of
+from run_outcomes import SHORT, assert_same_end, compiled_once, counting, outcome, read_lines, read_manifest
+from safetensors.numpy import load_file
+
+from sjdsl.trainers import (
+    Config,
+    ConfigError,
+    PolicyError,
+    RunError,
+    Step,
+    Update,
+    evaluate,
+    find_policy,
+    make_config,
+    make_train,
+    random_policy,
+    register,
+    resume,
+    run,
+    train,
+)
+from sjdsl.trainers.compiled import compile_train
+from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.policy_names import split_name
+
+SMALL = {**QUICK, "num_envs": 4, "num_steps": 4, "num_epochs": 1, "total_timesteps": 16 * 3, "checkpoint_updates": 1, "policy_every": 1}
+
+
+class Mine(nn.Module):
+    """One dense layer on what is seen, as numbers."""
+
+    width: int
+
+    @nn.compact
+    def __call__(self, tokens: jax.Array) -> jax.Array:
+        return nn.relu(nn.Dense(self.width, name="mine")(tokens.reshape(len(tokens), -1).astype(jnp.float32)))
+
+
+def one_for_the_second(step: Step) -> jax.Array:
+    return 0.5 * step.reward + step.events["second_action"]
+
+
+def always_second(key: jax.Array, observation: jax.Array) -> jax.Array:
+    del key
+    return jnp.ones(len(observation), jnp.int32)
+
+
+@pytest.fixture(scope="module")
+def brought(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Update]]:
+    """A run of agent 0 beside a partner, with all that can be brought along, and what its callback was told."""
+    told: list[Update] = []
+    config = make_config(SMALL, network=Mine, reward=one_for_the_second, partners={1: always_second}, sharing="per_agent")
+    run_dir = tmp_path_factory.mktemp("runs") / "brought"
+    train(matching(), config, run_dir, "none", callback=told.append)
+    return run_dir, told
+
+
+def test_the_manifest_names_what_was_brought(brought: tuple[Path, list[Update]]) -> None:
+    config = read_manifest(brought[0])["config"]
+    here = __name__
+    assert (config["network"], config["reward"]) == (f"{here}:Mine", f"{here}:one_for_the_second")
+    assert config["partners"] == [[1, f"{here}:always_second"]]
+    again = make_config(config)
+    assert again.model_dump(mode="json") == config
+    assert hash(again) == hash(make_config(config))
+
+
+def test_a_network_of_ones_own_is_what_learns(brought: tuple[Path, list[Update]]) -> None:
+    config = make_config(read_manifest(brought[0])["config"])
+    names = {
+        jax.tree_util.keystr(place): leaf.shape for place, leaf in jax.tree_util.tree_leaves_with_path(parameter_shapes(matching(), config))
+    }
+    own = {name: shape for name, shape in names.items() if "mine" in name}
+    assert list(own.values()) == [(1, 16), (1, 1, 16)], "of one agent, the one that learns; as wide as network_width"
+    assert not any("Dense" in name for name in names if "torso" in name)
+
+
+def test_a_reward_of_ones_own_is_learnt_from(brought: tuple[Path, list[Update]]) -> None:
+    for row in read_lines(brought[0] / "metrics.jsonl"):
+        for agent in (0, 1):
+            wanted = 0.5 * row[f"return_agent_{agent}"] + row[f"event_second_action_agent_{agent}"]
+            assert row[f"shaped_return_agent_{agent}"] == pytest.approx(wanted, abs=1e-6)
+
+
+def test_partners_act_by_their_policy(brought: tuple[Path, list[Update]]) -> None:
+    """While the run learns, and when its policy is played; the other agent draws its actions."""
+    rows = read_lines(brought[0] / "metrics.jsonl")
+    assert [row["event_second_action_agent_1"] for row in rows] == [1.0] * 3
+    assert 0 < np.mean([row["event_second_action_agent_0"] for row in rows]) < 1
+    for policy in (find_policy(brought[0], matching()), brought[1][-1].policy):
+        counts = evaluate(matching(), policy, jax.random.key(0), 64).events["second_action"]
+        assert (counts[:, 1] == 1).all()
+        assert 0 < counts[:, 0].mean() < 1
+
+
+def test_a_callback_is_told_after_each_update(brought: tuple[Path, list[Update]]) -> None:
+    run_dir, told = brought
+    rows = read_lines(run_dir / "metrics.jsonl")
+    assert [(update.number, update.env_steps, update.run_dir) for update in told] == [(n, 16 * n, run_dir) for n in (1, 2, 3)]
+    assert [update.row["loss"] for update in told] == [row["loss"] for row in rows]
+    assert all(update.rows[0]["loss"] == update.row["loss"] for update in told)
+
+
+def test_agents_learn_beside_a_partner_that_does_not() -> None:
+    """Agent 0 learns to say what it sees; agent 1, of the same network otherwise, says always the same and is right half of the time."""
+    config = quick(partners={1: always_second}, sharing="shared")
+    with jax.debug_key_reuse(False):
+        _, metrics = run_of(matching(), config)(jax.random.key(0))
+    assert metrics["agent_return"][-10:, 0].mean() > 0.9
+    assert 0.4 < metrics["agent_return"][:, 1].mean() < 0.6
+    assert (metrics["event"]["second_action"][:, 1] == 1).all()
+
+
+@pytest.mark.slow
+def test_values_are_learnt_beside_a_partner() -> None:
+    with jax.debug_key_reuse(False):
+        _, metrics = run_of(matching(), quick(algorithm="vdn", partners={1: always_second}))(jax.random.key(0))
+    assert metrics["agent_return"][-10:, 0].mean() > 0.85
+    assert (metrics["event"]["second_action"][:, 1] == 1).all()
+
+
+def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
+    """By hand: Q is 1 for every action before, 2 after; one of two agents learns, so y = 3 + 0.5 * 2 and the error 3."""
+    from sjdsl.trainers.vdn import Transition, vdn_loss
+
+    class Network:
+        @staticmethod
+        def apply(parameters: float, observation: jax.Array) -> jax.Array:
+            return jnp.full((*observation.shape[:2], 2), parameters) + observation[..., :1]
+
+    seen = jnp.zeros((4, 2, 1))
+    batch = Transition(seen, jnp.zeros((4, 2), jnp.int32), jnp.full(4, 3.0), seen + 1.0, jnp.zeros(4, bool))
+    config = quick(algorithm="vdn", partners={1: "random"}, gamma=0.5)
+    loss, parts = vdn_loss(1.0, 1.0, Network, batch, config)  # type: ignore[arg-type]
+    assert (float(loss), float(parts["team_value"])) == (9.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("partners", "said"),
+    [
+        ({2: "random"}, r"`partners` names agent 2; the game has agents 0 to 1"),
+        ({0: "random", 1: "random"}, r"holds all 2 agents fixed: leave out one"),
+        ({1: "nobody"}, r"there is no policy `nobody`; a policy is random, stay, the folder RUN of a run"),
+        ({1: "stay"}, r"`stay` is no action of matching; its actions are action_0, action_1"),
+    ],
+)
+def test_partners_that_cannot_be_are_refused(partners: dict[int, str], said: str) -> None:
+    with pytest.raises((ConfigError, PolicyError), match=said):
+        make_train(matching(), make_config(SMALL, partners=partners))
+
+
+def test_partners_may_come_as_text() -> None:
+    for text in ("1,3=random,2=stay", "2=stay, 1,3=random"):
+        assert make_config(partners=text).partners == ((1, "random"), (2, "stay"), (3, "random"))
+    with pytest.raises(ConfigError, match="`partners` must be of the form AGENT=POLICY"):
+        make_config(partners="random")
+
+
+# rewards and networks that do not fit
+
+
+def test_a_reward_must_be_one_for_each_agent() -> None:
+    with pytest.raises(ConfigError, match=r"must give a number for each of the 2 agents, an array of shape \(2,\), not \(\)"):
+        make_train(matching(), make_config(SMALL, reward=lambda step: step.reward.sum()))
+
+
+def test_a_network_must_make_features() -> None:
+    register("network", "flat", lambda: lambda_module(lambda tokens: tokens.reshape(-1).astype(jnp.float32)))
+    with pytest.raises(ConfigError, match=r"`flat` must make features \[M, K\] of tokens .*; it made \(2,\)"):
+        parameter_shapes(matching(), make_config(SMALL, network="flat"))
+
+
+def lambda_module(function: Any) -> nn.Module:
+    class Plain(nn.Module):
+        def __call__(self, tokens: jax.Array) -> jax.Array:
+            return function(tokens)
+
+    return Plain()
+
+
+@pytest.mark.parametrize("where", ["module made before", "function", "file"])
+def test_a_network_may_come_in_many_ways(tmp_path: Path, where: str) -> None:
+    made = Mine(width=5)
+    match where:
+        case "module made before":
+            register("network", "made", lambda: made)
+            name = "made"
+        case "function":
+            register("network", "made_now", lambda planes, width: Mine(width=len(planes) + width))
+            name = "made_now"
+        case _:
+            (tmp_path / "nets.py").write_text("from test_hooks import Mine\nclass Other(Mine):\n    pass\n")
+            name = f"{tmp_path}/nets.py:Other"
+    shapes = jax.tree.leaves(parameter_shapes(matching(), make_config(SMALL, network=name, sharing="shared")))
+    width = {"module made before": 5, "function": 17, "file": 16}[where]
+    assert (1, 1, width) in [leaf.shape for leaf in shapes]
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"network": "rnn"}, "`network` must be 'mlp', 'cnn', the name of a network that was registered, or FILE.py:NAME, not 'rnn'"),
+        ({"reward": "none.py:f"}, "none.py does not exist"),
+        ({"reward": "no_such_module:f"}, "the reward `no_such_module:f` is not found: No module named 'no_such_module'"),
+        ({"reward": "math:no_such"}, "is not found: math has no `no_such`"),
+        ({"algorithm": "vdn", "reward": one_for_the_second}, "`reward` must be 'common'"),
+    ],
+)
+def test_what_is_not_there_is_said_at_once(values: dict[str, Any], said: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        make_config(values)
+    assert said in str(error.value)
+
+
+def test_two_functions_of_one_place_have_two_names() -> None:
+    first, second = (make_config(reward=lambda step, weight=weight: weight * step.reward).reward for weight in (1.0, 2.0))
+    assert first != second
+    assert second == f"{first}#2"
+
+
+# the names of policies
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("runs/a", ("runs/a", "last")),
+        ("runs/a@best", ("runs/a", "best")),
+        ("runs/a@120", ("runs/a", 120)),
+        ("runs/a/seed_2@best", ("runs/a/seed_2", "best")),
+        ("a@b/run@7", ("a@b/run", 7)),
+    ],
+)
+def test_a_name_says_which_policy(name: str, parts: tuple[str, str | int]) -> None:
+    assert split_name(name) == (Path(parts[0]), parts[1])
+
+
+def test_a_policy_is_found_by_its_name(brought: tuple[Path, list[Update]], tmp_path: Path) -> None:
+    run_dir, env = brought[0], matching()
+    observation = env.observe(env.reset(jax.random.key(0))[1])
+    for name in ("", "@best", "@last", "@2", "/policies/last.safetensors"):
+        policy = find_policy(f"{run_dir}{name}", env)
+        assert policy.act(policy.start, jax.random.key(1), observation)[1].shape == (2,)
+    assert find_policy(always_second, env) is always_second
+    assert (
+        find_policy("random", env)(jax.random.key(0), observation).tolist() == random_policy(env)(jax.random.key(0), observation).tolist()
+    )
+    (tmp_path / "bots.py").write_text("import jax.numpy as jnp\ndef zero(key, observation):\n    return jnp.zeros(2, jnp.int32)\n")
+    assert find_policy(f"{tmp_path}/bots.py:zero", env)(jax.random.key(0), observation).tolist() == [0, 0]
+    with pytest.raises(PolicyError, match="has no policy of update 9, but of 1, 2, 3"):
+        find_policy(f"{run_dir}@9", env)
+    with pytest.raises(PolicyError, match=r"bots\.py has no `one`"):
+        find_policy(f"{tmp_path}/bots.py:one", env)
+    staying: Any = SimpleNamespace(action_names=("go", "stay"), num_agents=2)
+    assert find_policy("stay", staying)(jax.random.key(0), observation).tolist() == [1, 1]
+
+
+# a start from a policy
+
+
+def test_a_run_starts_from_a_policy_and_keeps_a_copy(brought: tuple[Path, list[Update]], tmp_path: Path) -> None:
+    source = shutil.copytree(brought[0], tmp_path / "source")
+    alike = read_manifest(source)["config"]
+    config = make_config(alike | {"init_from": f"{source}@2", "reward": "individual"})
+    program = make_train(matching(), config)
+    started = jax.tree.leaves(program.parameters(program.init(jax.random.key(3))))
+    stored = load_file(source / "policies" / "00000002.safetensors")
+    assert sorted(leaf.tobytes() for leaf in map(np.asarray, started)) == sorted(tensor.tobytes() for tensor in stored.values())
+    with pytest.raises(
+        ConfigError, match=r"cannot start from .*last\.safetensors, whose networks are others: .*network_width = 16 there and 8 here"
+    ):
+        make_train(matching(), make_config(alike | {"init_from": str(source), "network_width": 8}))
+    with pytest.raises(ConfigError, match="`init_from` must be the folder of a run"):
+        make_train(matching(), make_config(alike | {"init_from": "random"}))
+
+    run_dir = tmp_path / "run"
+    with pytest.raises(ZeroDivisionError):
+        train(matching(), config, run_dir, "none", callback=lambda update: 1 // (2 - update.number))
+    assert (run_dir / "checkpoints" / "2").is_dir(), "a callback that fails costs nothing of the run"
+    shutil.rmtree(source)
+    assert resume(matching(), run_dir, "none").updates == 3
+
+
+# longer, and ended by a callback
+
+
+@cache
+def _compiled(config: Config) -> Any:
+    return compile_train(make_train(matching(), config), config)
+
+
+def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without annealing, bit for bit; the description of a policy says which run it was stored in."""
+    constant = SHORT.model_copy(update={"anneal_learning_rate": False, "keep_policies": 2})
+    with compiled_once():
+        monkeypatch.setattr(run, "compile_train", lambda *_: _compiled(constant))
+        train(matching(), constant, tmp_path / "whole", "none")
+        train(matching(), constant.model_copy(update={"total_timesteps": 64 * 6}), tmp_path / "run", "none")
+        with pytest.raises(RunError, match=r"a run of 384 steps that has done 384; a run can be made longer, not shorter: .*not 128"):
+            resume(matching(), tmp_path / "run", "none", total_timesteps=128)
+        result = resume(matching(), tmp_path / "run", "none", total_timesteps=64 * 12)
+    assert result.updates == 12
+    manifest = read_manifest(tmp_path / "run")
+    assert (manifest["status"], manifest["config"]["total_timesteps"]) == ("finished", 768)
+    assert manifest["extended"] == [{"from": 384, "to": 768, "updates": 6}]
+    best = tmp_path / "run" / "policies" / "best.json"
+    best.write_bytes((tmp_path / "whole" / "policies" / "best.json").read_bytes())
+    assert_same_end(tmp_path / "run", tmp_path / "whole")
+
+
+def test_a_callback_may_end_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+    config = SHORT.model_copy(update={"evaluate_every": 0, "checkpoint_updates": 0})
+    result = train(matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 5)
+    assert result.updates == 5
+    assert read_manifest(tmp_path / "run")["status"] == "stopped by its callback after update 5"
+    assert json.loads((tmp_path / "run" / "policies" / "last.json").read_text())["update"] == 5
+    assert resume(matching(), tmp_path / "run", "none").updates == 12
+    assert read_manifest(tmp_path / "run")["status"] == "finished"
+    assert [row["update"] for row in outcome(tmp_path / "run")["metrics"]] == list(range(1, 13))

@@ -1,0 +1,107 @@
+"""What users bring along: networks, rewards, policies and callbacks, under names that a configuration and a manifest can hold.
+
+A name is one that was registered, or `FILE.py:NAME`, or `package.module:NAME`. What is passed in Python is registered under the
+place it was written at, so that another process finds it again where that place can be imported.
+"""
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Literal
+
+from .config_errors import ConfigError
+
+Kind = Literal["network", "reward", "policy", "callback"]
+
+_REGISTERED: dict[tuple[Kind, str], Any] = {}
+
+
+def register(kind: Kind, name: str, thing: Callable[..., Any]) -> None:
+    """Gives a thing a name, for `network`, `reward` and wherever a policy or a callback is named.
+
+    Args:
+      kind: `network`: a flax module, or a function that makes one, of tokens `[M, P, V, V]` uint8 to features `[M, K]`;
+        `reward`: `Step -> [N]` float32; `policy`: `(key, observation [N, P, V, V]) -> actions [N]`; `callback`: `Update -> None`.
+      name: in place of what had it before.
+    """
+    if not callable(thing) and not hasattr(thing, "act"):
+        raise TypeError(f"a {kind} is a function, not {thing!r}")
+    _REGISTERED[kind, name] = thing
+
+
+def name_of(kind: Kind, thing: Any) -> str:
+    """Returns the name of a thing that is passed: where it was written; it is registered under it."""
+    place = f"{getattr(thing, '__module__', '')}:{getattr(thing, '__qualname__', type(thing).__name__)}"
+    name, number = place, 1
+    while _REGISTERED.get((kind, name), thing) is not thing:  # two lambdas of one line are two things
+        number += 1
+        name = f"{place}#{number}"
+    _REGISTERED[kind, name] = thing
+    return name
+
+
+def lasting(kind: Kind, name: str) -> str:
+    """Returns a name as it holds in every folder: files by their whole path."""
+    file, colon, inside = name.rpartition(":")
+    is_file = colon and file.endswith(".py") and (kind, name) not in _REGISTERED
+    return f"{Path(file).resolve()}:{inside}" if is_file else name
+
+
+def is_own(kind: Kind, name: str) -> bool:
+    """Whether a text is the name of something that a user brings, found or not."""
+    return (kind, name) in _REGISTERED or ":" in name
+
+
+def find(kind: Kind, name: str) -> Any:
+    """Returns the thing of a name.
+
+    Raises:
+      ConfigError: there is none.
+    """
+    if (kind, name) in _REGISTERED:
+        return _REGISTERED[kind, name]
+    file, colon, inside = name.rpartition(":")
+    if not colon:
+        raise ConfigError(
+            f"no {kind} is registered as `{name}`; register it, sjdsl.trainers.register({kind!r}, {name!r}, …), or name its file"
+        )
+    module = _load(Path(file)) if file.endswith(".py") else _import(kind, file, name)
+    found: Any = module
+    for part in inside.split("."):
+        found = getattr(found, part, None)
+    if found is None:
+        raise ConfigError(
+            f"the {kind} `{name}` is not found: {file} has no `{inside}`. What was made in a function or typed in has to be registered "
+            f"again: sjdsl.trainers.register({kind!r}, {name!r}, …)"
+        )
+    _REGISTERED[kind, name] = found
+    return found
+
+
+def _load(path: Path) -> ModuleType:
+    """Returns the module in a file, run once."""
+    if not path.is_file():
+        raise ConfigError(f"{path} does not exist")
+    name = f"sjdsl_own.{path.resolve()}"
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        try:
+            spec.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
+    return sys.modules[name]
+
+
+def _import(kind: Kind, module: str, name: str) -> ModuleType:
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ConfigError(f"the {kind} `{name}` is not found: {error}") from None

@@ -1,0 +1,82 @@
+"""Partners: agents that act by a given policy while the others learn."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from sjdsl.runtime.policy import MemoryPolicy, Policy, mixed_policy, take_actions, with_memory
+
+from .config import Config, ConfigError
+from .environment import Environment
+
+
+def learning_agents(num_agents: int, config: Config) -> tuple[int, ...]:
+    """Returns the numbers of the agents that learn.
+
+    Raises:
+      ConfigError: a partner is no agent of the game, or nobody is left to learn.
+    """
+    held = dict(config.partners)
+    wrong = [agent for agent in held if agent >= num_agents]
+    if wrong:
+        raise ConfigError(f"`partners` names agent {wrong[0]}; the game has agents 0 to {num_agents - 1}")
+    if len(held) == num_agents:
+        raise ConfigError(f"`partners` holds all {num_agents} agents fixed: leave out one at least, to learn")
+    return tuple(agent for agent in range(num_agents) if agent not in held)
+
+
+@dataclass(frozen=True)
+class Partners:
+    """The policy of the agents that are held fixed; `agents` is empty where all learn."""
+
+    agents: tuple[int, ...]
+    policy: MemoryPolicy
+
+    def start(self, num_envs: int) -> Any:
+        """Returns their memory before the first step of B environments: leaves `[B, ...]`."""
+        return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (num_envs, *jnp.shape(leaf))), self.policy.start)
+
+    def act(self, env: Environment, memory: Any, key: Array, observation: Array, state: Any, fresh: Array) -> tuple[Any, Array]:
+        """Returns their memory and the actions `[B, N]` of B environments, of which only those of `agents` mean something."""
+        number = fresh.shape[0]
+        start = self.start(number)
+        memory = jax.tree.map(lambda new, old: jnp.where(fresh.reshape(-1, *[1] * (new.ndim - 1)), new, old), start, memory)
+        keys = jax.random.split(key, number)
+        return jax.vmap(lambda *seen: take_actions(env, self.policy, *seen))(memory, keys, observation, state)
+
+    def in_place(self, action: Array, theirs: Array) -> Array:
+        """Returns actions `[..., N]` with the partners' in their places."""
+        return action.at[..., jnp.asarray(self.agents)].set(theirs[..., jnp.asarray(self.agents)])
+
+
+NOBODY = Partners((), MemoryPolicy((), lambda memory, key, observation: (memory, key, observation)))
+
+
+def make_partners(env: Environment, config: Config) -> Partners:
+    """Returns the agents that are held fixed, and how they act.
+
+    Raises:
+      ConfigError: they are not agents of the game. PolicyError: a policy cannot be found, or does not fit.
+    """
+    if not config.partners:
+        return NOBODY
+    learning_agents(env.num_agents, config)
+    return Partners(tuple(agent for agent, _ in config.partners), mixed_policy(env.num_agents, _parts(env, config)))
+
+
+def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:
+    """Returns a policy of the agents that learn, with the partners that they learnt with."""
+    if not config.partners:
+        return policy
+    own = (learning_agents(env.num_agents, config), with_memory(policy))
+    return mixed_policy(env.num_agents, [own, *_parts(env, config)])
+
+
+def _parts(env: Environment, config: Config) -> list[tuple[tuple[int, ...], Policy]]:
+    from .policies import find_policy  # which reads policies that were learnt with partners
+
+    names = dict.fromkeys(name for _, name in config.partners)
+    return [(tuple(agent for agent, own in config.partners if own == name), find_policy(name, env)) for name in names]

@@ -1,0 +1,40 @@
+"""What a policy is called, wherever one is asked for: on the command line, in a configuration, in Python.
+
+random                        every action with equal probability
+stay                          nothing is done
+RUN                           the last policy of a run, by its folder; of several seeds RUN/seed_2
+RUN@best, RUN@120             its best, or that of an update
+FILE.safetensors              a stored policy, with its .json beside it
+FILE.py:NAME                  a function of one's own; or a name that was registered
+"""
+
+from pathlib import Path
+from typing import Any
+
+from .own import is_own, lasting, name_of
+
+KNOWN = "random, stay, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
+
+
+def split_name(name: str) -> tuple[Path, str | int]:
+    """Returns the folder or file of a name, and which policy of a folder is meant: `last`, `best` or an update."""
+    before, at, which = name.rpartition("@")
+    if not at or Path(name).exists():
+        return Path(name), "last"
+    return Path(before), int(which) if which.isdigit() else which
+
+
+def lasting_name(policy: Any) -> str:
+    """Returns the name of a policy as it holds in every folder; a function that is passed gets one."""
+    if not isinstance(policy, str | Path):
+        return name_of("policy", policy)
+    path, _ = split_name(str(policy))
+    if str(policy) and path.exists():
+        return f"{path.resolve()}{str(policy)[len(str(path)) :]}"
+    return lasting("policy", str(policy))
+
+
+def might_be_named(name: str) -> bool:
+    """Whether a text can be the name of a policy: a word, something that exists, or something of a user's own, found or not."""
+    path, _ = split_name(name)
+    return name in ("random", "stay") or path.exists() or is_own("policy", name)

@@ -1,0 +1,42 @@
+"""What a reward of a user's own is made from: one step of one environment."""
+
+from typing import Any
+
+import flax
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from .config import Config, ConfigError
+from .environment import Environment, info_shapes, reset_shapes
+from .own import find
+
+
+@flax.struct.dataclass
+class Step:
+    """One step of one environment."""
+
+    reward: Array  # [N] float32, the game's
+    trace: Array  # [N] float32, rewards of the episode so far, decayed by `reward_smoothing` a step; with 0 this step's
+    action: Array  # [N] int32
+    observation: Array  # [N, P, V, V] uint8, acted on
+    state: Any  # the environment's, acted in
+    events: dict[str, Array]  # name -> [N] or [] int32, counts of this step
+    metrics: dict[str, Array]  # name -> [] float32, at the end of the step
+    done: Array  # [] bool, the episode ends with this step
+    truncated: Array  # [] bool, by the time limit
+
+
+def check_own_reward(env: Environment, config: Config) -> None:
+    """Raises ConfigError unless the user's reward gives a number for each agent."""
+    observation, state = reset_shapes(env)
+    info = info_shapes(env)
+    each, one = jax.ShapeDtypeStruct((env.num_agents,), jnp.float32), jax.ShapeDtypeStruct((), jnp.bool_)
+    action = jax.ShapeDtypeStruct((env.num_agents,), jnp.int32)
+    step = Step(each, each, action, observation, state, info["events"], info["metrics"], one, one)
+    paid = jax.eval_shape(lambda step: jnp.asarray(find("reward", config.reward)(step)), step)
+    if paid.shape != (env.num_agents,):
+        raise ConfigError(
+            f"the reward `{config.reward}` must give a number for each of the {env.num_agents} agents, an array of shape "
+            f"({env.num_agents},), not {paid.shape}"
+        )
