@@ -62,8 +62,8 @@ def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any], Any]:
         if not isinstance(value, str) or (value not in names and not is_own(kind, value)):
             raise ValueError(f"{', '.join(map(repr, names))}, the name of a {kind} that was registered, or FILE.py:NAME")
         if value not in names:
+            value = lasting(kind, value)
             find(kind, value)
-            return lasting(kind, value)
         return value
 
     return check

@@ -77,7 +77,6 @@ def find(kind: Kind, name: str) -> Any:
             f"the {kind} `{name}` is not found: {file} has no `{inside}`. What was made in a function or typed in has to be registered "
             f"again: sjdsl.trainers.register({kind!r}, {name!r}, …)"
         )
-    _REGISTERED[kind, name] = found
     return found
 
 

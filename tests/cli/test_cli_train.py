@@ -128,6 +128,8 @@ def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pyt
         (["--param", "apple=2"], "--param"),
         (["--agents", "3"], "--agents"),
         (["--variant", "rich"], "--variant"),
+        (["--init-from", "runs/other"], "--init-from"),
+        (["--partners", "1=random"], "--partners"),
     ],
 )
 def test_a_run_goes_on_as_it_was_started(sjdsl: Sjdsl, more: list[str], named: str) -> None:
@@ -232,3 +234,47 @@ def test_a_total_below_one_update_is_said_before(sjdsl: Sjdsl, monkeypatch: pyte
     )
     whole = sjdsl("train", "orchard.sj", "--set", "total_timesteps=16384", "--seeds", "2")
     assert "training 16,384 environment steps of each seed: 2 updates of 64 environments x 128 steps" in whole.err
+
+    assert "seed 3 stopped in update 4, for its loss became nan; its policy is that of update 3" in capsys.readouterr().out
+
+
+BROUGHT = """import jax.numpy as jnp
+from pathlib import Path
+
+
+def double(step):
+    return 2.0 * step.reward
+
+
+def ahead(key, observation):
+    return jnp.full(len(observation), 2)
+
+
+def watch(update):
+    with open("told.txt", "a") as file:
+        file.write(f"{update.number} ")
+"""
+
+
+def test_what_users_bring_along_is_named_on_the_command_line(sjdsl: Sjdsl, folder: Path) -> None:
+    """A reward, a partner and a callback in a file; the run goes on longer with them, and its policy is found by its name."""
+    (folder / "mine.py").write_text(BROUGHT)
+    brought = ("--reward", "mine.py:double", "--partners", "1=mine.py:ahead", "--callback", "mine.py:watch")
+    shown = sjdsl("train", "orchard.sj", *QUICK, *brought, "--episodes", "0")
+    assert shown.status == 0, shown.text
+    run_dir = Path("runs/orchard_ippo_double_seed0")
+    config = json.loads((run_dir / "manifest.json").read_text())["config"]
+    assert (config["reward"], config["partners"]) == (f"{folder}/mine.py:double", [[1, f"{folder}/mine.py:ahead"]])
+    shown = sjdsl("train", "--resume", run_dir, "--set", "total_timesteps=144")
+    assert shown.status == 0, shown.text
+    assert (folder / "told.txt").read_text() == "1 2 3 "
+    row = json.loads((run_dir / "metrics.jsonl").read_text().splitlines()[-1])
+    assert row["shaped_return"] == pytest.approx(2 * row["return"], abs=1e-6)
+    shown = sjdsl("render", "orchard.sj", "--policy", f"{run_dir}@best", "--steps", "1", "-o", "film.gif")
+    assert shown.status == 0, shown.text
+    shown = sjdsl("render", "orchard.sj", "--policy", f"{run_dir}@7", "--steps", "1", "-o", "film.gif")
+    assert shown.status == 1
+    assert "has no policy of update 7, but of 1, 2, 3" in shown.err
+    shown = sjdsl("train", "--resume", run_dir, "--set", "total_timesteps=48")
+    assert shown.status == 1
+    assert "a run can be made longer, not shorter" in shown.err
