@@ -1,6 +1,7 @@
 """`sjdsl train`: agents that learn in a game, and what they are worth beside random ones."""
 
 import json
+from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -189,7 +190,7 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
         if episodes:
             evaluate_run(folder, env, episodes, seed)
     went_on = next(folder for folder, seed in zip(result.folders, config.seed_numbers, strict=True) if seed not in result.diverged)
-    *_, last = read_rows(went_on / METRICS_JSONL)
+    (last,) = deque(read_rows(went_on / METRICS_JSONL), maxlen=1)
     steps = result.updates * config.steps_per_update * config.seeds
     click.echo(
         f"\n{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.seeds):,.0f} steps a second; "

@@ -235,8 +235,6 @@ def test_a_total_below_one_update_is_said_before(sjdsl: Sjdsl, monkeypatch: pyte
     whole = sjdsl("train", "orchard.sj", "--set", "total_timesteps=16384", "--seeds", "2")
     assert "training 16,384 environment steps of each seed: 2 updates of 64 environments x 128 steps" in whole.err
 
-    assert "seed 3 stopped in update 4, for its loss became nan; its policy is that of update 3" in capsys.readouterr().out
-
 
 BROUGHT = """import jax.numpy as jnp
 from pathlib import Path
