@@ -303,11 +303,11 @@ def _compiled(config: Config) -> Any:
     return compile_train(make_train(matching(), config), config)
 
 
-def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path) -> None:
     """Without annealing, bit for bit; the description of a policy says which run it was stored in."""
     constant = SHORT.model_copy(update={"anneal_learning_rate": False, "keep_policies": 2})
-    with compiled_once():
-        monkeypatch.setattr(run, "compile_train", lambda *_: _compiled(constant))
+    with compiled_once(), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run, "compile_train", lambda *_: _compiled(constant))
         train(matching(), constant, tmp_path / "whole", "none")
         train(matching(), constant.model_copy(update={"total_timesteps": 64 * 6}), tmp_path / "run", "none")
         with pytest.raises(RunError, match=r"a run of 384 steps that has done 384; a run can be made longer, not shorter: .*not 128"):
