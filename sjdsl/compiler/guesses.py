@@ -61,6 +61,19 @@ UNITS = {
     **dict.fromkeys(("string", "str", "text", "enum"), "`word` is the unit of words of the game"),
 }
 
+# Values: `give 1 to everyone`, `when time > 9`.
+_ONESELF = "an agent is called as its sentence names it: `each agent as me { … }`"
+VALUES = {
+    **dict.fromkeys(("everyone", "everybody", "anyone"), "`give e to all` reaches all agents; `each agent { … }` speaks of each"),
+    **dict.fromkeys(
+        ("others", "other", "neighbour", "neighbor"),
+        "`give e to all but agent` reaches all others; `each agent as b where b is not agent { … }` speaks of each",
+    ),
+    **dict.fromkeys(("self", "me", "this", "myself", "i", "actor"), _ONESELF),
+    **dict.fromkeys(("time", "t", "timestep", "now", "turn", "round", "tick"), "`step` is how many steps of the episode are finished"),
+    **dict.fromkeys(("one", "a", "an", "random", "some", "any"), "a number of members is written with digits: `pick 1 tree { … }`"),
+}
+
 # Types of fields: `field happy : bool`.
 _WORDS = "a field of two words is `field {name} : {{ false, true }} = false`, and is asked for with `is true`"
 _WHOLE = "a field of whole numbers is written with its range: `field {name} : 0 .. 100 = 0`"

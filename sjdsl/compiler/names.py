@@ -102,6 +102,8 @@ def _owned(name: str, near: str, static: Static) -> str:
     """Returns what to write for a name that something else has: a field without its owner, a condition compared with `true`."""
     if name in guesses.CONDITIONS:
         return "a condition is used as it is: `when c`, `when not c`"
+    if name in guesses.VALUES:
+        return guesses.VALUES[name]
     owners = ["agent"] * (name in static.agent_fields or name in AGENT_ATTRIBUTES)
     owners += [kind.name for kind in static.kinds.values() if any(f.name == name for f in kind.fields)]
     paths = " or ".join(f"`{owner}.{name}`" for owner in owners[:3])

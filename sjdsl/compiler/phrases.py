@@ -49,6 +49,10 @@ def _sentences() -> Iterator[tuple[str, ...]]:
         yield f"{word} PATH by EXPR", "give {2} to {1}"
         yield f"{word} PATH EXPR", "give {2} to {1}"
         yield f"{word} EXPR to PATH", "give {1} to {2}"
+    for everybody in ("agents", "all agents", "each agent", "every agent"):
+        yield f"give EXPR to {everybody}", "give {1} to all"
+    for others in ("all others", "the others", "other agents", "all other agents"):
+        yield f"give EXPR to {others}", "give {1} to all but agent"
     yield "give PATH EXPR", "give {2} to {1}"
     yield "give EXPR", "give {1} to agent", "say to whom: `give {1} to agent`"
     for sign, value in (("=", "{2}"), ("+ =", "{2}"), ("- =", "{minus2}")):
@@ -60,6 +64,7 @@ def _sentences() -> Iterator[tuple[str, ...]]:
     yield "set PATH to EXPR", "set {1} = {2}"
     yield "set PATH + = EXPR", "add {2} to {1}"
     yield "set PATH - = EXPR", "add {minus2} to {1}"
+    yield "NAME = EXPR", "set {1} = {2}", "`set {1} = {2}` writes a field of the world, `let {1} = {2}` names a value in this block"
     yield "PATH = EXPR", "set {1} = {2}"
     for word, sign in (("increment", ""), ("increase", ""), ("decrement", "-"), ("decrease", "-")):
         yield f"{word} PATH by EXPR", "add {minus2} to {1}" if sign else "add {2} to {1}"
@@ -75,7 +80,14 @@ def _sentences() -> Iterator[tuple[str, ...]]:
         yield f"{word} DOMAIN", "each {1}"
     yield "for NAME in agents", "each agent as {1}"
     yield "for NAME in NAME", "each {2} as {1}"
-    for words in ("with probability", "with chance", "with prob", "probability", "prob"):
+    yield "each DOMAIN , DOMAIN", "each {1}", "write one sentence inside the other: `each {1} {{ each {2} {{ … }} }}`"
+    for every in ("each", "every"):
+        yield f"{every} EXPR steps", "when step % {1} == 0"
+    yield "pick DOMAIN", "pick 1 {1}"
+    for words in ("end episode", "end game", "end the episode", "end the game"):
+        yield words, "end"
+    yield "tick", "end", "`tick` stands in the schedule, among the phases: `schedule … -> tick`"
+    for words in ("when chance", "if chance", "with probability", "with chance", "with prob", "probability", "prob"):
         yield f"{words} EXPR", "chance {1}"
     for words in ("else if", "elif", "elsif", "elseif"):
         yield f"{words} EXPR", "otherwise when {1}"
@@ -83,7 +95,20 @@ def _sentences() -> Iterator[tuple[str, ...]]:
 
 
 def _expressions() -> Iterator[tuple[str, ...]]:
-    """Counting without brackets, and what cannot be had over a domain."""
+    """Places, comparisons, counting without brackets, and what cannot be had over a domain."""
+    yield "PATH is on NAME", "{1} on {2}"
+    yield "PATH on the NAME", "{1} on {2}"
+    yield "chose NAME", "agent chose {1}"
+    for near in ("near", "around", "close to"):
+        yield f"{near} NAME", "in disc(1) of {1}"
+    for beside in ("next to", "adjacent to", "beside"):
+        yield f"{beside} NAME", "in diamond(1) of {1}"
+    yield "within INT of NAME", "in disc({1}) of {2}"
+    for less in ("<", "<="):
+        for lesser in ("<", "<="):
+            yield f"INT {less} PATH {lesser} INT", f"{{2}} {less.replace('<', '>')} {{1}} and {{2}} {lesser} {{3}}"
+        for one in (">", ">="):
+            yield f"PATH {one} INT and {less} INT", f"{{1}} {one} {{2}} and {{1}} {less} {{3}}"
     yield "count DOMAIN", "count({1})"
     yield "number of DOMAIN", "count({1})"
     yield "sum EXPR over DOMAIN", "sum({1} over {2})"

@@ -23,9 +23,22 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
             path.span,
             wanted="a field",
             given=describe(target.type),
-            help="only fields can be written",
+            help=_written_how(field),
         )
     return target, declaration(field, scope)
+
+
+def _written_how(e: ir.Expr) -> str:
+    """Returns how what is no field changes."""
+    match e:
+        case ir.Attribute(name="row" | "col"):
+            return "agents change their places by `move` and by `send agent to KIND`"
+        case ir.Attribute(name="heading"):
+            return "agents turn by their actions, and where they are sent: `send agent to KIND facing north`"
+        case ir.ParamRef() | ir.Number():
+            return "numbers stay as they are; what changes is a field, such as `field pot : 0 .. 9 = 0`"
+        case _:
+            return "only fields can be written"
 
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
