@@ -78,7 +78,7 @@ def policy_path(source: Path, which: str | int) -> Path:
             raise PolicyError(f"{source} does not exist")
         return source
     if not (source / "manifest.json").is_file() and not (source / POLICIES).is_dir():  # the folder of one seed has no manifest
-        raise PolicyError(f"{source} is no run folder: it has no manifest.json")
+        raise PolicyError(f"{source} is not the folder of a training run: there is no manifest.json in it")
     stored = sorted(path.stem for path in (source / POLICIES).glob(f"*{SUFFIX}"))
     name = f"{which:08d}" if isinstance(which, int) else which
     if name in stored:

@@ -30,7 +30,7 @@ def read_manifest(run_dir: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         manifest = None
     if not isinstance(manifest, dict) or not all(isinstance(manifest.get(part), dict) for part in PARTS):
-        raise RunError(f"{run_dir} is no folder of a run: it has no {MANIFEST} that can be read")
+        raise RunError(f"{run_dir} is not the folder of a training run: there is no {MANIFEST} in it that can be read")
     return manifest
 
 

@@ -56,9 +56,9 @@ def command(
     if everything == bool(files):
         raise click.UsageError("name the games to compile, or say --all", click.get_current_context())
     if output and only_check:
-        raise click.UsageError("-o and --check exclude each other", click.get_current_context())
+        raise click.UsageError("--check writes nothing: leave out -o", click.get_current_context())
     if alone and only_check:
-        raise click.UsageError("--standalone and --check exclude each other", click.get_current_context())
+        raise click.UsageError("--check looks at the modules in generated/ only: leave out --standalone", click.get_current_context())
     names = bundled() if everything else files
     modules = compile_games(names, variant, map_file, output, alone)
     _refuse_clashes(modules)
@@ -117,8 +117,8 @@ def _report_differences(modules: list[Module], strays: list[Path]) -> int:
         if not module.path.is_file():
             problems.append(f"{module.path} is missing")
         elif module.path.read_bytes() != module.text.encode():
-            problems.append(f"{module.path} is not what its game makes")
-    problems += [f"{path} is made by no game" for path in strays]
+            problems.append(f"{module.path} is not what compiling its game gives now")
+    problems += [f"{path} belongs to none of the games" for path in strays]
     for problem in problems:
         click.echo(problem)
     click.echo("compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date")

@@ -41,5 +41,5 @@ def read_variant(source: Source, name: str) -> Written:
         if part not in known:
             near = nearest(part, [*known, DEFAULT])
             meant = f"; did you mean `{near}`?" if near else ""
-            raise click.ClickException(f"`{plain.file}` has no variant `{part}`{meant} (it has {', '.join([DEFAULT, *known])})")
+            raise click.ClickException(f"`{plain.file}` has no variant `{part}`{meant}; its variants are {', '.join([DEFAULT, *known])}")
     return read_written(source, chosen) if chosen else plain

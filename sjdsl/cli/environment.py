@@ -35,13 +35,15 @@ def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
     for text in given:
         path, equals, value = text.partition("=")
         if not equals or not path.strip():
-            raise click.UsageError(f"`{text}` is not of the form name=value", click.get_current_context(silent=True))
+            raise click.UsageError(f"`{text}` must have the form name=value", click.get_current_context(silent=True))
         *outer, last = path.strip().replace("]", "").split("[")
         inner = values
         for name in outer:
             inner = inner.setdefault(name.strip(), {})
             if not isinstance(inner, dict):
-                raise click.UsageError(f"`{name}` is given both as a whole and by word", click.get_current_context(silent=True))
+                raise click.UsageError(
+                    f"`{name}` is given as one number and also word by word; give it one way", click.get_current_context(silent=True)
+                )
         inner[last.strip()] = _read_value(value.strip())
     return values
 

@@ -113,10 +113,14 @@ def _provenance(run_dir: Path) -> dict[str, Any]:
     if not path.is_file() and (run_dir.parent / "manifest.json").is_file():
         path = run_dir.parent / "manifest.json"  # one seed of several
     if not path.is_file():
-        raise click.ClickException(f"{run_dir} is no folder of a run: it has no manifest.json")
+        raise click.ClickException(
+            f"{run_dir} is not the folder of a training run: there is no manifest.json in it. Name the folder that `sjdsl train` wrote"
+        )
     provenance = json.loads(path.read_text(encoding="utf-8")).get("provenance") or {}
     if "game" not in provenance:
-        raise click.ClickException(f"{run_dir} does not say which game it was; `sjdsl train` makes runs that do")
+        raise click.ClickException(
+            f"the manifest of {run_dir} does not say which game was trained, for the run was started from Python; evaluate it from Python, too"
+        )
     return provenance
 
 

@@ -18,7 +18,9 @@ SPEED = 8.0  # frames a second
 def check_film(path: Path) -> None:
     """Refuses a file that is no film, or one that needs a package that is missing."""
     if path.suffix not in (".gif", ".mp4"):
-        raise click.UsageError(f"`{path}` is no .gif, no .mp4 and no .png", click.get_current_context(silent=True))
+        raise click.UsageError(
+            f"`{path}` must end in .gif or .mp4, or where one picture is drawn in .png", click.get_current_context(silent=True)
+        )
     if path.suffix == ".mp4":
         import importlib.util
 

@@ -25,7 +25,7 @@ def command(runs: tuple[str, ...], output: str, metric: str) -> None:
     named = [(name, Path(folder)) if equals else (Path(name).name, Path(name)) for name, equals, folder in pairs]
     path = Path(output)
     if path.suffix not in (".png", ".svg", ".pdf"):
-        raise click.UsageError(f"`{path}` is no .png, .svg or .pdf", click.get_current_context())
+        raise click.UsageError(f"`{path}` must end in .png, .svg or .pdf", click.get_current_context())
     require_folder_of(path)
 
     from sjdsl.trainers.curves import draw_curves

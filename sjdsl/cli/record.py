@@ -41,7 +41,7 @@ def command(
     """Plays GAME and keeps observations, actions and rewards of whole episodes."""
     path = Path(output or f"{Path(game).stem}.npz")
     if path.suffix != ".npz":
-        raise click.UsageError(f"`{path}` is no .npz", click.get_current_context(silent=True))
+        raise click.UsageError(f"`{path}` must end in .npz", click.get_current_context(silent=True))
     if seed + episodes > 2**32:
         raise click.UsageError(f"the seeds go up to {seed + episodes - 1}; the last there is is {2**32 - 1}", click.get_current_context())
     if dataset_id is not None:

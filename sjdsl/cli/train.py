@@ -153,7 +153,7 @@ def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None, c
         episodes = int(manifest.get("asked", {}).get("episodes", EPISODES))
     if "game" not in manifest.get("provenance", {}):
         raise click.ClickException(
-            f"{path} does not say which game it was; go on with it from Python: sjdsl.trainers.resume(env, {str(path)!r})"
+            f"the manifest of {path} does not say which game was trained; go on with the run from Python: sjdsl.trainers.resume(env, {str(path)!r})"
         )
     with stages(LOADING):
         env = make_environment(manifest["provenance"])
@@ -208,7 +208,7 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
 def _refuse_beside_resume(given: dict[str, Any]) -> None:
     wrong = [name if name.startswith("--") or name == "GAME" else f"--{name}" for name, value in given.items() if value not in (None, ())]
     if wrong:
-        said = f"a run goes on as it was started, but for its total_timesteps: leave out {', '.join(wrong)}"
+        said = f"a resumed run goes on as it was started, but for its total_timesteps: leave out {', '.join(wrong)}"
         raise click.UsageError(said, click.get_current_context())
 
 
@@ -234,11 +234,16 @@ def _choose(game: str | None, preset: str | None, changes: dict[str, str], neede
 
     if preset is None:
         if game is None and needed:
-            raise click.UsageError("name a game, or a preset that names one", click.get_current_context())
+            raise click.UsageError(
+                "name the game to train in, as in `sjdsl train clean_up`, or a preset that names one", click.get_current_context()
+            )
         return game or "", {}, make_config(changes)
     loaded = load_preset(preset, changes, game)
     if loaded.game is None and needed:
-        raise click.UsageError(f"the preset `{preset}` is for any game: name one", click.get_current_context())
+        raise click.UsageError(
+            f"the preset `{preset}` does not name a game: name one, as in `sjdsl train clean_up --preset {preset}`",
+            click.get_current_context(),
+        )
     return loaded.game or "", dict(loaded.environment), loaded.config
 
 
@@ -247,7 +252,7 @@ def read_texts(given: tuple[str, ...]) -> dict[str, str]:
     pairs = [text.partition("=") for text in given]
     for text, (name, equals, _) in zip(given, pairs, strict=True):
         if not equals or not name:
-            raise click.UsageError(f"`{text}` is not of the form name=value", click.get_current_context(silent=True))
+            raise click.UsageError(f"`{text}` must have the form name=value", click.get_current_context(silent=True))
     return {name.strip(): value.strip() for name, _, value in pairs}
 
 

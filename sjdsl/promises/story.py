@@ -21,7 +21,7 @@ from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_value
 from sjdsl.trace.words import Heard
 
-_WORD = re.compile(r"  \(stream [0-9a-f]{8}, number \d+, word [0-9a-f]{8}\)")
+_WORD = re.compile(r"  \(random word [0-9a-f]{8}: number \d+ of stream [0-9a-f]{8}\)")
 
 
 def tell_course(ground: Ground, broken: Broken) -> list[str]:

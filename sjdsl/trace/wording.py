@@ -52,11 +52,11 @@ def say_effect(effect: Effect, board: Board) -> str:
         case "field":
             change = f"{effect.name}: {say_value(effect.old, effect.type)} -> {say_value(effect.new, effect.type)}"
         case "place":
-            change = f"{_place(effect.old)} -> {_place(effect.new)}"
+            change = _journey(effect.old, effect.new)
         case "heading":
-            change = f"{HEADINGS[effect.old]} -> {HEADINGS[effect.new]}"
+            change = f"faces: {HEADINGS[effect.old]} -> {HEADINGS[effect.new]}"
         case "away":
-            change = f"{_away(effect.old)} -> {_away(effect.new)}"
+            change = _absence(effect.new)
         case "moved":
             change = f"moved: {say_value(effect.old)} -> {say_value(effect.new)}"
         case "reward":
@@ -70,14 +70,16 @@ def say_effect(effect: Effect, board: Board) -> str:
     return f"{owner}  {change}" if owner else change
 
 
-def _place(place: Cell | None) -> str:
-    return "no place" if place is None else say_cell(place)
+def _journey(old: Cell | None, new: Cell | None) -> str:
+    if new is None:
+        return f"leaves {say_cell(old)}" if old is not None else "stays off the map"
+    return f"comes to {say_cell(new)}" if old is None else f"goes from {say_cell(old)} to {say_cell(new)}"
 
 
-def _away(away: Away | None) -> str:
+def _absence(away: Away | None) -> str:
     if away is None:
-        return "here"
-    return f"away for {away.ticks} tick{'' if away.ticks == 1 else 's'}" if away.ticks else "away for ever"
+        return "is back on the map"
+    return f"is off the map for {away.ticks} tick{'' if away.ticks == 1 else 's'}" if away.ticks else "is off the map for ever"
 
 
 def say_names(done: Done | Drawn, owner: int | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
@@ -95,7 +97,7 @@ def say_names(done: Done | Drawn, owner: int | Cell | None, turn_agents: frozens
 
 
 def say_draw(drawn: Drawn, rules: Rules) -> str:
-    """Returns a draw and what came of it: `chance growth: 0.0107 < 0.0312  (stream …, number 12, word …)`."""
+    """Returns a draw and what came of it: `chance growth: drew 0.010700, below 0.03125: happens  (random word …)`."""
     share = (drawn.word >> 1) / WHOLE
     sentence = drawn.sentence
     match sentence:
@@ -104,24 +106,24 @@ def say_draw(drawn: Drawn, rules: Rules) -> str:
         case ir.Draw():
             said = f"{rules.text(sentence)}: {say_value(drawn.result, sentence.type)}"
         case ir.Pick():
-            said = f"{rules.text(sentence)}: {'picked' if drawn.result else 'not picked'}, {share:.6f}"
+            said = f"{rules.text(sentence)}: drew {share:.6f}: {'picked' if drawn.result else 'not picked'}"
         case ir.Match():
-            said = f"{rules.text(sentence)}: {'matched' if drawn.result else 'not matched'}, {share:.6f}"
+            said = f"{rules.text(sentence)}: drew {share:.6f}: {'matched' if drawn.result else 'not matched'}"
     return f"{said}  {say_word(sentence.stream, drawn.number, drawn.word)}"
 
 
 def _chance(drawn: Drawn, share: float, rules: Rules) -> str:
     bounds = [bound / WHOLE for bound in drawn.bounds]
     if drawn.result is None:
-        return f"{rules.branch(drawn.sentence, 0)}: {share:.6f} >= {bounds[-1]:.6g}"  # type: ignore[arg-type]
-    above = f", >= {bounds[-2]:.6g}" if len(bounds) > 1 else ""
-    return f"{rules.branch(drawn.sentence, drawn.result)}: {share:.6f} < {bounds[-1]:.6g}{above}"  # type: ignore[arg-type]
+        return f"{rules.branch(drawn.sentence, 0)}: drew {share:.6f}, not below {bounds[-1]:.6g}: does not happen"  # type: ignore[arg-type]
+    below = f"below {bounds[-1]:.6g}" + (f" and not below {bounds[-2]:.6g}" if len(bounds) > 1 else "")
+    return f"{rules.branch(drawn.sentence, drawn.result)}: drew {share:.6f}, {below}: happens"  # type: ignore[arg-type]
 
 
 def say_used(used: Used) -> str:
     """Returns a word that placed an agent."""
-    return f"{used.purpose}: {(used.word >> 1) / WHOLE:.6f}  {say_word(used.stream, used.number, used.word)}"
+    return f"{used.purpose}: drew {(used.word >> 1) / WHOLE:.6f}  {say_word(used.stream, used.number, used.word)}"
 
 
 def say_word(stream: int, number: int, word: int) -> str:
-    return f"(stream {stream:08x}, number {number}, word {word:08x})"
+    return f"(random word {word:08x}: number {number} of stream {stream:08x})"

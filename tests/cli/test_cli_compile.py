@@ -52,7 +52,7 @@ def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> N
     (folder / "orchard.sj").write_text(GAME.replace("give apple to agent", "give apple + apple to agent"))
     shown = sjdsl("compile", "orchard.sj", "--check")
     assert shown.status == 1
-    assert "generated/orchard.py is not what its game makes" in shown.out
+    assert "generated/orchard.py is not what compiling its game gives now" in shown.out
 
 
 def test_check_of_all_games_finds_strays(sjdsl: Sjdsl, folder: Path) -> None:
@@ -61,7 +61,7 @@ def test_check_of_all_games_finds_strays(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "generated/old_game.py").touch()
     shown = sjdsl("compile", "--all", "--check")
     assert shown.status == 1
-    assert "generated/old_game.py is made by no game" in shown.out
+    assert "generated/old_game.py belongs to none of the games" in shown.out
 
 
 def test_nothing_is_written_when_one_game_is_wrong(sjdsl: Sjdsl, folder: Path) -> None:

@@ -51,7 +51,7 @@ def test_nothing_differs(sjdsl: Sjdsl) -> None:
 def test_an_unknown_variant_is_refused_with_those_there_are(sjdsl: Sjdsl) -> None:
     refused = sjdsl("diff", "orchard.sj", "--variants", "default", "ritch")
     assert (refused.status, refused.out) == (1, "")
-    assert refused.err == "error: `orchard.sj` has no variant `ritch`; did you mean `rich`? (it has default, rich)\n"
+    assert refused.err == "error: `orchard.sj` has no variant `ritch`; did you mean `rich`?; its variants are default, rich\n"
 
 
 @pytest.mark.parametrize(

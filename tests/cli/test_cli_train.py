@@ -110,7 +110,7 @@ def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pyt
         assert "pip install 'sjdsl[video]'" in shown.err
     shown = sjdsl("evaluate", folder, "--film", "x.avi")
     assert shown.status == 2
-    assert "no .gif, no .mp4" in shown.err
+    assert "must end in .gif or .mp4" in shown.err
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_a_run_goes_on_as_it_was_started(sjdsl: Sjdsl, more: list[str], named: s
 def test_no_run_to_go_on_with(sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl("train", "--resume", folder)
     assert shown.status == 1
-    assert "is no folder of a run" in shown.err
+    assert "is not the folder of a training run" in shown.err
 
 
 def test_keys_are_listed(sjdsl: Sjdsl) -> None:
@@ -159,7 +159,7 @@ def test_keys_are_listed(sjdsl: Sjdsl) -> None:
     ("call", "said"),
     [
         (["orchard.sj", "--set", "learning_rat=1"], "did you mean `learning_rate`?"),
-        (["orchard.sj", "--set", "learning_rate"], "is not of the form name=value"),
+        (["orchard.sj", "--set", "learning_rate"], "must have the form name=value"),
         (["orchard.sj", "--set", "num_envs=none"], "`num_envs` must be a whole number"),
         (["orchard.sj", "--preset", "papper"], "did you mean `paper`?"),
         (["orchard.sj", "--preset", "none.toml"], "none.toml does not exist"),
@@ -167,7 +167,7 @@ def test_keys_are_listed(sjdsl: Sjdsl) -> None:
         (["orchard.sj", "--algorithm", "sarsa"], "'sarsa' is not one of"),
         (["orchard.sj", "--log", "wandb"], "pip install 'sjdsl[wandb]'"),
         (["orchard.sj", "--set", "num_envs=3", "--set", "num_minibatches=7"], "cannot be split"),
-        ([], "name a game, or a preset that names one"),
+        ([], "name the game to train in"),
     ],
 )
 def test_what_is_wrong_is_said_before_a_folder_is_made(sjdsl: Sjdsl, folder: Path, call: list[str], said: str) -> None:

@@ -97,4 +97,4 @@ def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ca
     assert "clean_up_socialjax_standalone.py  " in capsys.readouterr().out
     assert (tmp_path / "clean_up_socialjax_standalone.py").exists()
     assert run(["compile", "--standalone", "--check", "coins"]) == 2
-    assert "--standalone and --check exclude each other" in capsys.readouterr().err
+    assert "leave out --standalone" in capsys.readouterr().err

@@ -210,7 +210,7 @@ def test_what_is_no_such_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     with pytest.raises(RecordingError, match=r"episode 0 of .* cannot be read"):
         Dataset(path)[0]
     assert run(["record", "coins", "-o", "coins.csv"]) == 2
-    assert "`coins.csv` is no .npz" in capsys.readouterr().err
+    assert "`coins.csv` must end in .npz" in capsys.readouterr().err
     assert run(["record", "coins", "--seed", str(2**32 - 1), "--episodes", "2"]) == 2
     assert run(["record", "coins", "--policy", "randm"]) == 1
     assert "there is no policy `randm`" in capsys.readouterr().err

@@ -41,7 +41,7 @@ def test_runs_of_several_seeds_are_drawn(tmp_path: Path) -> None:
     for seed in (0, 1):
         (tmp_path / "run" / f"seed_{seed}").mkdir(parents=True)
         (tmp_path / "run" / f"seed_{seed}" / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in ROWS))
-    with pytest.raises(RunError, match="is no folder of a run"):
+    with pytest.raises(RunError, match="is not the folder of a training run"):
         read_seeds(tmp_path / "run")
     (tmp_path / "run" / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}}))
     assert [len(rows) for rows in read_seeds(tmp_path / "run")] == [3, 3]

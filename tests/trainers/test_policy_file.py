@@ -95,7 +95,7 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
-    with pytest.raises(PolicyError, match=r"is no run folder: it has no manifest\.json"):
+    with pytest.raises(PolicyError, match=r"is not the folder of a training run: there is no manifest\.json"):
         load_policy(tmp_path, matching())
     (tmp_path / "manifest.json").write_text("{}")
     _store(tmp_path)

@@ -276,7 +276,7 @@ def test_a_manifest_with_another_configuration_is_refused(stopped: Path, tmp_pat
 def test_what_is_no_run_is_refused(tmp_path: Path, text: str | None) -> None:
     if text is not None:
         (tmp_path / "manifest.json").write_text(text)
-    with pytest.raises(RunError, match=r"is no folder of a run"):
+    with pytest.raises(RunError, match=r"is not the folder of a training run"):
         resume(matching(), tmp_path, "none")
 
 

@@ -94,7 +94,7 @@ def test_a_stored_policy_must_fit(result: Result, tmp_path: Path) -> None:
         load_policy(result.run_dir, dataclasses.replace(matching(), num_actions=3))
     with pytest.raises(PolicyError, match="no policy of update 7, but of 8, 16, 20"):
         load_policy(result.run_dir, matching(), update=7)
-    with pytest.raises(PolicyError, match="is no run folder"):
+    with pytest.raises(PolicyError, match="is not the folder of a training run"):
         load_policy(tmp_path, matching())
     with pytest.warns(UserWarning, match="another form of the game"):
         load_policy(result.run_dir, dataclasses.replace(matching(), hash="changed"))
