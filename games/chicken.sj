@@ -4,6 +4,7 @@ game chicken "Chicken in the matrix: Arena" extends "pd_arena.sj" {
   about summary "Players gather two resources, dove and hawk, and meet by beam: a game of chicken is played with the mixture each"
                 "carries. A hawk takes most from a dove, but two hawks get nothing: one does best not to be what the others are."
   drop paradigm  drop long_term_impact  drop multi_task  drop difficulty  drop our_difficulty  # those of the other payoff
+  drop socialjax                # it was not released
   about our_paradigm "chicken"  # Melting Pot
 
   param payoff : reward = { dove: { dove: 3, hawk: 2 }, hawk: { dove: 5, hawk: 0 } }  # Melting Pot

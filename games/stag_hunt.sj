@@ -4,6 +4,7 @@ game stag_hunt "Stag Hunt in the matrix: Arena" extends "pd_arena.sj" {
   about summary "Players gather two resources, stag and hare, and meet by beam: a stag hunt is played with the mixture each carries."
                 "Two who hunt stag earn most, but who hunts stag alone earns nothing; hare pays a little, whoever one meets."
   drop paradigm  drop long_term_impact  drop multi_task  drop difficulty  drop our_difficulty  # those of the other payoff
+  drop socialjax                  # it was not released
   about our_paradigm "stag hunt"  # Melting Pot
 
   param payoff : reward = { stag: { stag: 4, hare: 0 }, hare: { stag: 2, hare: 2 } }  # Melting Pot

@@ -297,7 +297,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_grows + 1))  # mushrooms.sj:28
     plane_0 = paint(plane_0, state.mark_fire, 64)  # mushrooms.sj:72
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # mushrooms.sj:39
-    seen_0 = windows(plane_0.reshape(30, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # mushrooms.sj:87
-    agent = (seen_0 >> 3) & 7  # mushrooms.sj:87
-    shown_digesting = state.agent_digesting.astype(jnp.int32).astype(jnp.uint8)  # mushrooms.sj:87
+    seen_0 = windows(plane_0.reshape(30, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # mushrooms.sj:88
+    agent = (seen_0 >> 3) & 7  # mushrooms.sj:88
+    shown_digesting = state.agent_digesting.astype(jnp.int32).astype(jnp.uint8)  # mushrooms.sj:89
     return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_digesting[:, None], (5, 121)))

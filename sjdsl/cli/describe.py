@@ -5,9 +5,11 @@ from typing import Any
 
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import ast, build, ir, load_base
+from sjdsl.compiler.agent_range import agent_range
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.parse import parse
 from sjdsl.compiler.print_ir import expression
+from sjdsl.compiler.source import Source
 
 
 def describe(name: str) -> dict[str, Any]:
@@ -29,7 +31,7 @@ def describe(name: str) -> dict[str, Any]:
         "window": game.window.model_dump(exclude={"origin"}),
         "kinds": [{"name": k.name, "fields": {f.name: _values(f.type) for f in k.fields}} for k in game.kinds],
         "params": [_number(p.name, p.type, p.value, (p.type.low, p.type.high)) for p in game.params],
-        "sizes": [_number(s.name, s.type, s.value, _written_limits(composed, s.name)) for s in game.sizes],
+        "sizes": [_number(s.name, s.type, s.value, _limits(source, composed, s.name)) for s in game.sizes],
         "metrics": [{"name": e.name, "sort": "event", "by": list(e.by), "per_agent": e.per_agent} for e in game.events]
         + [{"name": m.name, "sort": "mean" if m.mean else "final"} for m in game.measures],
     }
@@ -46,8 +48,11 @@ def _by_word(value: Any, by: tuple[tuple[str, ...], ...]) -> Any:
     return {word: _by_word(v, by[1:]) for word, v in zip(by[0], value, strict=True)} if by else value
 
 
-def _written_limits(game: Composition, name: str) -> tuple[str | float | None, str | float | None]:
-    """Returns the limits of a size as its file has them; the compiler has already narrowed them to its value."""
+def _limits(source: Source, game: Composition, name: str) -> tuple[str | float | None, str | float | None]:
+    """Returns the limits of a size as its file has them (the compiler has narrowed them to its value), of agents as many as the map holds."""
+    agents = agent_range(source)
+    if agents is not None and agents[0] == name:
+        return agents[1:]
     declared = game.constants[name]
     low, high = (_written(game, bound) for bound in (declared.low, declared.high))
     return low, high

@@ -52,7 +52,7 @@ class Composition:
 
     def names(self) -> list[str]:
         """Returns every name a variant may change."""
-        return [name for table in self.TABLES for name in getattr(self, table) if name] + [*self.agent_fields, *self.about]
+        return [name for table in self.TABLES for name in getattr(self, table) if name] + [*self.agent_fields, *self.about, *self.variants]
 
 
 Load = Callable[[str, Span, Source], tuple[Source, ast.File]]
@@ -312,7 +312,7 @@ def _replace_entry(
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
-    for table in (*Composition.TABLES, "agent_fields", "sights", "about"):
+    for table in (*Composition.TABLES, "agent_fields", "sights", "about", "variants"):
         entries: dict[str, object] = getattr(game, table)
         if name.text in entries:
             del entries[name.text]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sjdsl.compiler import ir
 from sjdsl.doc.figures import Figure, Figures
 from sjdsl.doc.numbers import parameters
+from sjdsl.doc.released import released_section
 from sjdsl.doc.wording import code, codes, number, plain, table
 from sjdsl.doc.written import Written
 
@@ -29,7 +30,7 @@ class Entry:
 
 
 def catalogue(entries: Sequence[Entry]) -> str:
-    """Returns the page as Markdown."""
+    """Returns the page as Markdown: all games, each game, and what the released suite shows otherwise."""
     said = dict.fromkeys(key for e in entries for key, _ in e.written.game.about if key != "summary")
     keys = sorted(said, key=lambda key: key.startswith(OURS))
     head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in keys))
@@ -37,6 +38,7 @@ def catalogue(entries: Sequence[Entry]) -> str:
     lines = ["# The games", "", INTRODUCTION, "", *overview, ""]
     for entry in entries:
         lines += _game(entry)
+    lines += released_section()
     return "\n".join(lines).rstrip("\n") + "\n"
 
 

@@ -2,10 +2,11 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from sjdsl.compiler import ast, ir, load_base
+from sjdsl.compiler.agent_range import agent_range
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics import CompileError
 from sjdsl.compiler.elaborate import Overrides, elaborate
@@ -21,7 +22,7 @@ class WrittenNumber:
     """A size or parameter as its file has it.
 
     formulas: how values are computed that are not plainly written: (words of the entry, text); low, high: limits as written,
-    empty without; source: the comments beside the value.
+    empty without, of the number of agents as far as the map holds so many; source: the comments beside the value.
     """
 
     formulas: tuple[tuple[tuple[str, ...], str], ...]
@@ -52,8 +53,17 @@ def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
         file=PurePath(source.name).name,
         chosen=tuple(variants),
         variants=tuple((v.name.text, v.title.text if v.title else "") for v in composed.variants.values()),
-        numbers={name: _number(constant, composed) for name, constant in composed.constants.items()},
+        numbers=_numbers(source, tuple(variants), composed),
     )
+
+
+def _numbers(source: Source, variants: tuple[str, ...], game: Composition) -> dict[str, WrittenNumber]:
+    found = {name: _number(constant, game) for name, constant in game.constants.items()}
+    agents = agent_range(source, variants)
+    if agents is not None:
+        name, low, high = agents
+        found[name] = replace(found[name], low=str(low), high=str(high))
+    return found
 
 
 def _number(constant: ast.Constant, game: Composition) -> WrittenNumber:

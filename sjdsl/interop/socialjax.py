@@ -179,8 +179,8 @@ class SocialJaxGame:
         value = jnp.asarray(counts[figure.of], jnp.float32)
         value = value.sum() if figure.sum else value
         known = {"agents": self.num_agents, "steps": self.num_inner_steps}
-        for name in figure.times:
-            value = value * (known[name] if name in known else getattr(self.env.params, name))
+        for factor in figure.times:
+            value = value * (factor if isinstance(factor, int) else known[factor] if factor in known else getattr(self.env.params, factor))
         return jnp.broadcast_to(value, (self.num_agents,))
 
 

@@ -5,11 +5,10 @@ from collections.abc import Callable
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.interop.socialjax_table import Entry, Source
+from sjdsl.interop.socialjax_table import EVERYONE, Entry, Source, channels_of
 from sjdsl.runtime.env import Environment
 
 TURNED = ("same heading", "turned left", "opposite", "turned right")
-EVERYONE = "everyone."
 
 
 def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array], Array]]:
@@ -21,11 +20,10 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     index = {name: number for number, name in enumerate(env.channel_names)}
     turned = TURNED if entry.headings == "left first" else (TURNED[0], TURNED[3], TURNED[2], TURNED[1])
     headings = [f"agent: other {name}" for name in turned]
-    rest = [source for sources in entry.rest for source in _of_each(sources, env.num_agents)]
+    rest = [source for sources in entry.rest for source in _one_by_one(sources, env.num_agents)]
 
     def any_of(observation: Array, source: Source) -> Array:
-        names = [source] if isinstance(source, str) else source
-        planes = [observation[:, index[name]] for name in names if name]
+        planes = [observation[:, index[name]] for name in channels_of(source, env.num_agents)]
         return sum(planes[1:], planes[0]) if planes else jnp.zeros_like(observation[:, 0])
 
     def channels(observation: Array) -> Array:
@@ -38,8 +36,6 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     return len(entry.tiles) + 2 + len(TURNED) + len(rest), channels
 
 
-def _of_each(source: str, num_agents: int) -> list[str]:
-    """Returns the channels of ours that `everyone.FIELD` stands for, one an agent; any other is one channel."""
-    if not source.startswith(EVERYONE):
-        return [source]
-    return [f"everyone[{agent}].{source.removeprefix(EVERYONE)}" for agent in range(num_agents)]
+def _one_by_one(source: str, num_agents: int) -> list[str]:
+    """Returns a source for each channel of theirs: for what is shown of everyone one an agent."""
+    return channels_of(source, num_agents) if source.startswith(EVERYONE) else [source]

@@ -2,7 +2,7 @@
 
 import tomllib
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -10,6 +10,8 @@ from sjdsl.games_folder import games_folder
 
 FILE = "socialjax.toml"
 Source = str | list[str]  # the channels of ours that make one of theirs; "": always zero
+NOT_HERE = "not here: "  # how the source of a channel begins that holds something there and nothing here
+EVERYONE = "everyone."  # how one begins that stands for a channel for each agent
 
 
 class _Row(BaseModel):
@@ -22,7 +24,7 @@ class Figure(_Row):
     of: str | None = None
     action: str | None = None
     sum: bool = False
-    times: tuple[str, ...] = ()
+    times: tuple[str | int, ...] = ()
 
 
 class Entry(_Row):
@@ -30,6 +32,7 @@ class Entry(_Row):
 
     game: str
     tiles: list[Source]
+    plain: list[str]
     headings: Literal["left first", "right first"]
     compass: Literal["turned round", "as ours"] = "turned round"
     rest: list[str]
@@ -38,8 +41,38 @@ class Entry(_Row):
     letters: dict[str, str] = {}
 
 
+class Difference(_Row):
+    """Something that is seen otherwise there than here, in some games (by their ids), or in all."""
+
+    games: tuple[str, ...] = ()
+    what: str
+    there: str
+    here: str
+
+
+@cache
+def _table() -> dict[str, Any]:
+    return tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
+
+
 @cache
 def entries() -> dict[str, Entry]:
     """Returns the ids."""
-    table = tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
-    return {name: Entry.model_validate(row) for name, row in table.items()}
+    return {name: Entry.model_validate(row) for name, row in _table().items() if name != "differences"}
+
+
+@cache
+def differences() -> tuple[Difference, ...]:
+    """Returns what is seen otherwise, as written down."""
+    return tuple(Difference.model_validate(row) for row in _table()["differences"])
+
+
+def channels_of(source: Source, num_agents: int) -> list[str]:
+    """Returns the channels of ours that a source reads."""
+    names = [source] if isinstance(source, str) else source
+    read = [name for name in names if name and not name.startswith(NOT_HERE)]
+    each = [
+        [f"everyone[{agent}].{name.removeprefix(EVERYONE)}" for agent in range(num_agents)] if name.startswith(EVERYONE) else [name]
+        for name in read
+    ]
+    return [name for names in each for name in names]

@@ -18,6 +18,7 @@ TESTS = {
     "clean_up grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
     "clean_up pollute": "test_clean_up_chances.py test_dirt_comes_to_every_clean_cell_alike",
     "clean_up walk": f"test_clean_up_chances.py {CONTESTED}",
+    "clean_up rinse": "test_clean_up_chances.py test_a_cell_that_several_clean_counts_once_and_for_each_alike",
     "clean_up fire": "test_clean_up_chances.py test_home_is_every_free_gate_alike",
     "clean_up+meltingpot grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
     "clean_up+meltingpot fire": "test_clean_up_chances.py test_who_was_away_comes_to_every_free_gate_alike",

@@ -164,6 +164,21 @@ def test_who_was_away_comes_to_every_free_gate_alike() -> None:
     assert_uniform(seen["heading"][1], 0.05)
 
 
+@pytest.mark.parametrize("number", [2, 3])
+def test_a_cell_that_several_clean_counts_once_and_for_each_alike(number: int) -> None:
+    env = environment("clean_up")
+    dirty = np.array([cell == (4, 2) for cell in cells_of(env, "water")])
+    state = state_with(dirty, [(5, 1), (5, 3), (5, 2), *SAND[3:]])
+
+    def cleaned(key: jax.Array) -> jax.Array:
+        return env.step_env(key, state, jnp.array([8] * number + [6] * (7 - number)))[4]["events"]["cleaned"]
+
+    found = np.asarray(jax.jit(jax.vmap(cleaned))(jax.random.split(jax.random.key(9), BATCH)))
+    assert (found.sum(axis=1) == 1).all()
+    assert found[:, number:].sum() == 0
+    assert_uniform(found[:, :number].sum(axis=0), 0.13)
+
+
 def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
     env = environment("clean_up")
     places = [(11, 5), (12, 6), (11, 7), *SAND[:4]]

@@ -54,10 +54,12 @@ def test_the_beam_turns_with_the_agent(heading: int, arrow: str) -> None:
 
 
 def test_cleaners_clean_the_union_of_their_beams() -> None:
-    """Each counts what was dirty when it cleaned, the shared cells too."""
+    """Each counts what it cleans alone; each of the two cells that both clean counts for one of them."""
     scene = put(*DIRTY, ".^^....  01", "PPP^#..  2", *BARE).step("clean, clean")
     scene.shows("FFFFFFS", "FHHFFFS", "HHHH#FF", ".^^....", "PPP^#..", *BARE)
-    assert scene.events["cleaned"] == [4, 4, 0]
+    first, second, third = scene.events["cleaned"]
+    assert (first + second, third) == (6, 0)
+    assert 2 <= first <= 4
     assert scene.metrics["clean_water"] == 6
 
 

@@ -67,7 +67,7 @@ DEFAULT = {
             "best_rate": 0.05, "spoiled_at": 0.4, "perfect_at": 0.0, "respawn_delay": 0,  # released code
         },
         own=("zap", "clean"),
-        schedule="grow pollute tick walk eat scrub fire",
+        schedule="grow pollute tick walk eat scrub rinse fire",  # ours: rinse, so that each cleaned cell counts once
         shape=T_SHAPE,
         walls_stop=frozen("agents", "beam"),
     ),
@@ -128,7 +128,8 @@ ROOM_BEAM = {"numbers": {"respawn_delay": 100}, "shape": lanes(4), "timers": fro
 CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("coins", "socialjax"): COMPASS,
     ("coins", "meltingpot"): {"numbers": {"spawn": 0.00025}},  # MP: 0.0005 for both colours together
-    **{(game, "socialjax"): THROUGH_WALLS for game in ("harvest_open", "harvest_closed", "harvest_partnership", "clean_up")},
+    **{(game, "socialjax"): THROUGH_WALLS for game in ("harvest_open", "harvest_closed", "harvest_partnership")},
+    ("clean_up", "socialjax"): {**THROUGH_WALLS, "schedule": "sample grow pollute tick walk eat scrub rinse fire"},
     ("harvest_open", "meltingpot"): OPEN_BEAM,
     ("harvest_closed", "meltingpot"): ROOM_BEAM,
     ("harvest_partnership", "meltingpot"): ROOM_BEAM,
@@ -141,7 +142,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     },
     ("gift_refinement", "socialjax"): {
         **COMPASS,
-        "schedule": "grow walk collect offer receive(cut) receive(fine) consume",
+        "schedule": "grow walk collect offer receive(cut) receive(fine) sample consume",
         "seen": frozenset(),
     },
     ("gift_refinement", "meltingpot"): {
@@ -153,6 +154,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("mushrooms", "socialjax"): {
         **COMPASS,
         "schedule": "sprout(red) sprout(green) sprout(blue) sprout(orange) walk eat fire tick",
+        "seen": frozenset(),  # released code
     },
     ("mushrooms", "meltingpot"): {
         "numbers": {
@@ -161,7 +163,13 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
             "spores": ((3, 0, 0, 0), (3, 3, 0, 0), (3, 3, 3, 0), (0, 0, 0, 1)),
         }
     },
-    ("pd_arena", "socialjax"): {**COMPASS, "schedule": "grow walk collect meet rest tick", "of_others": frozen("bag")},
+    ("pd_arena", "socialjax"): {
+        **COMPASS,
+        "schedule": "grow walk collect meet rest tick",
+        "shape": {(1, 0), (2, 0)},  # released code: one cell is reached, two are marked
+        "seen": frozenset(),
+        "of_others": frozen("bag"),  # released code: of everybody
+    },
     **{(game, "crowd"): ROOMS_CROWD for game in ("harvest_closed", "harvest_partnership", "clean_up", "coop_mining", "gift_refinement")},
     ("harvest_open", "crowd"): CROWD,
     ("mushrooms", "crowd"): {"numbers": {"players": 20, "everyone": (0.0, 0.1, 0.0, -0.2), "others": (0.0, 0.0, 3 / 19, 0.0)}},
@@ -184,7 +192,7 @@ def facts_of(game: ir.Game, plain: ir.Game) -> Facts:
         shape=cells,
         walls_stop=frozenset(b.what for kind in game.kinds if kind.name == "wall" for b in kind.blocks),
         seen=frozenset(s.field for s in game.sights if s.what == "own"),
-        of_others=frozenset(s.field for s in game.sights if s.what == "other"),
+        of_others=frozenset(s.field for s in game.sights if s.what in ("other", "everyone")),
         timers=frozenset(f.name for f in game.agents.fields if f.timer),
         relative=game.agents.relative,
         rows="" if game.rows == plain.rows else "_crowd",

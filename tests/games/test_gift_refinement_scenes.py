@@ -286,8 +286,16 @@ def test_what_is_seen() -> None:
 
 @BOTH
 def test_the_ray_is_seen_in_one_observation(stage: Stage) -> None:
-    """Also of one who has nothing to give."""
+    """Also of one who has nothing to give; as released on bare ground only, where no agent stands."""
     scene = put(stage, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={1: (1, 0, 0)}).step("gift, gift")
     assert scene.value("marks offer") == {(0, 4), (1, 4)}
-    assert [scene.seen(1, "marks", ahead=n) for n in (0, 1, 2, 3)] == ["", "offer", "offer", ""]
+    assert [scene.seen(1, "marks", ahead=n) for n in (0, 1, 2, 3)] == (["", "offer", "offer", ""] if stage is DEFAULT else [""] * 4)
     assert scene.step().value("marks offer") == set()
+    scene = put(stage, "TTTTTTTT", "TTTT^TTT  0", *ROWS[2:4], "vvvvPPPP").step("gift")
+    assert scene.seen(0, "marks", ahead=1) == "offer"
+
+
+def test_held_tokens_are_counted_as_released_before_they_are_consumed() -> None:
+    """Released code: after gifts, before consumption; by default at the end of the step."""
+    for stage, held in ((DEFAULT, 0), (RELEASED, 5)):
+        put(stage, *ROWS[:4], "vvvvvPPP", bags={0: (1, 2, 3)}).step("consume").has({"metric refined_held": held, "event consumed": {0: 6}})

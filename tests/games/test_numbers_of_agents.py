@@ -7,7 +7,12 @@ import jax.numpy as jnp
 import pytest
 
 from sjdsl import make
+from sjdsl.cli.describe import describe
+from sjdsl.compiler.agent_range import agent_range
 from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.read import read_source
+from sjdsl.doc import read_written
+from sjdsl.games_folder import find_game
 
 from .environments import NINE
 from .found import Form, forms, rules_of
@@ -32,6 +37,8 @@ MOST_OF_A_CROWD = {
     "coop_mining": (20, "`camp` has 20 cells for 21 agents"),
     "gift_refinement": (20, "`camp` has 20 cells for 21 agents"),
 }
+# the five others: the starts of their maps, or the limit of the language. Melting Pot has no other maps of them
+MOST_OF_OTHERS = {"allelopathic_harvest": 64, "chicken": 64, "predator_prey": 34, "stag_hunt": 64, "territory": 9}
 NAMED = [form for form in forms() if form.game in NINE and form.agents is None]
 
 
@@ -59,6 +66,29 @@ def test_one_alone_is_told_why(form: Form) -> None:
     """In one message: what is wrong with the number, not what follows from it."""
     high = {"coins": 2, "coop_mining": 32, "clean_up": 64, "gift_refinement": 64, "mushrooms": 64, "pd_arena": 64}.get(form.game, 60)
     assert re.fullmatch(rf"SJ214 \d+:\d+ `players` is 1, outside 2 \.\. {high}( \(.*\))?", refusal(form._replace(agents=1)))
+
+
+@pytest.mark.parametrize("form", [form for form in forms() if form.agents is None], ids=str)
+def test_the_printed_range_is_what_is_accepted(form: Form) -> None:
+    """Of every game on every map: both ends are taken, one beyond is not."""
+    source = read_source(find_game(form.game))
+    variants = (form.variant,) if form.variant else ()
+    name, low, high = agent_range(source, variants)
+    written = read_written(source, variants).numbers[name]
+    assert (written.low, written.high) == (str(low), str(high))
+    assert high == (most_of(form)[0] if form.game in NINE else MOST_OF_OTHERS[form.game])
+    assert low == 2
+    for number in (low, high):
+        assert rules_of(form._replace(agents=number)).agents.number == number
+    for number in (low - 1, high + 1):
+        assert refusal(form._replace(agents=number))
+
+
+@pytest.mark.parametrize("game", ["clean_up", "harvest_closed", "predator_prey"])
+def test_list_prints_the_same_range(game: str) -> None:
+    (players,) = [size for size in describe(game)["sizes"] if size["name"] == "players"]
+    _, low, high = agent_range(read_source(find_game(game)))
+    assert (players["low"], players["high"]) == (low, high)
 
 
 @pytest.mark.parametrize("game", NINE)

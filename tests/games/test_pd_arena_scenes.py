@@ -350,8 +350,8 @@ def own_planes(stage: Stage) -> set[str]:
 
 @BOTH
 def test_what_is_reached_is_seen_in_one_observation(stage: Stage) -> None:
-    """Also if nobody is met; not of one who is held."""
+    """Also if nobody is met; not of one who is held. As released the cell behind it is marked, too, but no mark is seen under agents."""
     scene = in_line(stage, "..>.>...", bags={0: (1, 0)}, held={1: 9}).step("interact, interact")
-    assert scene.value("marks meet") == {(2, 3)}
+    assert scene.value("marks meet") == ({(2, 3)} if stage is DEFAULT else {(2, 3), (2, 4)})
     assert [scene.seen(0, "marks", ahead=n) for n in (0, 1, 2)] == ["", "meet", ""]
     assert scene.step().value("marks meet") == set()

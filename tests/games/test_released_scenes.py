@@ -11,6 +11,7 @@ RIVER = ("HHHHHS", "HHHHHS", "HHH#HH", "......", "PPP.#.", "BBBBBB")
 COINS = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, variant="socialjax")
 HARVEST = Stage("harvest_open", FIELD, 3, variant="socialjax")
 CLEAN_UP = Stage("clean_up", RIVER, 3, variant="socialjax")
+ORCHARD = Stage("harvest_open", ("QQPPP", ".....", "..A..", ".A.A.", "....."), 2, variant="socialjax", looks={"a": "soil fruit=none"})
 MOVES = [  # agent 0 with room around it
     (COINS, ("CCCCP", "CC^CC", "CCCCC", "PCCC<")),
     (HARVEST, ("QQPvv", ".....", "..#..", ".^...  0", ".....")),
@@ -40,6 +41,28 @@ def test_cleaning_passes_walls() -> None:
     """The cell behind the wall is cleaned with the two beside it."""
     scene = CLEAN_UP.put("FFFFFS", "FFFFFS", "FFF#FF", "...^..  0", "^^P.#.", "BBBBBB", params={"pollution": 0}).step("clean")
     scene.shows("FFFFFS", "FFFHFS", "FFH#HF", "...^..", "^^P.#.", "BBBBBB").has({"event cleaned": [3, 0, 0]})
+
+
+def test_clean_water_is_counted_before_anything_else() -> None:
+    """Released code: at the start of a step, before dirt falls and before anybody cleans; by default at its end."""
+    picture = ("FFFFFS", "FFFFFS", "FFF#FF", "..^...  0", "^^P.#.", "BBBBBB")
+    scene = CLEAN_UP.put(*picture, params={"pollution": 1, "grace": 0}).step("clean").has({"metric clean_water": 0})
+    after = scene.value("water.state").count("clean")
+    assert after > 0
+    scene.step().has({"metric clean_water": after})
+
+
+def test_marks_are_seen_on_bare_cells_alone() -> None:
+    """Not on ripe apples, walls and agents."""
+    scene = ORCHARD.put("QQPPP", "..v..  1", "..a..", ".A^A.  0", ".....").step("zap")
+    assert [scene.seen(0, "marks", ahead, right) for ahead, right in ((1, 0), (1, 1), (1, -1))] == ["fire", "fire", "fire"]
+    scene = ORCHARD.put("QQPPP", ".....", "..A..", ".A^A.  0", "..v..  1").step("zap")
+    assert [scene.seen(0, "marks", ahead, right) for ahead, right in ((1, 0), (2, 0), (1, 1))] == ["", "fire", "fire"]
+    assert scene.seen(0, "content", ahead=1) == "apple"
+    assert {scene.seen(0, "content", ahead=3, right=right) for right in (-2, 0, 2)} == {"floor"}
+    scene = HARVEST.put("QQPPP", ".....", "..#..", "..^..  0", "vv...  12").step("zap")
+    assert (scene.seen(0, "marks", ahead=1), scene.seen(0, "marks", ahead=2)) == ("", "fire")
+    assert scene.seen(0, "content", ahead=1) == "outside"
 
 
 def test_in_the_river_zaps_pass_walls_too() -> None:

@@ -126,6 +126,22 @@ def test_the_arena_shows_all_bags() -> None:
     assert seen[0, 9, 0, 15:19].tolist() == [0, 4, 2, 6]
 
 
+def test_refined_tokens_are_logged_ten_times_before_they_are_consumed() -> None:
+    env = socialjax.make("gift")
+    _, state = resets(env, 3)
+    bags = jnp.zeros_like(state.game.agent_bag).at[0].set(jnp.asarray([4, 2, 1], state.game.agent_bag.dtype))
+    *_, info = env.step(jax.random.key(1), state.replace(game=state.game.replace(agent_bag=bags)), [8, *[STAY] * 4])
+    assert info["level_two_and_three_tokens"].tolist() == [30.0] * 5
+
+
+def test_clean_water_is_logged_as_it_was_at_the_start_of_the_step() -> None:
+    """Released code: 68 of its 147 cells of water are clean in the first step, whatever is cleaned in it."""
+    env = socialjax.make("clean_up")
+    _, state = resets(env, 3)
+    *_, info = env.step(jax.random.key(1), with_agent(env, state, [(5, c) for c in range(7)], [0] * 7), [8] * 7)
+    assert info["cleaned_water"].tolist() == [68.0] * 7
+
+
 def paid(raw: list[float], **mode: Any) -> np.ndarray:
     """Returns what the agents of a mode are paid for these raw rewards, at time step 0 of the training."""
     from sjdsl.interop.socialjax_rewards import Mode, make_rewards

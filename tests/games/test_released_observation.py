@@ -1,0 +1,58 @@
+"""The variant `socialjax` tells apart what the released observation tells apart, and the page of the games lists what else is different."""
+
+from pathlib import Path
+
+import pytest
+
+from sjdsl.compiler.lower import token_planes
+from sjdsl.doc.released import released_game, released_section, unread
+from sjdsl.interop.socialjax_table import NOT_HERE, channels_of, differences, entries
+from sjdsl.interpreter.planes import planes
+from sjdsl.runtime.planes import channel_names
+
+PAGE = Path(__file__).parent.parent.parent / "docs" / "games.md"
+# How cells look, beside what is outside the map or a wall, alike there. Source: tile channels of the released code; `floor` and `grass`
+# are cells without any, `covered` those under agents, where something is that would be seen.
+LOOKS = {
+    "coins": {"floor", "mine", "theirs"},
+    **{f"harvest_{form}": {"floor", "apple"} for form in ("open", "closed", "partnership")},
+    "clean_up": {"grass", "apple", "channel", "water state=clean", "water state=dirty", "covered"},
+    "coop_mining": {"rock ore=none", "camp", "rock ore=iron", "rock ore=gold", "rock ore=partial", "covered"},
+    "mushrooms": {f"ground grows={kind}" for kind in ("none", "red", "green", "blue", "orange")},
+    "gift_refinement": {"floor", "token"},
+    "pd_arena": {"floor", "coop", "defect"},
+}
+# Released code: beams leave marks, but not the ray of miners; of agents only the bags of the arena are shown.
+PLANES = {
+    "coins": ["content", "agent"],
+    "coop_mining": ["content", "agent"],
+    "pd_arena": ["content", "agent", "marks", *(f"everyone[{agent}].bag[{word}]" for word in ("coop", "defect") for agent in range(4))],
+}
+
+
+@pytest.mark.parametrize("game", LOOKS)
+def test_looks_and_planes_are_the_released_ones(game: str) -> None:
+    shown = planes(released_game(game))
+    assert set(shown[0].labels) == {"outside", *LOOKS[game]}
+    assert [plane.name for plane in shown] == PLANES.get(game, ["content", "agent", "marks"])
+
+
+@pytest.mark.parametrize("theirs", entries())
+def test_every_channel_is_in_the_table_or_in_the_program(theirs: str) -> None:
+    entry = entries()[theirs]
+    game = released_game(entry.game)
+    read = [name for source in [*entry.tiles, *entry.rest] for name in channels_of(source, game.agents.number)]
+    assert set(read) <= set(channel_names(token_planes(game)))
+    assert len(set(read)) == len(read)
+    assert unread(entry, game) == []
+    assert unread(entry.model_copy(update={"tiles": entry.tiles[1:]}), game) != []
+
+
+def test_the_page_has_a_row_for_each_difference() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    rows = [line for line in released_section() if line.startswith("| ")][2:]
+    assert all(row in page for row in rows)
+    wanted = {d.what for d in differences()}
+    wanted |= {s.removeprefix(NOT_HERE) for e in entries().values() for s in e.rest if s.startswith(NOT_HERE)}
+    assert {row.split(" | ")[1] for row in rows} == wanted
+    assert {game for d in differences() for game in d.games} <= set(entries())
