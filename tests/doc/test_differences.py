@@ -107,8 +107,8 @@ PAIRS = {
     "blocks": ([("blocks agents, ray", "blocks agents")], "Kinds of cell | wall | - A lane of `ray` ends at a wall cell."),
     "new kind": (
         [("  group ground", '  kind pond "~" { field fish : 0 .. 3 = 1 }\n  group ground'), ('"..T#"', '".~T#"')],
-        "Map | cells of grass: 4 -> 3 | cells of pond (`fish` = 1): added, 1 | cells of the same kind and state: 8 -> 7 | Kinds of cell |"
-        " kind pond: added, glyph ~ | pond | + `fish`: a whole number from 0 to 3, at first 1. |"
+        "Numbers | players, may be: 1 to 4 -> 1 to 3 | Map | cells of grass: 4 -> 3 | cells of pond (`fish` = 1): added, 1 |"
+        " cells of the same kind and state: 8 -> 7 | Kinds of cell | kind pond: added, glyph ~ | pond | + `fish`: a whole number from 0 to 3, at first 1. |"
         " glyph ~: added, pond `fish` = 1 | Observation | not seen | + The `fish` of pond cells.",
     ),
     "group": ([("group ground = grass, tree", "group ground = grass")], "Kinds of cell | group ground: grass, tree -> grass"),
@@ -205,12 +205,12 @@ def test_json_holds_the_same() -> None:
 COMPASS = ("Agents", "moves: relative to the heading -> by the compass")
 THROUGH_WALLS = ("Kinds of cell", "A lane of `beam` ends at a wall cell")
 RELEASED = {
-    "clean_up": [COMPASS, THROUGH_WALLS],
+    "clean_up": [COMPASS, THROUGH_WALLS, ("Observation", "+ `gate` cells not as what they are, but as `grass`")],
     "coins": [COMPASS],
     "coop_mining": [COMPASS, ("Numbers", "spawn_iron: 0.0004 -> 0.0002"), ("Numbers", "spawn_gold: 0.00016 -> 0.00008")],
     "gift_refinement": [
         COMPASS,
-        ("Schedule", "phase consume: place 4, after collect -> place 7, after receive(fine)"),
+        ("Schedule", "phase consume: place 4, after collect -> place 8, after sample"),
         ("Observation", "- The `raw` entry of the `bag` of the observer itself"),
     ],
     "harvest_closed": [COMPASS, THROUGH_WALLS],
@@ -222,7 +222,7 @@ RELEASED = {
         ("Schedule", "phase tick"),
         ("Phases", "- Each agent *one*, standing for agent *row* and agent *column* in turn"),
         ("Phases", "+ Each agent *column* that stands in the `reach` of agent *row*"),
-        ("Observation", "+ The `coop` entry of the `bag` of other agents"),
+        ("Observation", "+ The `coop` entry of the `bag` of every agent"),
     ],
 }
 
