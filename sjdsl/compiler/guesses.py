@@ -88,6 +88,10 @@ TYPES = {
     ),
 }
 
+# Sides of the window: `window radius 5`.
+_SIDES = "a window is given by its sides, as in `window ahead 9, behind 1, left 5, right 5`"
+SIDES = dict.fromkeys(("radius", "size", "range", "width", "height", "square", "distance"), _SIDES)
+
 # Frames of movement: `moves diagonal`.
 MOVES = {
     **dict.fromkeys(

@@ -11,7 +11,7 @@ from functools import cache
 from lark import Token
 
 from sjdsl.compiler.automaton import END, Automaton, Stack, reach, read
-from sjdsl.compiler.diagnostics import Diagnostic, Fix
+from sjdsl.compiler.diagnostics import Diagnostic, Fix, Label
 from sjdsl.compiler.phrases import PHRASES, Phrase
 from sjdsl.compiler.repair import ENOUGH, ENTRIES, SECTIONS, SENTENCES, Trouble
 from sjdsl.compiler.scan import CLOSING, OPENING
@@ -108,7 +108,7 @@ def _end_of(element: str, at: int, trouble: Trouble, lex: Lex) -> int:
         case "PATH":
             return _end_of_path(kinds, at)
         case "TURNS" | "NAMES":
-            return _end_of_list(kinds, at)
+            return _end_of_list(kinds, trouble.texts, at)
         case _:
             return _end_of_read(element, at, trouble, lex)
 
@@ -122,15 +122,15 @@ def _end_of_path(kinds: Sequence[str], at: int) -> int:
     return at
 
 
-def _end_of_list(kinds: Sequence[str], at: int) -> int:
-    """Names with brackets behind them or not, and commas, arrows or nothing between them."""
+def _end_of_list(kinds: Sequence[str], texts: Sequence[str], at: int) -> int:
+    """Names with brackets behind them or not, and commas, arrows of any kind, `then` or nothing between them."""
     end = at
     while kinds[at] == "NAME":
         at += 1
         if kinds[at] == "LPAR" and "RPAR" in kinds[at:]:
             at = at + list(kinds[at:]).index("RPAR") + 1
         end = at
-        at += kinds[at] in ("COMMA", "ARROW")
+        at += 2 if (texts[at], texts[at + 1 : at + 2]) == ("=", [">"]) else kinds[at] in ("COMMA", "ARROW")
     return end
 
 
@@ -183,4 +183,7 @@ def idiom_error(idiom: Idiom, diagnostic: Diagnostic, tokens: Sequence[Token], s
     begin, end = tokens[idiom.start].start_pos or 0, tokens[idiom.end - 1].end_pos or 0
     facts = {**diagnostic.facts, "help": idiom.help}
     fix = None if idiom.phrase.explanation else Fix(source.span(begin, end), idiom.instead)
-    return Diagnostic(diagnostic.code, diagnostic.span, facts, (), fix)
+    last = tokens[idiom.end - 1]
+    behind = (last.line or 0) < diagnostic.span.line
+    labels = (Label(source.span(last.start_pos or 0, end), "after this"),) if behind else ()
+    return Diagnostic(diagnostic.code, diagnostic.span, facts, labels, fix)

@@ -34,7 +34,7 @@ class Phrase:
 
 def names(text: str) -> list[str]:
     """Returns the names of a list, with what stands in brackets behind them."""
-    return re.findall(r"\w+(?:\s*\([^)]*\))?", text)
+    return [name for name in re.findall(r"\w+(?:\s*\([^)]*\))?", text) if name != "then"]
 
 
 def _phrase(pattern: str, instead: str, explanation: str = "") -> Phrase:
@@ -91,6 +91,8 @@ def _sentences() -> Iterator[tuple[str, ...]]:
         yield f"{words} EXPR", "chance {1}"
     for words in ("else if", "elif", "elsif", "elseif"):
         yield f"{words} EXPR", "otherwise when {1}"
+    for everybody in ("all agents", "every agent", "agents", "all", ""):
+        yield f"move {everybody}", "move each agent"
     yield "agents", "agent"
 
 
@@ -136,12 +138,20 @@ def _declarations() -> Iterator[tuple[str, ...]]:
         yield f"window {square}", "window ahead {1}, behind {1}, left {1}, right {1}", sides
     for braces in ("TURNS", "= TURNS", ": TURNS", "{ TURNS }"):
         yield f"schedule {braces}", "schedule {1}"
+    for word in ("view", "vision", "sight"):
+        yield f"{word} INT", "window ahead {1}", "a window is given by its sides, as in `window ahead 9, behind 1, left 5, right 5`"
+    yield "kind NAME STRING , NAME STRING", "kind {1} {2}  kind {3} {4}"
+    yield "kind NAME", 'kind {1} "."', 'each kind has a glyph, the character that stands for it on the map: `kind {1} "."`'
+    for solid in ("blocks", "solid", "blocking", "impassable", "blocked"):
+        yield solid, "blocks agents"
+    yield "agents NAME , NAME", "agents 2", "agents have numbers, not names: `agents 2 {{ … }}`; roles are kept in fields"
     for sign in ("=", ":"):
         yield f"agents {sign} EXPR", "agents {1}"
         yield f"moves {sign} NAME", "moves {1}"
         yield f"kind NAME {sign} STRING", "kind {1} {2}"
     for braces in ("= NAMES", ": NAMES", "{ NAMES }", "NAMES"):
         yield f"acts {braces}", "acts {1}"
+        yield f"actions {braces}", "acts {1}"
     for number in (4, 3, 2):
         events = "  ".join(f"event {{{i + 1}}}" for i in range(number))
         yield "event " + " , ".join(["NAME"] * number), events
@@ -149,7 +159,15 @@ def _declarations() -> Iterator[tuple[str, ...]]:
     unit = "a number has a unit, `{word} {1} : reward = {2}`: count, steps, cells, reward, probability or fraction"
     for word in ("param", "size"):
         of = "reward" if word == "param" else "count"
-        yield f"{word} NAME = EXPR", f"{word} {{1}} : {of} = {{2}}", unit.replace("{word}", word).replace("reward =", f"{of} =")
+        for sign in (" =", " :", ""):
+            yield f"{word} NAME{sign} EXPR", f"{word} {{1}} : {of} = {{2}}", unit.replace("{word}", word).replace("reward =", f"{of} =")
+    for sign in ("=", ":"):
+        yield f"reward NAME {sign} EXPR", "param {1} : reward = {2}"
+    for between in ("to", "-"):
+        yield f"field NAME : INT {between} INT", "field {1} : {2} .. {3}"
+    yield "field NAME : [ INT , INT ]", "field {1} : {2} .. {3}"
+    typed = "a field has a type before its first value: a range `field {1} : 0 .. 9 = 0`, or words `field {1} : {{ red, blue }} = red`"
+    yield "field NAME = EXPR", "field {1} : 0 .. 9 = {2}", typed
     whole = "a field of whole numbers is written with its range: `field {1} : 0 .. 100 = 0`"
     yield "field NAME : count = EXPR", "field {1} : 0 .. 100 = {2}", whole
     yield "field NAME : count", "field {1} : 0 .. 100 = 0", whole
@@ -159,6 +177,14 @@ def _declarations() -> Iterator[tuple[str, ...]]:
 
 
 def _checks() -> Iterator[tuple[str, ...]]:
+    for each in ("each", "for each", "for all", "forall"):
+        yield f"always {each} DOMAIN : EXPR", "always count({1}{and1} not {all2}) == 0"
+    measured = "`mean {1} = {2}` is averaged over an episode, `final {1} = {2}` is its value at the end"
+    for word in ("NAME", "sum NAME", "total NAME", "metric NAME", "mean NAME"):
+        for sign in ("=", ":"):
+            if (word, sign) != ("mean NAME", "="):
+                yield f"{word} {sign} EXPR", "mean {1} = {2}", measured
+    yield "total NAME", "event {1}", "`event {1}` counts what `tally {1}` reports; `mean` and `final` measure"
     yield "never EXPR", "always not {all1}"
     yield "always never EXPR", "always not {all1}"
     yield "eventually EXPR", "expect {1} with random over 30 episodes"

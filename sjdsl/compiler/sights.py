@@ -1,6 +1,6 @@
 """`observe`: what an agent sees, as a list of sights in a fixed order."""
 
-from sjdsl.compiler import ast, errors, ir, limits
+from sjdsl.compiler import ast, errors, guesses, ir, limits
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.expressions import condition, fixed
 from sjdsl.compiler.scope import Poisoned, Problems, Scope, Static
@@ -23,7 +23,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
         if name.text in [n.text for n, _ in game.window.sides[:i]]:
             scope.problems.add(errors.TWICE, name.span, what=f"`{name.text}`")
         if name.text not in SIDES:
-            scope.problems.unknown(name, SIDES, "the sides of a window")
+            scope.problems.unknown(name, SIDES, "the sides of a window", guesses.SIDES)
             continue
         with scope.problems.survive():
             value = fixed(tree, scope, "the window")

@@ -184,6 +184,8 @@ def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
     kind, text = trouble.kinds[trouble.at], trouble.texts[trouble.at]
     if text == "=" and "CMP" in kinds:
         return "numbers are compared with `==`, words with `is`"
+    if text == ":" and "LBRACE" in kinds:
+        return "what belongs together stands in braces: `{ … }`"
     for group, other, help_ in MISPLACED:
         if kind in group and other <= set(kinds):
             return help_

@@ -28,6 +28,7 @@ PLACES = (
     "{} {{ acts stay }}",
     "phase p {{ each {} {{ give 1 to all }} }}",
     "phase p {{ each tree {} {{ give 1 to all }} }}",
+    'kind stone "s" {{ {} }}',
 )
 
 
