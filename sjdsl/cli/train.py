@@ -29,7 +29,9 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
     help=f"What an agent learns from: {', '.join(REWARDS)}, or FILE.py:FUNCTION; its own reward (individual) unless the preset has another, "
     "and common with vdn.",
 )
-@click.option("--preset", metavar="P", help="paper, two_cores, another preset of the package, or a .toml file, which may name the game.")
+@click.option(
+    "--preset", metavar="P", help="paper, released, two_cores, another preset of the package, or a .toml file, which may name the game."
+)
 @click.option(
     "--set",
     "changes",
