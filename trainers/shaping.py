@@ -114,8 +114,8 @@ def inequity_averse(reward: Array, trace: Array, envy: float, guilt: float) -> A
       trace: `[..., N]`, temporally smoothed rewards, e_t = gamma * lambda * e_{t-1} + r_t: agents that are paid at different steps are
         compared by what they had lately, as people would.
       envy: weight of disadvantageous inequity, alpha; guilt: of advantageous, beta.
-    Source: Hughes et al. 2018, "Inequity aversion improves cooperation in intertemporal social dilemmas", equations 3 and 4; alpha 5 and
-    beta 0.05 are theirs, the value of lambda is ours.
+    Source: Hughes et al. 2018, "Inequity aversion improves cooperation in intertemporal social dilemmas", equation 3 and the smoothed
+    rewards that it is of; alpha 5 and beta 0.05 are theirs, the value of lambda is ours.
     """
     others = max(reward.shape[-1] - 1, 1)
     ahead = trace[..., None, :] - trace[..., :, None]  # [..., i, j] by how much j is ahead of i
