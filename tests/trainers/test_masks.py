@@ -16,6 +16,7 @@ from probes import FAST_TO_COMPILE, matching, quick
 import sjdsl
 from sjdsl.render import play
 from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, evaluate, make_train, trained_policy
+from sjdsl.trainers.actor_critics import make_actor_critics
 from sjdsl.trainers.masks import draw_any, masked, pack_mask, unpack_mask, wants_masks
 from sjdsl.trainers.ppo import Batch, ppo_loss
 from sjdsl.trainers.vdn import Transition, vdn_loss
@@ -130,7 +131,7 @@ def first_update(**changes: Any) -> tuple[TrainState, Any, dict[str, Any]]:
 @pytest.mark.parametrize(
     "changes",
     [
-        {},
+        pytest.param({}, marks=pytest.mark.slow),
         {"algorithm": "mappo", "sharing": "per_agent"},
         pytest.param({"algorithm": "mappo", "sharing": "per_agent", "memory": "gru"}, marks=pytest.mark.slow),
     ],
@@ -146,14 +147,6 @@ def test_closed_doors_are_never_chosen_and_learning_knows_it(changes: dict[str, 
     assert abs(float(metrics["kl"])) < 1e-6
     assert np.isfinite(metrics["gradient_norm"])
     assert rollout.acting.allowed.dtype == jnp.uint8
-
-
-def test_without_masks_closed_doors_are_chosen() -> None:
-    _, (rollout, _), metrics = first_update(mask_actions=False)
-    wasted = (rollout.action != 0) & (rollout.reward == 0.0)
-    assert wasted.mean() > 0.3
-    assert float(metrics["entropy"]) == pytest.approx(np.log(5), abs=0.01)
-    assert rollout.acting.allowed is None
 
 
 def test_exploring_agents_choose_no_closed_door() -> None:
@@ -196,11 +189,16 @@ def test_who_knows_what_is_allowed_goes_through_every_door(changes: dict[str, An
     assert last.returns.tolist() == [STEPS, STEPS]
 
 
-def test_policies_of_what_was_learnt_without_masks_are_not_told() -> None:
-    """They choose one of five actions, of which one is open and paid: 1.6 in eight steps. 512 agents' episodes: a standard error of 0.05."""
-    state, _, _ = first_update(mask_actions=False)
-    parameters = tuple(learner.params for learner in state.learner)
-    policy = trained_policy(one_door(), quick(mask_actions=False), parameters)
+def test_without_masks_closed_doors_are_chosen() -> None:
+    """Networks that have learnt nothing choose one of five actions, of which one is open and paid: 1.6 in eight steps, with masks 4.
+
+    512 agents' episodes: a standard error of 0.05. A policy without masks is not told what is allowed.
+    """
+    config = quick(mask_actions=False)
+    assert isinstance(config, PPOConfig)
+    networks = make_actor_critics(one_door(), config)
+    parameters = jax.jit(lambda key: networks.init(key, one_door()), compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
+    policy = trained_policy(one_door(), config, parameters)
     assert callable(policy)
     returns = evaluate(one_door(), policy, jax.random.key(1), 256).returns
     assert returns.mean() == pytest.approx(STEPS / 5, abs=0.2)

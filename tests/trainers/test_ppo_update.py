@@ -344,11 +344,20 @@ def test_norms_of_gradients_are_told_apart() -> None:
 
 
 @pytest.mark.parametrize(
-    ("loss", "new", "good"), [(1.0, 2.0, True), (np.nan, 2.0, False), (np.inf, 2.0, False), (1.0, np.nan, False), (1.0, -np.inf, False)]
+    ("loss", "new", "diverged", "good"),
+    [
+        (1.0, 2.0, False, True),
+        (np.nan, 2.0, False, False),
+        (np.inf, 2.0, False, False),
+        (1.0, np.nan, False, False),
+        (1.0, -np.inf, False, False),
+        (1.0, 2.0, True, False),
+    ],
 )
-def test_what_is_not_finite_is_not_kept(loss: float, new: float, good: bool) -> None:
+def test_what_is_not_finite_or_was_not_is_not_kept(loss: float, new: float, diverged: bool, good: bool) -> None:
     old = {"weights": jnp.array([1.0, 1.0]), "step": jnp.int32(3)}
-    kept, told = keep_if_finite(jnp.float32(loss), {"weights": jnp.array([2.0, new]), "step": jnp.int32(4)}, old)
+    fresh = {"weights": jnp.array([2.0, new]), "step": jnp.int32(4)}
+    kept, told = keep_if_finite(jnp.float32(loss), fresh, old, jnp.bool_(diverged))
     assert kept["weights"].tolist() == ([2.0, 2.0] if good else [1.0, 1.0])
     assert int(kept["step"]) == (4 if good else 3)
     assert np.isnan(told) == (not good)

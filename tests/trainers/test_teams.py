@@ -86,7 +86,14 @@ def test_a_critic_of_the_state_needs_one() -> None:
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, {"sharing": "by_role", "roles": ROLES}, {"memory": "gru"}, CENTRAL], ids=["shared", "by role", "memory", "mappo"]
+    "changes",
+    [
+        {},
+        CENTRAL,
+        pytest.param({"sharing": "by_role", "roles": ROLES}, marks=pytest.mark.slow),
+        pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
+    ],
+    ids=["shared", "mappo", "by role", "memory"],
 )
 def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(changes: dict[str, Any]) -> None:
     """Agents 0 and 1 share a network in each case; a central critic says a value for each without numbers as well."""
