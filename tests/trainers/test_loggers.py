@@ -78,7 +78,9 @@ def test_wandb_gets_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.Monk
         assert kept["logged"][3][0]["collective_return"] == 2.0
         assert kept["config"]["seeds"] == 2
     resume(matching(), tmp_path / "run", "none")
-    assert len(runs) == 2, "a logger is asked for each time"
+    assert len(runs) == 4, "a run goes on with the loggers it was started with"
+    resume(matching(), tmp_path / "run", "none", loggers=())
+    assert len(runs) == 4, "unless others are asked for, or none"
 
 
 @pytest.mark.parametrize(("name", "package"), [("tensorboard", "tensorboardX"), ("wandb", "wandb")])
