@@ -143,7 +143,7 @@ def test_where_agents_are_by_the_suites_count() -> None:
 
 
 def run_script(tree: Path, folder: Path, family: str, env: str) -> list[dict[str, float]]:
-    """Runs a script of a checkout in a folder for two tiny updates; returns what it logged.
+    """Runs a script of a checkout in a folder for two tiny updates; returns what it logged last of each.
 
     `wandb` is the recorder in `stand_ins/`; the other packages that the suite's scripts import are installed by who runs this.
     """
@@ -174,7 +174,9 @@ def run_script(tree: Path, folder: Path, family: str, env: str) -> list[dict[str
         check=False,
     )
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-6000:]
-    return [line for line in map(json.loads, log.read_text().splitlines()) if set(line) - {"Episode GIF"}]
+    lines = [line for line in map(json.loads, log.read_text().splitlines()) if set(line) - {"Episode GIF"}]
+    updates = {line.get("update_step", line.get("update_steps", number)): line for number, line in enumerate(lines)}  # gift's logs twice
+    return list(updates.values())
 
 
 SCRIPTS = [(family, "coins") for family in FAMILIES] + [("IPPO", game) for game in GAMES if game != "coins"]
