@@ -1,31 +1,37 @@
 """`sjdsl record`: episodes under a policy as a file of arrays, to learn from or to show again."""
 
 import hashlib
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
-from sjdsl.cli.render import choose_policy
+from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.render import check_policy, choose_policy
+from sjdsl.cli.stages import LOADING, Say, stages
 
 if TYPE_CHECKING:
-    from sjdsl.replay import DatasetWriter
+    from sjdsl.replay import DatasetWriter, Header
     from sjdsl.runtime.env import Environment
 
 PACKAGES = ("sjdsl", "jax", "numpy")
+SAID = 100  # after so many episodes it is said how far they are
 
 
 @click.command("record")
 @click.argument("game")
 @click.option("-o", "output", metavar="FILE", help="A .npz; by default GAME.npz.")
 @click.option(
-    "--policy", default="random", show_default=True, metavar="P", help="random, stay, the folder of a training run, or a stored policy."
+    "--policy",
+    default="random",
+    show_default=True,
+    metavar="P",
+    help="random, stay, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION.",
 )
 @click.option("--episodes", type=click.IntRange(min=1), default=10, show_default=True, help="How many.")
-@click.option(
-    "--seed", type=click.IntRange(0, 2**32 - 1), default=0, show_default=True, help="Of the first; the next have the next numbers."
-)
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Of the first; the next have the next numbers.")
 @click.option(
     "--observation",
     type=click.Choice(["tokens", "onehot", "none"]),
@@ -49,39 +55,55 @@ def command(
             raise click.UsageError("a Minari dataset has observations; --observation none keeps none", click.get_current_context())
         check_minari(dataset_id)
     described["params"] = read_assignments(described["params"])
+    check_environment(game, **described)
+    check_policy(policy)
+    require_folder_of(path)
     environment = describe_environment(game, **described)
-    env = make_environment(environment)
-    chosen = choose_policy(policy, env)
+    with stages(LOADING) as say:
+        env = make_environment(environment)
+        chosen = choose_policy(policy, env)
 
-    from sjdsl.replay import Dataset, DatasetWriter, Header, play_episodes
+        from sjdsl.replay import Dataset, Header
 
-    header = Header(
-        game=env.name,
-        environment=environment,
-        hash=env.hash,
-        policy=policy,
-        policy_digest=_digest(policy),
-        seed=seed,
-        episodes=episodes,
-        observation=observation,  # type: ignore[arg-type]
-        planes=_planes(env, observation),
-        action_names=list(env.action_names),
-        versions=_versions(),
-    )
-    writer = DatasetWriter(path, header)
-    try:
-        with writer, click.progressbar(length=episodes, label="playing", hidden=not _on_terminal()) as bar:
-            for episode in play_episodes(env, chosen, seed, episodes, observation):  # type: ignore[arg-type]
-                writer.add(episode)
-                bar.update(1)
-    finally:
-        if path.is_file() and writer.returns:
-            click.echo(_summary(env, path, writer))
+        header = Header(
+            game=env.name,
+            environment=environment,
+            hash=env.hash,
+            policy=policy,
+            policy_digest=_digest(policy),
+            seed=seed,
+            episodes=episodes,
+            observation=observation,  # type: ignore[arg-type]
+            planes=_planes(env, observation),
+            action_names=list(env.action_names),
+            versions={name: version(name) for name in PACKAGES},
+        )
+        summary = write_episodes(env, chosen, header, path, say)
+    click.echo(summary)
     if dataset_id is not None:
         from sjdsl.interop.minari import save_minari
 
         made = save_minari(Dataset(path), dataset_id)
         click.echo(f"{dataset_id}  {made.total_episodes} episodes of one agent each, {made.total_steps} steps")
+
+
+def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path, say: Say) -> str:
+    """Plays and writes what a header says; returns what there is to say about it, which is also said where it is interrupted."""
+    from sjdsl.replay import DatasetWriter, play_episodes
+
+    writer = DatasetWriter(path, header)
+    try:
+        with writer:
+            say(f"playing {header.episodes} episodes of {env.title or env.name}")
+            for number, episode in enumerate(play_episodes(env, policy, header.seed, header.episodes, header.observation), 1):
+                writer.add(episode)
+                if number % SAID == 0 and number < header.episodes:
+                    say(f"{number} of {header.episodes} episodes are written")
+    except KeyboardInterrupt:
+        if writer.returns:
+            click.echo(f"interrupted; what was played is kept\n{_summary(env, path, writer)}")
+        raise
+    return _summary(env, path, writer)
 
 
 def check_minari(dataset_id: str) -> None:
@@ -113,21 +135,11 @@ def _planes(env: "Environment", observation: str) -> list[str]:
 
 
 def _digest(policy: str) -> str | None:
-    """Returns the SHA-256 of the file that a policy is stored in."""
+    """Returns the SHA-256 of the file that a policy is stored in, where it is."""
     if policy in ("random", "stay"):
         return None
     from sjdsl.trainers.policy_file import policy_path
+    from sjdsl.trainers.policy_names import split_name
 
-    return hashlib.sha256(policy_path(Path(policy), "last").read_bytes()).hexdigest()
-
-
-def _versions() -> dict[str, str]:
-    from importlib.metadata import version
-
-    return {name: version(name) for name in PACKAGES}
-
-
-def _on_terminal() -> bool:
-    import sys
-
-    return sys.stderr.isatty() and sys.stdout.isatty()
+    path, which = split_name(policy)
+    return hashlib.sha256(policy_path(path, which).read_bytes()).hexdigest() if path.exists() else None

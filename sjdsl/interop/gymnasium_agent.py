@@ -1,6 +1,5 @@
 """One agent of a compiled game as a Gymnasium environment; the other agents are played by a policy."""
 
-from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -11,9 +10,8 @@ import numpy as np
 from sjdsl.factory import make
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
-from sjdsl.render import random_policy, stay_policy
 from sjdsl.runtime.env import Environment
-from sjdsl.runtime.policy import MemoryPolicy, Policy, take_actions, with_memory
+from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
 
 with needs("gymnasium"):
     import gymnasium
@@ -39,7 +37,7 @@ class AgentGame(gymnasium.Env):
         self,
         game: str,
         agent: int = 0,
-        others: str | PathLike[str] | Callable[..., Any] | MemoryPolicy = "random",
+        others: str | PathLike[str] | Policy = "random",
         observation: str = "onehot",
         render_mode: str | None = None,
         **arguments: Any,
@@ -49,8 +47,9 @@ class AgentGame(gymnasium.Env):
         Args:
           game, observation, arguments: of `sjdsl.make`.
           agent: its number.
-          others: what the other agents do: `random`, `stay`, the folder of a training run, a `.safetensors` file of a policy, or a
-            function `(key, observation) -> actions [num_agents]` that can be jitted, whose observations are tokens of all agents.
+          others: what the other agents do: `random`, `stay`, the folder of a training run, a `.safetensors` file of a policy, or any
+            other name of one (`sjdsl.trainers.find_policy`); or a function `(key, observation) -> actions [num_agents]` that can be
+            jitted, whose observations are tokens of all agents.
           render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as a text; `rgb_array`, a picture.
         Raises:
           ValueError: there is no such agent or mode. PolicyError: `others` names no policy, or one of another game.
@@ -63,7 +62,7 @@ class AgentGame(gymnasium.Env):
         self.observation_space = spaces.Box(0, 255, (rows, cols, channels), np.uint8)
         self.action_space = spaces.Discrete(self.env.num_actions)
         self._seen_by_others = make(game, observation="tokens", **arguments)
-        self._others = with_memory(choose_policy(others, self._seen_by_others))
+        self._others = with_memory(_policy_of(others, self._seen_by_others))
         self._begin, self._advance = jax.jit(self._first), jax.jit(self._next)
         self._key: Any = None
         self._state: Any = None
@@ -133,18 +132,9 @@ class AgentGame(gymnasium.Env):
         return self.env.allowed_actions(state)[self.agent].astype(np.int8)
 
 
-def choose_policy(given: str | PathLike[str] | Callable[..., Any] | MemoryPolicy, env: Environment) -> Policy:
-    """Returns a policy by its name, from where it is stored, or as it is.
+def _policy_of(given: str | PathLike[str] | Policy, env: Environment) -> Policy:
+    if given in ("random", "stay"):  # these need no trainers
+        return random_policy(env) if given == "random" else stay_policy(env)
+    from sjdsl.trainers import find_policy
 
-    Raises:
-      PolicyError: there is no policy of this name, or it does not fit.
-    """
-    if isinstance(given, MemoryPolicy) or callable(given):
-        return given
-    if given in ("random", "stay"):
-        return {"random": random_policy, "stay": stay_policy}[str(given)](env)
-    from sjdsl.trainers import PolicyError, load_policy
-
-    if not Path(given).exists():
-        raise PolicyError(f"there is no policy `{given}`; it is random, stay, the folder of a training run, or a .safetensors file")
-    return load_policy(Path(given), env)
+    return find_policy(Path(given) if isinstance(given, PathLike) else given, env)

@@ -52,7 +52,6 @@ class DatasetWriter:
 
     def __init__(self, path: Path, header: Header) -> None:
         """Begins a file. `header`: its number of episodes is replaced by how many are added."""
-        path.parent.mkdir(parents=True, exist_ok=True)
         self.path, self._header = path, header
         self._unfinished = path.with_name(f"{path.name}.{os.getpid()}")
         self._zip = zipfile.ZipFile(self._unfinished, "w", zipfile.ZIP_DEFLATED, allowZip64=True)
