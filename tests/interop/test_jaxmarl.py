@@ -1,5 +1,6 @@
 """The JaxMARL adapter: what JaxMARL's API tests ask for, its own wrappers, and the game's own step as the oracle."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -13,8 +14,7 @@ from jaxmarl.environments.spaces import Space
 from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
 
 import sjdsl
-from sjdsl.interop import socialjax_modules
-from sjdsl.interop.__main__ import main, run_script
+from sjdsl.interop.__main__ import main
 from sjdsl.interop.jaxmarl import JaxMARLGame
 from sjdsl.interop.jaxmarl_registry import register
 from tests.packaging.installed import GAME
@@ -192,17 +192,16 @@ def test_its_registry_makes_our_games(tmp_path: Path) -> None:
     assert jaxmarl.make is jaxmarl.registration.make
 
 
-def test_its_scripts_run_by_a_line_of_their_configuration(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_its_scripts_run_by_a_line_of_their_configuration(tmp_path: Path) -> None:
     """A script laid out like its baselines, which knows nothing of us: `ENV_NAME` says which game."""
     script = Path(__file__).parent / "stand_ins/baselines/ippo_ff.py"
-    monkeypatch.chdir(tmp_path)
-    for name in ("argv", "path"):
-        monkeypatch.setattr(sys, name, list(getattr(sys, name)))  # what it changes is changed back
-    monkeypatch.setattr(socialjax_modules, "stand_in", lambda: None)
-    run_script(script, ["ENV_NAME=sjdsl/coins", "+ENV_KWARGS.params.length=5"])
-    assert capsys.readouterr().out.splitlines()[-1] == "coins: 4 episodes of 5 steps"
-    monkeypatch.setattr(sys, "argv", ["sjdsl.interop", str(tmp_path / "no.py")])
+    call = [sys.executable, "-m", "sjdsl.interop", str(script), "ENV_NAME=sjdsl/coins", "+ENV_KWARGS.params.length=5"]
+    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "coins: 4 episodes of 5 steps"
+
+
+def test_a_script_that_is_not_there(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys, "argv", ["sjdsl.interop", "no.py"])
     assert main() == 2
-    assert "there is no script" in capsys.readouterr().err
+    assert "there is no script no.py" in capsys.readouterr().err
