@@ -1,6 +1,5 @@
 """The README tells the truth: its game compiles and plays, its Python lines run."""
 
-import json
 import re
 from pathlib import Path
 
@@ -45,26 +44,6 @@ def test_the_python_lines_of_training(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.chdir(tmp_path)
     exec(block("python", "docs/training.md"), {})
     assert "Estimate(mean=" in capsys.readouterr().out
-
-
-def test_the_hooks_of_training(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Each is ten lines at most, and does what it says."""
-    page = (ROOT / "docs/training.md").read_text(encoding="utf-8")
-    section = page[page.index("## Hooks") : page.index("## The folder of a run")]
-    blocks = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
-    assert len(blocks) == 7
-    monkeypatch.chdir(tmp_path)
-    names: dict = {"__name__": "hooks"}
-    for text in blocks:
-        assert len(text.strip().splitlines()) <= 10
-        exec(text, names)
-    read = {path.name: json.loads((path / "manifest.json").read_text()) for path in Path("runs").iterdir()}
-    assert {name: manifest["updates"] for name, manifest in read.items()} == dict.fromkeys(read, 2) | {"tuned": 4}
-    assert {name: manifest["status"] for name, manifest in read.items()} == dict.fromkeys(read, "finished")
-    assert read["attention"]["config"]["network"] == "hooks:Attention"
-    assert read["kind"]["config"]["reward"] == "hooks:kind"
-    assert read["with_stubborn"]["config"]["partners"] == [[1, "hooks:stubborn"]]
-    assert capsys.readouterr().out.startswith("32 ")
 
 
 @pytest.mark.slow

@@ -32,15 +32,18 @@ FILE = "evaluation.json"
     help="Take the best action, or draw one; by default policies of ippo and mappo draw their actions, those of vdn take the best.",
 )
 @click.option(
-    "--which", type=click.Choice(["last", "best"]), default="last", show_default=True, help="The last policy of a run, or its best."
+    "--which", type=click.Choice(["last", "best"]), help="The last policy of a run, which is the default, or its best; as in RUN@best."
 )
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4.")
-def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str, film: str | None) -> None:
+def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str | int | None, film: str | None) -> None:
     """Plays the policy of RUN and a random one; the figures go to the evaluation.json of RUN.
 
-    RUN is a folder that `sjdsl train` wrote; of several seeds, each is evaluated.
+    RUN is a folder that `sjdsl train` wrote, or one of its policies: RUN@best, RUN@UPDATE; of several seeds, each is evaluated.
     """
-    path = Path(run)
+    from sjdsl.trainers.policy_names import split_name
+
+    path, named = split_name(run)
+    which = which or named
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))
@@ -57,7 +60,7 @@ def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str,
         click.echo(done)
 
 
-def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str = "last") -> None:
+def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str | int = "last") -> None:
     """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's."""
     from sjdsl.trainers import evaluate, random_policy, save_evaluation, summarise
     from sjdsl.trainers.evaluation import evaluation_key
@@ -82,7 +85,7 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     click.echo(f"trained return {earned} against {guessed} of a random policy")
 
 
-def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str = "last") -> Any:
+def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last") -> Any:
     """Returns the policy in the folder of a run or in a file; what is to be said about it is said in a line."""
     from sjdsl.trainers import load_policy
 

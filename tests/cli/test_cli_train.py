@@ -28,7 +28,11 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     assert manifest["provenance"]["params"] == {"apple": 2}
     assert manifest["provenance"]["game"] == str(folder / "orchard.sj")
 
-    evaluated = sjdsl("evaluate", run_dir, "--episodes", "3")
+    for missing in ("@7", "@bst"):
+        shown = sjdsl("evaluate", f"{run_dir}{missing}")
+        assert shown.status == 1
+        assert "has no policy" in shown.err
+    evaluated = sjdsl("evaluate", f"{run_dir}@best", "--episodes", "3")
     assert evaluated.status == 0, evaluated.text
     assert "means of 3 episodes" in evaluated.out
     assert "playing 3 episodes of the trained policy" in evaluated.err

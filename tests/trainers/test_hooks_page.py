@@ -1,0 +1,53 @@
+"""The lines of docs/training.md on hooks run as they stand: in Coins, and quickly in a game of one step that has its words."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from probes import Probe, matching
+
+import sjdsl
+from sjdsl.trainers import recorder
+
+PAGE = Path(__file__).parents[2] / "docs" / "training.md"
+
+
+class LikeCoins(Probe):
+    """`matching` with those words of Coins that the page uses."""
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        return ("stay", "forward")
+
+    def step_env(self, *given: Any, **named: Any) -> tuple[Any, ...]:
+        *played, info = super().step_env(*given, **named)
+        events = {"other_coins": info["events"]["second_action"], "own_coins": info["events"]["second_action"]}
+        return *played, info | {"events": events}
+
+
+@pytest.mark.parametrize("game", ["stand-in", pytest.param("coins", marks=pytest.mark.slow)])
+def test_the_hooks_do_what_the_page_says(
+    game: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each is ten lines at most."""
+    page = PAGE.read_text(encoding="utf-8")
+    section = page[page.index("## Hooks") : page.index("## The folder of a run")]
+    blocks = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
+    assert len(blocks) == 7
+    monkeypatch.chdir(tmp_path)
+    if game == "stand-in":
+        monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
+        monkeypatch.setattr(sjdsl, "make", lambda *_, **__: LikeCoins("coins", reward=matching().reward, show=matching().show))
+    names: dict[str, Any] = {"__name__": "hooks"}
+    for text in blocks:
+        assert len(text.strip().splitlines()) <= 10
+        exec(text, names)
+    read = {path.name: json.loads((path / "manifest.json").read_text()) for path in Path("runs").iterdir()}
+    assert {name: manifest["updates"] for name, manifest in read.items()} == dict.fromkeys(read, 2) | {"tuned": 4}
+    assert {name: manifest["status"] for name, manifest in read.items()} == dict.fromkeys(read, "finished")
+    assert read["attention"]["config"]["network"] == "hooks:Attention"
+    assert read["kind"]["config"]["reward"] == "hooks:kind"
+    assert read["with_stubborn"]["config"]["partners"] == [[1, "hooks:stubborn"]]
+    assert capsys.readouterr().out.startswith("32 ")
