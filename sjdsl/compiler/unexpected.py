@@ -154,7 +154,8 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
                 word = word or "=="
                 help_, fix = help_ or f"did you mean `{word}`?", Fix(here, word)
             case "replace" if word and not word.isalpha() and repair.kind not in COMMITTED:
-                expected, fix = f"`{word}`", Fix(here, word)
+                expected = f"`{word}`"
+                fix = None if trouble.texts[trouble.at] == ":" and word == "{" else Fix(here, word)  # nothing closes it then
             case "insert" if word and not word.isalpha():
                 gap = _behind(tokens[trouble.at - 1], source)
                 expected, fix = f"`{word}`", Fix(gap, word if word in ")],:." else f" {word}")

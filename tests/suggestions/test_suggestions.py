@@ -31,3 +31,11 @@ def test_a_mistake_gets_one_message_that_helps(case: Case) -> None:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_what_the_message_suggests_is_accepted(case: Case) -> None:
     assert [f"{d.code.code} {d.message}" for d in errors_of(case.repaired)] == []
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_an_edit_that_comes_with_a_message_can_be_read(case: Case) -> None:
+    text = case.mistaken
+    for fix in [d.fix for d in errors_of(text) if d.fix is not None]:
+        text = text[: fix.span.start] + fix.text + text[fix.span.end :]
+        assert [d.message for d in errors_of(text) if d.code.code < "SJ1"] == []
