@@ -47,8 +47,9 @@ def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str 
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))
+    provenance = _provenance(path)
     with stages(LOADING):
-        env = make_environment(_provenance(path))
+        env = make_environment(provenance)
     folders = sorted(path.glob("seed_*")) or [path]
     for folder in folders:
         evaluate_run(folder, env, episodes, seed, greedy, which)
@@ -115,6 +116,8 @@ def _provenance(run_dir: Path) -> dict[str, Any]:
     path = run_dir / "manifest.json"
     if not path.is_file() and (run_dir.parent / "manifest.json").is_file():
         path = run_dir.parent / "manifest.json"  # one seed of several
+    if not run_dir.exists():
+        raise click.ClickException(f"there is no folder `{run_dir}`; name the folder of a run that `sjdsl train` wrote")
     if not path.is_file():
         raise click.ClickException(
             f"{run_dir} is not the folder of a training run: there is no manifest.json in it. Name the folder that `sjdsl train` wrote"

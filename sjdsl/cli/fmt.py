@@ -104,13 +104,10 @@ def _format_stdin(only_check: bool) -> int:
 
 
 def _summary(changed: int, unchanged: int, problems: int, only_check: bool) -> str:
-    """Returns `5 files: 2 laid out anew, 3 unchanged`, without what there is none of."""
-    parts = [
-        (changed, "would be laid out otherwise" if only_check else "laid out anew"),
-        (unchanged, "laid out as they should be" if only_check else "unchanged"),
-        (problems, "with syntax errors"),
-    ]
-    total, said = changed + unchanged + problems, [(number, what) for number, what in parts if number]
-    if total == 1:
-        return f"1 file, {said[0][1].replace('they', 'it')}"
-    return f"{total} files: {', '.join(f'{number} {what}' for number, what in said)}"
+    """Returns `5 files: 2 are laid out anew, 3 are unchanged`, without what there is none of."""
+    one = ("would be laid out otherwise", "is laid out as it should be") if only_check else ("is laid out anew", "is unchanged")
+    many = ("would be laid out otherwise", "are laid out as they should be") if only_check else ("are laid out anew", "are unchanged")
+    counts = (changed, unchanged, problems)
+    words = [o if count == 1 else m for count, o, m in zip(counts, (*one, "has syntax errors"), (*many, "have syntax errors"), strict=True)]
+    said = [f"{count} {what}" for count, what in zip(counts, words, strict=True) if count]
+    return f"1 file {said[0][2:]}" if sum(counts) == 1 else f"{sum(counts)} files: {', '.join(said)}"

@@ -75,7 +75,8 @@ def report_lines(name: str, report: "Report") -> Iterator[str]:
             yield f"              depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran in any course:"
             yield from (f"                {line}" for line in verdict.untested)
     if report.idle:
-        yield f"  what these lines change never took place in the courses: {', '.join(map(str, report.idle))}"
+        lines = f"line{'s' * (len(report.idle) > 1)} {', '.join(map(str, report.idle))}"
+        yield f"  nothing that {lines} would change ever happened in a course: no promise was tested on it"
 
 
 def summary(report: "Report") -> str:
