@@ -80,6 +80,12 @@ def find(kind: Kind, name: str) -> Any:
     return found
 
 
+def file_of(name: str) -> Path | None:
+    """Returns the file that a name of the form `FILE.py:NAME` names."""
+    file, colon, _ = name.rpartition(":")
+    return Path(file) if colon and file.endswith(".py") else None
+
+
 def _load(path: Path) -> ModuleType:
     """Returns the module in a file, run once."""
     if not path.is_file():

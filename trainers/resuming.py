@@ -10,7 +10,7 @@ from .compiled import Compiled
 from .config import ConfigError, make_config
 from .environment import Environment
 from .program import TrainState
-from .run_folder import MANIFEST, describe_game, versions
+from .run_folder import MANIFEST, describe_game, own_files, versions
 
 PARTS = ("game", "config", "versions")  # of a manifest, without which nothing can be gone on with
 
@@ -57,9 +57,13 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
         listed = ", ".join(f"{name} {version} (here {known.get(name)})" for name, version in other.items())
         raise RunError(f"{run_dir} was made with {listed}; its figures would not go on alike: install those, or start a new run")
     try:
-        make_config(manifest["config"])
+        config = make_config(manifest["config"])
     except (ConfigError, KeyError, TypeError) as error:
         raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
+    files = own_files(config)
+    changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
+    if changed:
+        raise RunError(f"{', '.join(changed)} has changed since {run_dir} was started: go on with the file as it was, or start a new run")
     return manifest
 
 

@@ -4,6 +4,7 @@ import importlib.metadata
 import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from jax.tree_util import keystr, tree_leaves_with_path
 
 from .config import Config
 from .environment import Environment, reset_shapes
+from .own import file_of
 from .run_files import plain
 from .shaping import kept_share
 
@@ -30,6 +32,7 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
         "game": describe_game(env),
         "provenance": dict(provenance),
         "config": config.model_dump(mode="json"),
+        "own_files": own_files(config),
         "derived": derived_figures(config, env.num_agents),
         "versions": versions(),
         "device": {"platform": device.platform, "kind": device.device_kind, "count": jax.device_count()},
@@ -42,6 +45,13 @@ def derived_figures(config: Config, num_agents: int) -> dict[str, float]:
     if config.reward == "exchange":
         figures["kept_share"] = kept_share(config.exchange_ratio, num_agents)
     return figures
+
+
+def own_files(config: Config) -> dict[str, str | None]:
+    """Returns the files of the user's own that a run is made of, with their SHA-256; None for one that is gone."""
+    names = (config.network, config.reward, *(policy for _, policy in config.partners))
+    files = {str(file): file for file in map(file_of, names) if file is not None}
+    return {name: sha256(file.read_bytes()).hexdigest() if file.is_file() else None for name, file in files.items()}
 
 
 def describe_game(env: Environment) -> dict[str, Any]:

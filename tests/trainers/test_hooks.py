@@ -332,3 +332,17 @@ def test_a_callback_may_end_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert resume(matching(), tmp_path / "run", "none").updates == 12
     assert read_manifest(tmp_path / "run")["status"] == "finished"
     assert [row["update"] for row in outcome(tmp_path / "run")["metrics"]] == list(range(1, 13))
+
+
+def test_a_run_does_not_go_on_with_a_file_that_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+    file = tmp_path / "mine.py"
+    file.write_text("def paid(step):\n    return step.reward\n")
+    config = SHORT.model_copy(update={"evaluate_every": 0, "reward": f"{file}:paid"})
+    train(matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 2)
+    text = file.read_text()
+    file.write_text(text.replace("reward", "reward + 1"))
+    with pytest.raises(RunError, match=r"mine\.py has changed since .*run was started: go on with the file as it was"):
+        resume(matching(), tmp_path / "run", "none")
+    file.write_text(text)
+    assert resume(matching(), tmp_path / "run", "none").updates == 12
