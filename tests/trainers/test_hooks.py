@@ -19,6 +19,7 @@ from safetensors.numpy import load_file
 from sjdsl.trainers import (
     Config,
     ConfigError,
+    MemoryPolicy,
     PolicyError,
     RunError,
     Step,
@@ -27,6 +28,7 @@ from sjdsl.trainers import (
     find_policy,
     make_config,
     make_train,
+    mixed_policy,
     random_policy,
     register,
     resume,
@@ -34,6 +36,7 @@ from sjdsl.trainers import (
     train,
 )
 from sjdsl.trainers.compiled import compile_train
+from sjdsl.trainers.partners import Partners
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_names import split_name
 
@@ -161,6 +164,18 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
 def test_partners_that_cannot_be_are_refused(partners: dict[int, str], said: str) -> None:
     with pytest.raises((ConfigError, PolicyError), match=said):
         make_train(matching(), make_config(SMALL, partners=partners))
+
+
+def test_a_partners_memory_begins_anew_with_each_episode() -> None:
+    """Its action is how many steps it remembers; the others' actions stay theirs."""
+    counting_steps = MemoryPolicy(jnp.int32(0), lambda memory, _, observation: (memory + 1, jnp.full(len(observation), memory)))
+    partners = Partners((1,), mixed_policy(2, [((1,), counting_steps)]))
+    memory, taken = partners.start(3), []
+    observation = jnp.zeros((3, 2, 1, 1, 1), jnp.uint8)
+    for number, fresh in enumerate(([True, True, True], [False, True, False], [False, False, False])):
+        memory, actions = partners.act(matching(), memory, jax.random.key(number), observation, jnp.zeros(3), jnp.array(fresh))
+        taken.append(partners.in_place(jnp.full((3, 2), 7), actions).tolist())
+    assert taken == [[[7, 0]] * 3, [[7, 1], [7, 0], [7, 1]], [[7, 2], [7, 1], [7, 2]]]
 
 
 def test_partners_may_come_as_text() -> None:
