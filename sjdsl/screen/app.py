@@ -25,7 +25,7 @@ from sjdsl.screen.keys import action_keys, pasted_keys
 from sjdsl.screen.looks import make_screen_looks
 from sjdsl.screen.session import Prepared, Session
 
-SIDE = 44  # letters of the column beside the map
+SIDE = 38  # letters of the column beside the map
 AROUND = 3  # cells around the steered agent that stay in view where the map is larger than the screen
 
 
