@@ -32,6 +32,7 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
                 "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
                 "window": window.model_copy(update={"left": window.right, "right": window.left}) if s.mirror else window,
                 "sights": tuple(rewrite(sight, rule) for sight in game.sights),
+                "hidden": tuple(rewrite(hidden, rule) for hidden in game.hidden),
                 "measures": tuple(rewrite(measure, rule) for measure in game.measures),
                 "checks": (),
             }
