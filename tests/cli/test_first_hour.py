@@ -9,6 +9,7 @@ from command_line import Sjdsl
 
 
 def test_sjdsl_alone_is_help(sjdsl: Sjdsl) -> None:
+    sjdsl("list", "orchard.sj")  # a subcommand of the same name as something that help is made with
     shown = sjdsl()
     assert (shown.status, shown.err) == (0, "")
     assert shown.out.startswith("Usage: sjdsl [OPTIONS] COMMAND")
