@@ -211,8 +211,8 @@ def test_sentences(text: str, tree: str) -> None:
         ("schedule a -> b(red, 1)", "Schedule([Turn(a, []), Turn(b, [red, 1])])"),
         ("phase p(a) { }", "Phase(p, [a], Block([]))"),
         (
-            "observe { window ahead 2, left 1  show a  show b as { c where d, e }  hide f when g }",
-            "Observe([Window([[ahead, 2], [left, 1]]), Show(a, []), Show(b, [Relabel(c, d), Relabel(e, -)]), Hide(f, g)])",
+            "observe { window ahead 2, left 1  show a  show b as { c where d, e }  hide f when g  hide m on agents when h }",
+            "Observe([Window([[ahead, 2], [left, 1]]), Show(a, []), Show(b, [Relabel(c, d), Relabel(e, -)]), Hide(f, -, g), Hide(m, agents, h)])",
         ),
         (
             "metrics { event a by { b }  mean c = 1  final d = 2 }",
