@@ -262,7 +262,7 @@ def test_only_the_run_it_was_is_gone_on_with(stopped: Path, tmp_path: Path) -> N
         ({"learning_rat": 1.0}, "learning_rat"),
         ({"algorithm": "sarsa"}, "sarsa"),
         ({"num_envs": -1}, "num_envs"),
-        (None, "no folder of a run"),
+        (None, "is not the folder of a training run"),
     ],
 )
 def test_a_manifest_with_another_configuration_is_refused(stopped: Path, tmp_path: Path, config: Any, named: str) -> None:
