@@ -124,11 +124,13 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
         diverged = ~jnp.isfinite(losses["loss"])
         return TrainState(key, ValueLearner(after, target, replay), state.worlds, updates, diverged), metrics
 
-    def adopt(state: TrainState, parameters: Any) -> TrainState:
-        online = state.learner.online.replace(params=parameters)
-        return state.replace(learner=state.learner.replace(online=online, target=jax.tree.map(jnp.copy, parameters)))
-
     return Train(init, collect, learn, lambda state: state.learner.online.params, adopt)
+
+
+def adopt(state: TrainState, parameters: Any) -> TrainState:
+    """Returns a state that goes on from other parameters, of the network and of its target."""
+    online = state.learner.online.replace(params=parameters)
+    return state.replace(learner=state.learner.replace(online=online, target=jax.tree.map(jnp.copy, parameters)))
 
 
 def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:
