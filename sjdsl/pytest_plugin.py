@@ -15,7 +15,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Adds `--sj` and what goes with it."""
     group = parser.getgroup("sjdsl", "promises of .sj games")
     group.addoption("--sj", action="store_true", help="collect .sj files: each promise of a game is a test")
-    group.addoption("--sj-examples", type=int, default=600, metavar="N", help="random courses on small maps for each game (600)")
+    group.addoption("--sj-examples", type=int, default=400, metavar="N", help="random courses on small maps for each game (400)")
     group.addoption("--sj-seed", type=int, default=0, metavar="S", help="the same seed plays the same (0)")
     group.addoption("--sj-strict", action="store_true", help="a promise that is untested fails; otherwise it is skipped")
     group.addoption("--sj-variant", default=None, metavar="V", help="a variant of the games; several as a+b")

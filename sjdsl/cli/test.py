@@ -22,7 +22,7 @@ WORDS = {"kept": "kept", "untested": "untested", "broken": "BROKEN", "not decide
 
 @click.command("test")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--examples", type=click.IntRange(min=1), default=600, show_default=True, metavar="N", help="Random courses on small maps.")
+@click.option("--examples", type=click.IntRange(min=1), default=400, show_default=True, metavar="N", help="Random courses on small maps.")
 @click.option("--seed", type=click.IntRange(min=0, max=2**32 - 1), default=0, show_default=True, help="The same seed plays the same.")
 @variant_option
 @click.option("--strict", is_flag=True, help="A promise that is untested also makes the exit status 1.")

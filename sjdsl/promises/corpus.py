@@ -12,10 +12,11 @@ from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Value
 from sjdsl.promises.course import Course, Played
 from sjdsl.promises.coverage import Feature
+from sjdsl.promises.recipes import Recipe
 
 SELDOM = 3  # so often something happens and still makes a course worth going on with
 LONGEST = 48  # steps after which a course is not continued
-ASKED = 5  # courses of which the one with the rarest is taken
+ASKED = 8  # courses of which one is chosen
 
 
 @dataclass
@@ -49,10 +50,16 @@ class Corpus:
                 cut = replace(course, actions=tuple(played.actions[: t + 1]), luck=course.luck[: t + 1])
                 self.kept.append(Kept(cut, played.cut(t + 1), seldom))
 
-    def choose(self, random: Random) -> Kept:
-        """Returns a course to go on with: of some, the one in which the rarest happened, and that was seldom gone on with."""
+    def choose(self, random: Random, focus: Recipe | None = None) -> Kept:
+        """Returns a course to go on with, of some, rather one that was seldom gone on with.
+
+        That in which the rarest happened; for a sentence that is to take place, that which lacks least for two agents to have part in it.
+        """
         some = [self.kept[random.randrange(len(self.kept))] for _ in range(ASKED)]
-        best = min(some, key=lambda kept: (1 + kept.chosen) * min(self.seen[f] for f in kept.new))
+        if focus is None:
+            best = min(some, key=lambda kept: (1 + kept.chosen) * min(self.seen[f] for f in kept.new))
+        else:
+            best = min(some, key=lambda kept: (len(focus.unmet(kept.played.game, kept.played.worlds[-1], 2)), kept.chosen))
         best.chosen += 1
         return best
 

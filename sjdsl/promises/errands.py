@@ -16,11 +16,10 @@ from sjdsl.promises.sentences import Place
 from sjdsl.promises.ways import FAR, STEPS, TURNS, moves_of, moves_to
 
 HABIT = 0.5  # how often an agent does what it always does
-ERRANDS = 0.75  # how often there are errands at all
 TOGETHER = 0.6  # how often those who have errands wait for each other
 ASTRAY = 0.1  # how often one on the way takes another move, so that two who meet in a passage part again
 OTHER = 0.25  # how often one of several has another errand than the first
-WAITS = 10  # steps for which those who wait for each other do so
+WAITS = 7  # steps for which those who wait for each other do so
 MORE = (0, 0, 1, 1, 2)  # how many more than a sentence speaks of take part in it
 SAME = 0.7  # how often several go to the same cell
 FITTING = 0.9  # how often a cell is one for which the sentence's conditions hold
@@ -102,12 +101,13 @@ class Stretch:
         return moves[int(np.argmin(errand.distance[after[node]]))]
 
 
-def random_stretch(game: ir.Game, recipes: Sequence[Recipe], ran: Counter[Place], steps: int, random: Random) -> Stretch:
+def random_stretch(
+    game: ir.Game, recipes: Sequence[Recipe], focus: Recipe | None, ran: Counter[Place], steps: int, random: Random
+) -> Stretch:
     """Returns what the agents do from a state on, for so many steps at most."""
     count = len(game.agents.actions)
     special = [a for a, name in enumerate(game.agents.actions) if name not in MOVES]
     habits = [random.choice((special if special and random.random() < HABIT else None) or range(count)) for _ in range(game.agents.number)]
-    focus = choose_recipe(recipes, ran, random) if recipes and random.random() < ERRANDS else None
     return Stretch(game, random, steps, habits, recipes, ran, focus)
 
 

@@ -10,6 +10,9 @@ from sjdsl.promises.course import Course
 from sjdsl.promises.ground import Ground
 
 MOST_ROWS, MOST_COLUMNS = 4, 5
+SMALL = 64  # cells of an own map that courses are also played on
+OWN_MAP = 0.25  # how often
+OF_ALL = 0.5  # how often a map has a cell of every glyph that there is room for
 OTHERS = 0.3  # how often a number is not the file's
 PLAIN = (0, 3, 9, 27)  # how much oftener than all others one glyph is on a map: where little is left to use up, it is used up soon
 WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
@@ -19,7 +22,7 @@ COUNTS = (0, 1, 2, 5)  # of a whole number without limits
 def random_start(ground: Ground, random: Random) -> Course | None:
     """Returns a course without a step, from a random start; None if the compiler refuses its map."""
     agents = min(random.choice(ground.few_agents), random.choice(ground.few_agents))
-    rows = random_map(ground, agents, random)
+    rows = ground.own.rows if _is_small(ground) and random.random() < OWN_MAP else random_map(ground, agents, random)
     if ground.on(rows, agents) is None:
         rows += _of_each(ground.glyphs, len(rows[0]))
     game = ground.on(rows, agents)
@@ -51,7 +54,17 @@ def random_map(ground: Ground, agents: int, random: Random) -> tuple[str, ...]:
         for i in more:
             cells[i] = glyphs[0]
         kept.update(here, more)
+    if random.random() < OF_ALL:
+        free = [i for i in range(len(cells)) if i not in kept and cells.count(cells[i]) > 1]
+        missing = [glyph for glyph in ground.glyphs if glyph not in cells]
+        for i, glyph in zip(random.sample(free, len(free)), missing, strict=False):
+            cells[i] = glyph
     return tuple("".join(cells[r * width : (r + 1) * width]) for r in range(height))
+
+
+def _is_small(ground: Ground) -> bool:
+    """Returns whether the game's own map is one on which the interpreter is quick."""
+    return len(ground.own.rows) * len(ground.own.rows[0]) <= SMALL
 
 
 def _of_each(glyphs: tuple[str, ...], width: int) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from sjdsl.promises.touches import Part as Written
 from sjdsl.promises.touches import reads, written_by
 
 BACKWARDS = 0.85  # how often what a sentence lacks is brought about first
+AT_ONCE = (1, 1, 2, 3)  # for how many agents a sentence is to take place
 JOINING = (1, 2, 2, 3)  # how many are sent where agents are gathered in a set
 MOST = 4  # sentences that are brought about at once
 NEVER = 4.0  # how much more often a sentence that never ran is looked for than one that ran once
@@ -53,18 +54,17 @@ class Recipe:
         wanted = [member for anchor, _, member in self.reaches if anchor == name and member in self.cells]
         return [a for a in fitting if not wanted or any(self.fitting_cells(member, game, world, {name: a}) for member in wanted)]
 
-    def unmet(self, game: ir.Game, world: World) -> list[ir.Expr]:
-        """Returns the conditions that hold for no agent and no cell, or, if all hold for some but not together, those of some variable."""
-        alone = [test for named, test in self.tests if not self._is_met(named, test, game, world)]
-        if alone:
-            return alone
+    def unmet(self, game: ir.Game, world: World, many: int) -> list[ir.Expr]:
+        """Returns the conditions that hold for no agent and no cell, or not together, or for fewer than `many` agents."""
+        lacking = [test for named, test in self.tests if not self._is_met(named, test, game, world)]
+        wanted = min(many, sum(place is not None for place in world.position))
         for name in self.agents:
-            if not self.fitting_agents(name, game, world):
-                return [test for named, test in self.tests if name in named]
+            if len(self.fitting_agents(name, game, world)) < wanted:
+                lacking += [test for named, test in self.tests if name in named]
         for name in self.cells:
-            if not self.fitting_cells(name, game, world, {}):
-                return [test for named, test in self.tests if named == {name}]
-        return []
+            if not lacking and not self.fitting_cells(name, game, world, {}):
+                lacking += [test for named, test in self.tests if named == {name}]
+        return list({id(test): test for test in lacking}.values())
 
     def _is_met(self, named: frozenset[str], test: ir.Expr, game: ir.Game, world: World) -> bool:
         """Returns whether a condition holds for any choice of its variables; with more than two of them that is not looked at."""
@@ -118,18 +118,22 @@ def parts_towards(
     focus: Recipe, recipes: Collection[Recipe], game: ir.Game, world: World, random: Random, seen: frozenset[Place] = frozenset()
 ) -> list[Part]:
     """Returns what agents can do now so that a sentence can take place later: its own parts, or, for what it lacks, those of others."""
-    lacking = focus.unmet(game, world) if random.random() < BACKWARDS else []
+    lacking = focus.unmet(game, world, 1) if random.random() < BACKWARDS else []
+    gathering = [test for test in lacking if any(test is gathered for _, gathered in focus.gathers)]
+    if not seen and len(gathering) == len(lacking):  # it could take place: perhaps first for more of them at once
+        lacking += focus.unmet(game, world, random.choice(AT_ONCE))
+    lacking = [test for test in lacking if not any(test is gathered for gathered in gathering)] or gathering
     seen |= {focus.place}
     found: list[Part] = []
     for test in random.sample(lacking, min(len(lacking), MOST)):
+        gathered = [focus.fitting_agents(name, game, world) for name, condition in focus.gathers if condition is test]
         read = set(reads(test))
         writers = [r for r in recipes if r.place not in seen and r.writes & read and _can_make(r, test)]
-        if not writers:
+        if not writers or (gathered and not any(gathered)):  # those who could be gathered have to be made first
             continue
         writer = random.choice(writers)
-        parts = parts_towards(writer, recipes, game, world, random, seen)
-        wanted = tuple(a for name, gathered in focus.gathers if gathered is test for a in focus.fitting_agents(name, game, world))
-        for part in parts:
+        wanted = tuple(agent for agents in gathered for agent in agents)
+        for part in parts_towards(writer, recipes, game, world, random, seen):
             joining = part.recipe is writer and part.name == writer.joins
             found += [Part(writer, part.name, wanted)] * random.choice(JOINING) if joining else [part]
     return found[:MOST] or [Part(focus, name) for name in focus.agents or ("",)]

@@ -13,13 +13,15 @@ from sjdsl.promises.draws import LUCKS
 from sjdsl.promises.errands import random_stretch
 from sjdsl.promises.examples import own_start, random_start
 from sjdsl.promises.ground import Ground
-from sjdsl.promises.recipes import Recipe, recipes_of
+from sjdsl.promises.recipes import Recipe, choose_recipe, recipes_of
 from sjdsl.promises.sentences import Place, leaves_of
 from sjdsl.promises.shrink import shrink
 from sjdsl.promises.verdict import Effort
 from sjdsl.promises.watch import STATES, Break, find_break
 
 AGAIN = 0.75  # how often an older course goes on
+ERRANDS = 0.75  # how often agents have errands
+CLOSEST = 0.6  # how often these go on from the course nearest to what they are for
 OWN = 0.05  # how often, while lines are missing after all courses asked for, one begins on the game's own map
 MOST_STEPS = 16  # in one stretch of a course
 FLOATS = -1  # stands for the promise that every real stays inside float32
@@ -71,32 +73,34 @@ class Search:
             missing = {place for places in self._needed.values() for place in places} - set(self.tried.ran)
             if not missing and (not self.left or self.tried.played >= self.effort.examples):
                 break
-            self._one(missing if self.tried.played >= self.effort.examples else set())
+            self.one(missing if self.tried.played >= self.effort.examples else set())
 
-    def _one(self, missing: set[Place]) -> None:
+    def one(self, missing: Collection[Place] = ()) -> None:
         """Plays one more stretch of a course."""
         self.tried.played += 1
-        begun = self._begin(bool(missing))
+        random = self._random
+        recipes: tuple[Recipe, ...] = tuple(r for r in self.recipes if r.place in missing) or self.recipes
+        focus = choose_recipe(recipes, self.tried.ran, random) if recipes and random.random() < ERRANDS else None
+        begun = self._begin(bool(missing), focus if random.random() < CLOSEST else None)
         if begun is None:
             self.tried.refused += 1
             return
         course, since = begun
-        random, game = self._random, since.game
-        recipes: tuple[Recipe, ...] = tuple(r for r in self.recipes if r.place in missing) or self.recipes
+        game = since.game
         played, first = since, len(since.outcomes)
         if since.worlds and not since.is_over:
             steps = random.randint(1, MOST_STEPS)
-            driver = random_stretch(game, recipes, self.tried.ran, steps, random)
+            driver = random_stretch(game, self.recipes, focus, self.tried.ran, steps, random)
             course = replace(course, luck=course.luck + (random.choice(LUCKS),) * steps)
             played = play(game, course, first + steps, self._checks(game), since, driver)
         course = replace(course, actions=tuple(played.actions), luck=course.luck[: len(played.actions)])
         self._look(course, played, first)
 
-    def _begin(self, on_own: bool) -> tuple[Course, Played] | None:
+    def _begin(self, on_own: bool, focus: Recipe | None) -> tuple[Course, Played] | None:
         """Returns the course to go on with, an older one or a new start; None if the game does not take its map."""
         random, kept = self._random, self.tried.corpus.kept
         if kept and random.random() < AGAIN:
-            older: Kept = self.tried.corpus.choose(random)
+            older: Kept = self.tried.corpus.choose(random, focus)
             return older.course, older.played
         course = own_start(self.ground, random) if on_own and random.random() < OWN else random_start(self.ground, random)
         game = None if course is None else self.ground.on(course.rows, course.agents)

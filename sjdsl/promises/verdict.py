@@ -40,7 +40,7 @@ class Effort:
     tries: courses played to make one that breaks a promise as simple as it can be.
     """
 
-    examples: int = 600
+    examples: int = 400
     episodes: int = 10
     seed: int = 0
     tries: int = 600
