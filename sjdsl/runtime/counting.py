@@ -27,39 +27,40 @@ def size_of_set(members: Array) -> Array:
     return lax.population_count(members).astype(jnp.int32)
 
 
+@partial(jax.jit, static_argnums=1)  # one function of the program for each shape, however many rules count
 def times_in(sets: Array, agents: int) -> Array:
     """Returns how many of the sets each agent is in.
 
-    Eight agents are counted in one word, four bits each, fifteen sets a word; only these words are taken apart. So all that
-    the sets come from, a draw each, has one use: XLA computes again for every use what it can fuse.
+    The sets are laid out in rows of 32 and added up row by row, then along the last row: XLA makes vector instructions of that,
+    and of a sum along all of them it does not (docs/performance.md).
 
     Args:
       sets: any shape, unsigned; bit i for agent i.
-      agents: at most 32.
+      agents: at most as many as the sets have bits.
     Returns:
       `[agents]` int32.
     """
     flat = sets.reshape(-1)
-    counts = []
-    for first in range(0, agents, 8):
-        fields = _spread((flat >> first).astype(jnp.uint32) & jnp.uint32(0xFF))
-        words = lax.reduce_window(fields, jnp.uint32(0), lax.add, (_MOST,), (_MOST,), [(0, -flat.size % _MOST)])
-        shifts = 4 * jnp.arange(min(8, agents - first), dtype=jnp.uint32)
-        counts.append(jnp.sum((words[None] >> shifts[:, None]) & jnp.uint32(15), axis=1, dtype=jnp.uint32))
-    return jnp.concatenate(counts).astype(jnp.int32)
+    rows, rest = divmod(flat.size, _LANES)
+    small = jnp.uint8 if rows < 256 else jnp.int32  # what holds as many as there are rows
+    agent = jnp.arange(agents, dtype=flat.dtype)[:, None]
+
+    def members(some: Array) -> Array:
+        return ((some[None] >> agent) & flat.dtype.type(1)).astype(small)
+
+    counts = jnp.zeros(agents, jnp.int32)
+    if rows:
+        by_lane = sum((members(flat[row * _LANES : (row + 1) * _LANES]) for row in range(1, rows)), start=members(flat[:_LANES]))
+        counts = counts + jnp.sum(by_lane, axis=1, dtype=jnp.int32)
+    if rest:
+        counts = counts + jnp.sum(members(flat[rows * _LANES :]), axis=1, dtype=jnp.int32)
+    return counts
 
 
-_MOST = 15  # sets that fields of four bits can count
+_LANES = 32  # bytes of a vector register
 
 
-def _spread(byte: Array) -> Array:
-    """Returns words with bit i of a byte as bit 4 i: uint32 -> uint32."""
-    for shift, kept in ((12, 0x000F000F), (6, 0x03030303), (3, 0x11111111)):
-        byte = (byte | byte << jnp.uint32(shift)) & jnp.uint32(kept)
-    return byte
-
-
-@partial(jax.jit, static_argnums=1)  # one function of the program for each size, however many rules ask
+@partial(jax.jit, static_argnums=1)  # as above
 def occupied(site: Array, size: int) -> Array:
     """Returns which cells have an agent on them: `[size]` bool, from `[N]` cell numbers (`size` for elsewhere)."""
     return jnp.zeros(size, bool).at[site].set(True, mode="drop")

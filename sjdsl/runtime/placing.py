@@ -64,8 +64,11 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
 
 
 def _several(members: Array) -> Array:
-    """Returns whether some set has more than one member."""
-    return jnp.any((members & (members - 1)) != 0)
+    """Returns whether some set has more than one member. What is left of each without its lowest is joined from the first axis on."""
+    left = members & (members - 1)
+    while left.ndim > 1:
+        left = lax.reduce(left, left.dtype.type(0), lax.bitwise_or, (0,))  # along the last axis XLA makes no vector instructions
+    return jnp.any(left != 0)
 
 
 def _only(members: Array) -> Array:
