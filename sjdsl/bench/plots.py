@@ -1,10 +1,14 @@
 """Pictures of how speed grows with the number of environments, one for each observation and number of agents asked for."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from sjdsl.bench.loop import YARDSTICK
 from sjdsl.bench.timing import Report, Speed
+
+GAMES_A_PANEL = 4  # with the yardstick five lines: more cannot be told apart
 
 
 def draw_scaling(report: Report, folder: Path) -> tuple[Path, ...]:
@@ -22,22 +26,34 @@ def draw_scaling(report: Report, folder: Path) -> tuple[Path, ...]:
 
 
 def _draw(speeds: Sequence[Speed], title: str, file: Path) -> None:
-    """Draws the medians, with bars from the slowest round to the fastest; the yardstick is dashed."""
+    """Draws the medians, with bars from the slowest round to the fastest: a few games a panel, the yardstick dashed in each."""
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
-    figure = Figure(figsize=(7, 4.5), layout="constrained")
-    axes = figure.add_subplot()
-    for name in dict.fromkeys(speed.name for speed in speeds):
-        line = sorted((speed for speed in speeds if speed.name == name), key=lambda speed: speed.num_envs)
-        rates = [speed.env_steps_per_s for speed in line]
-        bars = [[s.env_steps_per_s - s.slowest for s in line], [s.fastest - s.env_steps_per_s for s in line]]
-        style = {"color": "black", "linestyle": "--"} if name == YARDSTICK else {"marker": "o", "markersize": 3}
-        axes.errorbar([speed.num_envs for speed in line], rates, bars, label=name, linewidth=1, capsize=2, **style)
-    axes.set_xscale("log", base=2)
+    games = [name for name in dict.fromkeys(speed.name for speed in speeds) if name != YARDSTICK]
+    count = max(1, math.ceil(len(games) / GAMES_A_PANEL))
+    groups = [games[len(games) * n // count : len(games) * (n + 1) // count] for n in range(count)]
+    figure = Figure(figsize=(1.5 + 4.5 * len(groups), 4.5), layout="constrained")
+    panels = figure.subplots(1, len(groups), sharex=True, sharey=True, squeeze=False)[0]
     numbers = sorted({speed.num_envs for speed in speeds})
-    axes.set_xticks(numbers, [f"{number:,}" for number in numbers])
-    axes.set_yscale("log")
-    axes.set(xlabel="environments", ylabel="environment steps a second", title=title)
-    axes.grid(alpha=0.3, which="both")
-    axes.legend(fontsize="small", ncols=2)
+    for axes, group in zip(panels, groups, strict=True):
+        for name in (*group, YARDSTICK):
+            _draw_line(axes, name, sorted((s for s in speeds if s.name == name), key=lambda speed: speed.num_envs))
+        axes.set_xscale("log", base=2)
+        axes.set_xticks(numbers, [f"{number:,}" for number in numbers])
+        axes.set_yscale("log")
+        axes.set_xlabel("environments at once")
+        axes.grid(alpha=0.3, which="both")
+        axes.legend(fontsize="small")
+    panels[0].set_ylabel("environment steps a second")
+    figure.suptitle(title)
     figure.savefig(file, dpi=120)
+
+
+def _draw_line(axes: Any, name: str, line: Sequence[Speed]) -> None:
+    """Draws one game over numbers of environments; a single point has a marker, too."""
+    if not line:
+        return
+    rates = [speed.env_steps_per_s for speed in line]
+    bars = [[s.env_steps_per_s - s.slowest for s in line], [s.fastest - s.env_steps_per_s for s in line]]
+    style = {"color": "black", "linestyle": "--"} if name == YARDSTICK else {}
+    axes.errorbar([speed.num_envs for speed in line], rates, bars, label=name, linewidth=1, capsize=2, marker="o", markersize=3, **style)
