@@ -35,7 +35,7 @@ from sjdsl.cli import check, run
         ("render orchard.sj --param apple", 2, "name=value"),
         ("render orchard.sj --param growth[soon]=0.1", 1, "none, ripe"),
         ("render orchard.sj --agents 9", 1, "1 .. 3"),
-        ("train", 2, "name a game"),
+        ("train", 2, "name the game"),
         ("train orchard.sj --set learning_rat=1", 1, "did you mean `learning_rate`?"),
         ("train orchard.sj --preset quik", 1, "did you mean `quick`?"),
         ("train orchard.sj --algorithm dqn", 2, "'ippo'"),

@@ -8,7 +8,7 @@ from sjdsl.compiler.identifiers import param_attribute
 from sjdsl.compiler.lower.context import AgentVar, Frame, Writer, iota
 from sjdsl.compiler.lower.domains import in_set
 from sjdsl.compiler.lower.expressions import lower, owner, real, to_words
-from sjdsl.compiler.lower.values import DTYPES, Axis, Value, as_dtype, binary, both, literal, reduce, select, wrapped
+from sjdsl.compiler.lower.values import DTYPES, Axis, Value, aligned, as_dtype, binary, both, literal, reduce, select, wrapped
 
 MANY = 64  # instances from which on agents are counted by the bits of sets
 
@@ -39,10 +39,12 @@ def tally(s: ir.Tally, frame: Frame, w: Writer) -> None:
     if key.literal:
         _count(s, attribute, key.text, amount, frame, w)
         return
-    if _is_one_each(s.receiver, frame):  # all columns at once: one sum instead of an update for each
+    agents = _one_each(s.receiver, frame)
+    if agents is not None:  # all columns at once: one sum instead of an update for each
         word = w.axis("word", len(event.by))
         here = frame.when(binary("==", key, iota(word, "u8"), "bool"))
-        _count(s, attribute, "", amount, here, w)
+        got = per_agent(s.receiver, amount, here, w)
+        deliver(attribute, "", replace(got, text=aligned(got, (agents, word))), w)  # the word may be the same for all agents
         return
     for number in range(len(event.by)):  # the word differs from instance to instance: one column at a time
         here = frame.when(binary("==", key, literal(number, "u8"), "bool"))
@@ -56,10 +58,10 @@ def _count(s: ir.Tally, attribute: str, column: str, amount: Value, frame: Frame
         deliver(attribute, column, _summed(frame.mask, amount, frame.axes, w), w)
 
 
-def _is_one_each(receiver: ir.Expr | None, frame: Frame) -> bool:
-    """Whether every instance has an agent of its own that receives."""
+def _one_each(receiver: ir.Expr | None, frame: Frame) -> Axis | None:
+    """Returns the axis of the agents if every instance has one of its own that receives."""
     who = frame.variables[receiver.name] if isinstance(receiver, ir.Member) else None
-    return isinstance(who, AgentVar) and who.axis is not None and frame.axes == (who.axis,)
+    return who.axis if isinstance(who, AgentVar) and who.axis is not None and frame.axes == (who.axis,) else None
 
 
 def deliver(attribute: str, place: str, got: Value, w: Writer) -> None:
