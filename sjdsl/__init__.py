@@ -1,6 +1,8 @@
 """sjdsl: a compiler for sequential social dilemmas. A readable `.sj` file becomes a fast, jittable JAX environment."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from sjdsl.lazy_names import lazy_names
 
 __version__ = "0.1.0"
 __all__ = ["CompileError", "Environment", "TokenPlane", "__version__", "make"]
@@ -11,20 +13,12 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.runtime.planes import TokenPlane
 
-_HOMES = {
-    "CompileError": "sjdsl.compiler.diagnostics",
-    "Environment": "sjdsl.runtime.env",
-    "TokenPlane": "sjdsl.runtime.planes",
-    "make": "sjdsl.factory",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Loads public names when first used: `sjdsl check` needs no JAX."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'sjdsl' has no attribute {name!r}")
-    from importlib import import_module
-
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "CompileError": "compiler.diagnostics",
+        "Environment": "runtime.env",
+        "TokenPlane": "runtime.planes",
+        "make": "factory",
+    },
+)

@@ -1,6 +1,8 @@
 """Trainers for any compiled game: PPO and value decomposition, evaluation, and the files of a run."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
@@ -59,48 +61,40 @@ __all__ = [
     "trained_policy",
 ]
 
-_HOMES = {
-    "Config": "config",
-    "ConfigError": "config",
-    "Estimate": "evaluation",
-    "Evaluation": "evaluation",
-    "MemoryPolicy": "policies",
-    "PPOConfig": "config",
-    "Policy": "policies",
-    "PolicyError": "policies",
-    "Preset": "preset",
-    "Result": "run",
-    "RunError": "resuming",
-    "Step": "step",
-    "Train": "program",
-    "TrainState": "program",
-    "Update": "updates",
-    "VDNConfig": "config",
-    "estimate": "evaluation",
-    "evaluate": "evaluation",
-    "find_policy": "policies",
-    "load_policy": "policies",
-    "load_preset": "preset",
-    "make_config": "config",
-    "make_train": "program",
-    "mixed_policy": "policies",
-    "random_policy": "policies",
-    "register": "own",
-    "resume": "run",
-    "save_evaluation": "evaluation",
-    "stay_policy": "policies",
-    "summarise": "evaluation",
-    "train": "run",
-    "trained_policy": "policies",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Loads public names when first used: what is wrong with a configuration is said before JAX is imported."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'sjdsl.trainers' has no attribute {name!r}")
-    from importlib import import_module
-
-    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "Config": "config",
+        "ConfigError": "config",
+        "Estimate": "evaluation",
+        "Evaluation": "evaluation",
+        "MemoryPolicy": "policies",
+        "PPOConfig": "config",
+        "Policy": "policies",
+        "PolicyError": "policies",
+        "Preset": "preset",
+        "Result": "run",
+        "RunError": "resuming",
+        "Step": "step",
+        "Train": "program",
+        "TrainState": "program",
+        "Update": "updates",
+        "VDNConfig": "config",
+        "estimate": "evaluation",
+        "evaluate": "evaluation",
+        "find_policy": "policies",
+        "load_policy": "policies",
+        "load_preset": "preset",
+        "make_config": "config",
+        "make_train": "program",
+        "mixed_policy": "policies",
+        "random_policy": "policies",
+        "register": "own",
+        "resume": "run",
+        "save_evaluation": "evaluation",
+        "stay_policy": "policies",
+        "summarise": "evaluation",
+        "train": "run",
+        "trained_policy": "policies",
+    },
+)

@@ -1,13 +1,14 @@
 """Learning curves of several runs in one picture: the mean over seeds, and the range from the lowest to the highest."""
 
-import json
 import math
-from collections.abc import Sequence
+from array import array
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from .metrics_files import METRICS_JSONL, Row
+from .metrics_files import METRICS_JSONL, Row, read_rows
 from .panels import Line, draw_panels, split_lines
 from .resuming import RunError, read_manifest
 
@@ -16,45 +17,45 @@ POINTS = 200  # of a curve: updates are averaged to as many
 OF_AN_EPISODE = {"event_": "{} in an episode", "mean_": "mean of {} over an episode", "final_": "{} at the end of an episode"}
 
 
-def column(rows: Sequence[Row], metric: str) -> np.ndarray:
-    """Returns a figure of each row, NaN where it has none.
+def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
+    """Returns the environment steps and a metric after each update of each seed of a run: `float64[2, T]` a seed.
 
     Args:
-      rows: of `metrics.jsonl`.
-      metric: a column; or several joined by `+`, perhaps divided by several: `event_own/event_own+event_other`. What is counted
-        for each agent is added up.
+      run_dir: what `sjdsl train` wrote. Its rows are read one at a time: of a long run they do not fit into memory.
+      metric: a column of `metrics.jsonl`; or several joined by `+`, perhaps divided by several:
+        `event_own/event_own+event_other`. What is counted for each agent is added up. NaN where there is no value.
     Raises:
-      RunError: no such column.
-    """
-    above, _, below = metric.partition("/")
-    total = _sum(rows, above)
-    return total / _sum(rows, below) if below else total
-
-
-def _sum(rows: Sequence[Row], names: str) -> np.ndarray:
-    total = np.zeros(len(rows))
-    for name in names.split("+"):
-        found = [key for key in rows[0] if key == name or key.startswith(f"{name}_agent_")]
-        exact = [name] if name in rows[0] else found
-        if not exact:
-            raise RunError(f"the metrics have no column `{name}`; they have {', '.join(rows[0])}")
-        for key in exact:
-            total = total + np.array([math.nan if row[key] is None else row[key] for row in rows], float)
-    return total
-
-
-def read_seeds(run_dir: Path) -> list[list[Row]]:
-    """Returns the rows of each seed of a run.
-
-    Raises:
-      RunError: no such run, or it has no metrics yet.
+      RunError: no such run, no such column, or no metrics yet.
     """
     read_manifest(run_dir)
     folders = sorted(run_dir.glob("seed_*")) or [run_dir]
-    seeds = [[json.loads(line) for line in (folder / METRICS_JSONL).read_text().splitlines()] for folder in folders]
-    if not all(seeds):
+    seeds = [figures(read_rows(folder / METRICS_JSONL), metric) for folder in folders]
+    if not all(seed.size for seed in seeds):
         raise RunError(f"{run_dir} has no metrics yet")
     return seeds
+
+
+def figures(rows: Iterable[Row], metric: str) -> np.ndarray:
+    """Returns the environment steps and a metric of each row, `float64[2, T]`; see `read_seeds`."""
+    above, _, below = metric.partition("/")
+    kept = array("d")
+    for row in rows:
+        total = _sum(row, above)
+        kept.extend((row["env_steps"], np.divide(total, _sum(row, below)) if below else total))
+    return np.array(kept).reshape(-1, 2).T
+
+
+def _sum(row: Row, names: str) -> np.float64:
+    return np.float64(math.fsum(row[key] for name in names.split("+") for key in _columns(tuple(row), name)))
+
+
+@lru_cache
+def _columns(known: tuple[str, ...], name: str) -> tuple[str, ...]:
+    """Returns the columns that a name stands for: itself, or one for each agent."""
+    found = (name,) if name in known else tuple(key for key in known if key.startswith(f"{name}_agent_"))
+    if not found:
+        raise RunError(f"the metrics have no column `{name}`; they have {', '.join(known)}")
+    return found
 
 
 def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> None:
@@ -70,10 +71,10 @@ def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> No
 
 def curve_line(label: str, folder: Path, metric: str) -> Line:
     """Returns the mean of a metric over a run's seeds, and its range."""
-    seeds = read_seeds(folder)
-    length = min(len(rows) for rows in seeds)
-    steps = np.array([row["env_steps"] for row in seeds[0][:length]])
-    values = np.stack([column(rows[:length], metric) for rows in seeds])
+    seeds = read_seeds(folder, metric)
+    length = min(seed.shape[1] for seed in seeds)
+    steps = seeds[0][0, :length]
+    values = np.stack([seed[1, :length] for seed in seeds])
     known = np.isfinite(values).all(axis=0)
     if not known.any():
         raise RunError(f"{folder} has no value of `{metric}` in any update: there is no curve to draw. Perhaps no episode ended in the run")

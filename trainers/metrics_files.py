@@ -1,6 +1,6 @@
 """The metrics of a run on disk: a line an update, written at once, cut where a run goes on, and read a row at a time.
 
-A run of many small updates has more rows than fit into memory: nothing here holds them all but `read_rows`' caller.
+A run of many small updates has more rows than fit into memory: nothing here holds them all.
 """
 
 import csv

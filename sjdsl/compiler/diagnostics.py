@@ -70,7 +70,16 @@ class CompileError(Exception):
 
     def __init__(self, diagnostics: Iterable[Diagnostic]):
         self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span.file, d.span.start, d.code.code)))
-        super().__init__("; ".join(f"{d.code.code} {d.span.line}:{d.span.column} {d.message}" for d in self.diagnostics))
+        super().__init__(self.diagnostics)
+
+    def __str__(self) -> str:
+        """Returns each diagnostic in a line, with what to write instead below it; made when it is shown, as some of that is tried first."""
+        return "\n".join(map(_in_plain_text, self.diagnostics))
+
+
+def _in_plain_text(d: Diagnostic) -> str:
+    said = f"{d.span.file}:{d.span.line}:{d.span.column}: {d.code.severity}[{d.code.code}]: {d.message}"
+    return f"{said}\n  help: {d.hint}" if d.hint else said
 
 
 def near_or_all(name: str, candidates: Iterable[str], what: str) -> dict[str, str]:

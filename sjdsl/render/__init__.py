@@ -1,6 +1,8 @@
 """Pictures of any compiled game, from its rules and the arrays of a state alone."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from sjdsl.render.film import save_gif, save_mp4, save_png
@@ -21,26 +23,18 @@ __all__ = [
     "take_snapshot",
 ]
 
-_HOMES = {
-    "Painter": "frame",
-    "Snapshot": "snapshot",
-    "make_painter": "frame",
-    "play": "playing",
-    "random_policy": "playing",
-    "save_gif": "film",
-    "save_mp4": "film",
-    "save_png": "film",
-    "stay_policy": "playing",
-    "take_snapshot": "snapshot",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Loads public names when first used: colours need no JAX."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'sjdsl.render' has no attribute {name!r}")
-    from importlib import import_module
-
-    value = getattr(import_module(f"sjdsl.render.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "Painter": "frame",
+        "Snapshot": "snapshot",
+        "make_painter": "frame",
+        "play": "playing",
+        "random_policy": "playing",
+        "save_gif": "film",
+        "save_mp4": "film",
+        "save_png": "film",
+        "stay_policy": "playing",
+        "take_snapshot": "snapshot",
+    },
+)

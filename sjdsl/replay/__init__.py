@@ -1,8 +1,8 @@
 """Episodes that can be played again: one step at a time or many at once, kept in files, shown anywhere."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from sjdsl.lazy_names import lazy_names
 from sjdsl.replay.dataset import Dataset, DatasetWriter, Header
 from sjdsl.replay.episode import Episode
 from sjdsl.replay.files import load_recording
@@ -27,13 +27,7 @@ __all__ = [
     "save_recording",
 ]
 
-LATER = {"Course": "course", "Moment": "course", "replayed": "course", "play_episodes": "episodes"}
-
-
-def __getattr__(name: str) -> Any:
-    """Loads what plays the compiled game when it is first used: recordings can be read and written without JAX."""
-    if name not in LATER:
-        raise AttributeError(f"module 'sjdsl.replay' has no attribute {name!r}")
-    value = getattr(import_module(f"sjdsl.replay.{LATER[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(
+    __name__,
+    {"Course": "course", "Moment": "course", "replayed": "course", "play_episodes": "episodes"},
+)

@@ -1,12 +1,14 @@
 """What diagnostics look like: as text, and as data."""
 
 import json
+import pickle
 
 import pytest
 
-from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label
+from sjdsl.compiler.diagnostics import Code, CompileError, Diagnostic, Fix, Label
 from sjdsl.compiler.report import WIDTH, render, to_json
 from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler.ways_out import Tried
 
 WRONG = Code("SJ999", "Wrong", "`{name}` is wrong", "write `{better}`")
 ODD = Code("SJ998", "Odd", "this is odd", "", "warning")
@@ -43,6 +45,24 @@ def test_one_line_with_help() -> None:
         "\n"
         "1 error"
     )
+
+
+def test_an_exception_says_where_what_and_what_to_write_instead() -> None:
+    text = "sj 1\ngame pond { fish }\n"
+    odd = Diagnostic(ODD, Source("game.sj", text).span(0, 2))
+    error = CompileError([wrong(text, "fish", better="dish"), odd])
+    said = "game.sj:1:1: warning[SJ998]: this is odd\ngame.sj:2:13: error[SJ999]: `fish` is wrong\n  help: write `dish`"
+    assert str(error) == said
+    assert str(pickle.loads(pickle.dumps(error))) == said, "as it comes from another process"
+
+
+def test_what_is_tried_is_tried_when_an_exception_is_shown() -> None:
+    text, asked = "sj 1\n", []
+    better = Tried(lambda: asked.append("better") or "sj 2")
+    error = CompileError([wrong(text, "sj 1", better=better)])
+    assert not asked
+    assert str(error).endswith("help: write `sj 2`")
+    assert asked == ["better"]
 
 
 def test_labels_stand_in_the_order_of_the_file() -> None:

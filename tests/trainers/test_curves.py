@@ -1,14 +1,16 @@
 """Learning curves of several runs: which numbers are drawn."""
 
 import json
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sjdsl.trainers import RunError
-from sjdsl.trainers.curves import column, curve_line, draw_curves, in_words, read_seeds
+from sjdsl.trainers.curves import curve_line, draw_curves, figures, in_words, read_seeds
 from sjdsl.trainers.learning_curve import curve_panels
+from sjdsl.trainers.metrics_files import known_row
 from sjdsl.trainers.panels import Line, draw_panels, split_lines
 
 ROWS = [
@@ -29,12 +31,34 @@ ROWS = [
     ],
 )
 def test_a_metric_may_be_a_sum_or_a_share(metric: str, values: list[float]) -> None:
-    np.testing.assert_array_equal(column(ROWS, metric), values)
+    np.testing.assert_array_equal(figures(map(known_row, ROWS), metric), [[10, 20, 30], values])
 
 
 def test_an_unknown_metric_is_told_with_those_there_are() -> None:
     with pytest.raises(RunError, match="no column `event_none`; they have update, env_steps, collective_return"):
-        column(ROWS, "event_none")
+        figures(map(known_row, ROWS), "event_none")
+
+
+def test_rows_are_read_one_at_a_time(tmp_path: Path) -> None:
+    """A wide file of 4 MB is read in a fraction of its size: the figures drawn take 16 bytes a row."""
+    wide = {f"event_{number}": 1.0 for number in range(100)}
+    with open(tmp_path / "metrics.jsonl", "w") as file:
+        for update in range(2000):
+            file.write(json.dumps({"env_steps": update, "collective_return": float(update), **wide}) + "\n")
+    (tmp_path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}}))
+    tracemalloc.start()
+    (seed,) = read_seeds(tmp_path, "collective_return")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    np.testing.assert_array_equal(seed, [range(2000)] * 2)
+    assert most < 1_000_000
+
+
+def test_the_end_of_a_file_that_was_cut_off_is_not_drawn(tmp_path: Path) -> None:
+    (tmp_path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}}))
+    (tmp_path / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in ROWS)[:-20])
+    (seed,) = read_seeds(tmp_path, "env_steps")
+    assert seed.tolist() == [[10, 20], [10, 20]]
 
 
 def test_runs_of_several_seeds_are_drawn(tmp_path: Path) -> None:
@@ -42,9 +66,9 @@ def test_runs_of_several_seeds_are_drawn(tmp_path: Path) -> None:
         (tmp_path / "run" / f"seed_{seed}").mkdir(parents=True)
         (tmp_path / "run" / f"seed_{seed}" / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in ROWS))
     with pytest.raises(RunError, match="is not the folder of a training run"):
-        read_seeds(tmp_path / "run")
+        read_seeds(tmp_path / "run", "collective_return")
     (tmp_path / "run" / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}}))
-    assert [len(rows) for rows in read_seeds(tmp_path / "run")] == [3, 3]
+    assert [seed.shape for seed in read_seeds(tmp_path / "run", "collective_return")] == [(2, 3), (2, 3)]
     draw_curves([("a", tmp_path / "run")], "collective_return", tmp_path / "curve.png")
     assert (tmp_path / "curve.png").read_bytes().startswith(b"\x89PNG")
 
