@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.runtime.policy import MemoryPolicy, Policy, mixed_policy, random_policy, stay_policy, with_memory
+from sjdsl.runtime.policy import UNTRAINED, MemoryPolicy, Policy, mixed_policy, random_policy, stay_policy, with_memory
 
 from .actor_critics import make_actor_critics
 from .config import Config, ConfigError, PPOConfig, VDNConfig
@@ -64,12 +64,11 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
     if not isinstance(policy, str | Path):
         return policy
     name = str(policy)
-    if name == "random":
-        return random_policy(env)
-    if name == "stay":
-        if "stay" not in env.action_names:
-            raise PolicyError(f"`stay` is no action of {env.name}; its actions are {', '.join(env.action_names)}")
-        return stay_policy(env)
+    if name in UNTRAINED:
+        try:
+            return UNTRAINED[name](env)
+        except ValueError as error:
+            raise PolicyError(str(error)) from None
     path, which = split_name(name)
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy=greedy, which=which)

@@ -13,6 +13,7 @@ from typing import Any
 
 from .own import is_own, lasting, name_of
 
+UNTRAINED = ("random", "stay")  # what needs no file: `sjdsl.runtime.policy.UNTRAINED`
 KNOWN = "random, stay, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
 
 
@@ -37,4 +38,4 @@ def lasting_name(policy: Any) -> str:
 def might_be_named(name: str) -> bool:
     """Whether a text can be the name of a policy: a word, something that exists, or something of a user's own, found or not."""
     path, _ = split_name(name)
-    return name in ("random", "stay") or path.exists() or is_own("policy", name)
+    return name in UNTRAINED or path.exists() or is_own("policy", name)

@@ -9,10 +9,12 @@ import click
 from sjdsl.cli.bench_games import choose_tasks
 from sjdsl.cli.bench_options import NETWORKS, OBSERVATIONS, Agents, Counts, Quoting, Words
 from sjdsl.cli.game_file import variant_option
+from sjdsl.cli.stages import stages
 from sjdsl.games_folder import bundled
 
 if TYPE_CHECKING:
     from sjdsl.bench import Task
+    from sjdsl.cli.bench_output import Outputs
 
 RACED = (1, 128, 1024, 4096)  # environments
 SWEPT = (16,)  # of each value
@@ -79,24 +81,19 @@ def command(
 
     from sjdsl.bench.loop import steps_for
     from sjdsl.bench.stored import write_found
-    from sjdsl.cli.bench_everything import Stored, measure_all, read_all, section_of
-    from sjdsl.cli.bench_output import Outputs, telling
+    from sjdsl.cli.bench_everything import Stored, measure_all, section_of
+    from sjdsl.cli.bench_output import Outputs
 
     said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
     outputs = Outputs(page, plots)
     if stored:
-        kept = tuple(read_all(Path(stored), said))
-        outputs.check(*(figures.section for figures in kept))
-        for figures in kept:
-            outputs.show(figures)
+        _show_stored(Path(stored), outputs, said)
         return
     compile_everything_anew()
     seen = tuple(dict.fromkeys(word for words in observations for word in words)) or (OBSERVATIONS if folder else ("tokens",))
     numbers = envs or (SWEPT if sweep else TRAINED if networks else RACED)
     _refuse_mixtures(context, games, seen, agents, numbers, sweep, networks, plots, folder)
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
-    if not tasks:
-        raise click.ClickException("; ".join(refused))
     if folder:
         measure_all(games or bundled(), tasks, envs, repeats, minutes, Path(folder), said)
         return
@@ -104,7 +101,7 @@ def command(
 
     what = f"sweep {tasks[0].name} {sweep}" if sweep else f"training {','.join(networks)}" if networks else "speed"
     outputs.check(f"{what} {jax.default_backend()}")
-    with telling() as tell:
+    with stages("compiling") as tell:
         if networks:
             trained = [task.env for task in tasks if task.env is not None]
             found = measure_training(trained, networks, numbers[0], steps or ROLLOUT, repeats, tell)
@@ -115,6 +112,16 @@ def command(
     if json_file:
         write_found(Path(json_file), found)
     outputs.show(Stored(section_of(found), found, said, tuple(refused)))
+
+
+def _show_stored(path: Path, outputs: "Outputs", said: str) -> None:
+    """Makes the tables of figures that were measured before."""
+    from sjdsl.cli.bench_everything import read_all
+
+    kept = tuple(read_all(path, said))
+    outputs.check(*(figures.section for figures in kept))
+    for figures in kept:
+        outputs.show(figures)
 
 
 def compile_everything_anew() -> None:

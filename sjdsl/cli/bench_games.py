@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+import click
+
 from sjdsl.cli.environment import describe_environment, make_environment
 from sjdsl.compiler.diagnostics import CompileError
 
@@ -22,7 +24,7 @@ def choose_tasks(
       variant: of all of them.
       observations: `tokens`, `onehot` or both.
       agents: numbers of agents; None is the game's own.
-    Raises CompileError, ClickException: a game that cannot be compiled as it is.
+    Raises CompileError, ClickException: a game that cannot be compiled as it is, or no form that is accepted.
     """
     tasks, refused = [], []
     for game in games:
@@ -33,6 +35,8 @@ def choose_tasks(
             except CompileError as error:
                 said = "; ".join(mistake.message for mistake in error.diagnostics)
                 refused.append(f"{game} is left out with {number} agents: {said}")
+    if not tasks:
+        raise click.ClickException("; ".join(refused))
     return tasks, refused
 
 

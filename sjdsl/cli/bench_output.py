@@ -1,8 +1,7 @@
 """Where the figures of `sjdsl bench` go: the screen, a file, a page."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,17 +16,6 @@ from sjdsl.bench.markdown import markdown_section, new_page, replace_section, wr
 from sjdsl.bench.plots import draw_scaling
 from sjdsl.bench.tables import Table, notes_of, tables_of
 from sjdsl.cli.bench_everything import Stored
-
-
-@contextmanager
-def telling() -> Iterator[Callable[[str], object]]:
-    """Gives a function that shows in one line what is being done, nothing where nobody watches."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status("compiling") as status:
-        yield status.update
 
 
 def print_tables(tables: Sequence[Table], machine: dict[str, Any], notes: Sequence[str]) -> None:

@@ -2,9 +2,6 @@
 
 import json
 import math
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +10,7 @@ import click
 from sjdsl.cli.environment import SEED, make_environment
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.stages import LOADING, stages
 
 if TYPE_CHECKING:
@@ -90,18 +88,8 @@ def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, 
     """Returns the policy in the folder of a run or in a file; what is to be said about it is said in a line."""
     from sjdsl.trainers import load_policy
 
-    with telling():
+    with warnings_as_notes():
         return load_policy(source, env, greedy=greedy, which=which)
-
-
-@contextmanager
-def telling() -> Iterator[None]:
-    """Has warnings said in a line each, as notes."""
-    with warnings.catch_warnings(record=True) as notes:
-        warnings.simplefilter("always")
-        yield
-    for note in notes:
-        click.echo(f"note: {note.message}", err=True)
 
 
 def _interval(figure: "Estimate") -> str:

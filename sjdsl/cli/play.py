@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment import SEED, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.render import check_policy, choose_policy
+from sjdsl.cli.policies import NAMES, check_policy, choose_policy
 from sjdsl.cli.stages import stages
 from sjdsl.cli.terminal import can_show_screen, run_screen
 from sjdsl.cli.trace import build_game
@@ -32,10 +32,8 @@ NO_TERMINAL = (
 @click.argument("game")
 @click.option("--agent", type=click.IntRange(min=0), default=0, show_default=True, help="Whom to steer.")
 @click.option("--watch", is_flag=True, help="Steer nobody: all agents follow the policy.")
-@click.option(
-    "--others", default="random", show_default=True, metavar="P", help="What the others do: random, stay, a run, or a stored policy."
-)
-@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, show_default=True, help="Of the episode.")
+@click.option("--others", default="random", show_default=True, metavar="P", help=f"What the others do: {NAMES}")
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Of the episode.")
 @click.option("--steps", type=click.IntRange(min=1), help="At most so many; by default the whole episode.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=1000), default=8.0, show_default=True, help="Steps a second, with --watch.")
 @click.option("--record", metavar="FILE", help="Keep the episode for `sjdsl replay`.")
@@ -97,15 +95,18 @@ def play_on(
 ) -> None:
     """Plays a session to its end, or until the person stops: on the screen, or where there is none with each moment given to `show`."""
 
+    from sjdsl.trainers.policy_names import UNTRAINED
+
+    trained = others not in UNTRAINED
+
     def compiled() -> Any:
         from sjdsl.screen.compiled import Compiled
         from sjdsl.screen.session import Prepared
 
         env = make_environment(environment)
-        choose = None if others in ("random", "stay") else _trained_choice(others, env, seed)
+        choose = _trained_choice(others, env, seed) if trained else None
         return Prepared(Compiled(env, values, seed), choose)
 
-    trained = others not in ("random", "stay")
     if can_show_screen():
         run_screen(game, session, compiled, speed, waits=trained)
         return

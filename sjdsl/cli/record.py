@@ -9,7 +9,7 @@ import click
 
 from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.render import check_policy, choose_policy
+from sjdsl.cli.policies import check_policy, choose_policy, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 
 if TYPE_CHECKING:
@@ -23,13 +23,7 @@ SAID = 100  # after so many episodes it is said how far they are
 @click.command("record")
 @click.argument("game")
 @click.option("-o", "output", metavar="FILE", help="A .npz; by default GAME.npz.")
-@click.option(
-    "--policy",
-    default="random",
-    show_default=True,
-    metavar="P",
-    help="random, stay, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION.",
-)
+@policy_option
 @click.option("--episodes", type=click.IntRange(min=1), default=10, show_default=True, help="How many.")
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Of the first; the next have the next numbers.")
 @click.option(
@@ -136,10 +130,11 @@ def _planes(env: "Environment", observation: str) -> list[str]:
 
 def _digest(policy: str) -> str | None:
     """Returns the SHA-256 of the file that a policy is stored in, where it is."""
-    if policy in ("random", "stay"):
+    from sjdsl.trainers.policy_names import UNTRAINED, split_name
+
+    if policy in UNTRAINED:
         return None
     from sjdsl.trainers.policy_file import policy_path
-    from sjdsl.trainers.policy_names import split_name
 
     path, which = split_name(policy)
     return hashlib.sha256(policy_path(path, which).read_bytes()).hexdigest() if path.exists() else None

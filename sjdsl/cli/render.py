@@ -1,18 +1,15 @@
 """`sjdsl render`: a game as a moving picture, or one moment of it as a still one."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
-from sjdsl.cli.evaluate import telling
 from sjdsl.cli.film import check_film, save_film, told
 from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.policies import check_policy, choose_policy, policy_option
 from sjdsl.cli.stages import LOADING, stages
-
-if TYPE_CHECKING:
-    from sjdsl.runtime.env import Environment
 
 
 @click.command("render")
@@ -20,13 +17,7 @@ if TYPE_CHECKING:
 @click.option("-o", "output", metavar="FILE", help="A .gif or .mp4, or a .png of the last step; by default GAME.gif.")
 @click.option("--steps", type=click.IntRange(min=0), default=100, show_default=True, help="Steps to play.")
 @click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Show one step of so many.")
-@click.option(
-    "--policy",
-    default="random",
-    show_default=True,
-    metavar="P",
-    help="random, stay, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION.",
-)
+@policy_option
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second.")
 @environment_options
@@ -52,24 +43,3 @@ def command(game: str, output: str | None, steps: int, every: int, policy: str, 
         else:
             done = save_film(env, chosen, path, steps, seed, every, speed, say)
     click.echo(done)
-
-
-def choose_policy(name: str, env: "Environment") -> Any:
-    """Returns a policy by its name; what is to be said about it is said in a line."""
-    if name in ("random", "stay"):  # these need no trainers, whose packages take a second to load
-        from sjdsl.runtime.policy import random_policy, stay_policy
-
-        return random_policy(env) if name == "random" else stay_policy(env)
-    check_policy(name)
-    from sjdsl.trainers import find_policy
-
-    with telling():
-        return find_policy(name, env)
-
-
-def check_policy(name: str) -> None:
-    """Raises ClickException for what cannot be the name of a policy."""
-    from sjdsl.trainers.policy_names import KNOWN, might_be_named
-
-    if not might_be_named(name):
-        raise click.ClickException(f"there is no policy `{name}`; a policy is {KNOWN}")

@@ -129,14 +129,19 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         checks=promises,
         looks=drawn,
     )
+    _check_whole(built, game, problems)
+    return built
+
+
+def _check_whole(built: ir.Game, game: Composition, problems: Problems) -> None:
+    """Reports what only the whole game shows."""
     _check_attributes(built, problems)
     check_time(built, problems, game)
     for phase in (built.start, *built.schedule):
         if isinstance(phase, ir.Phase):
             check_conflicts(phase, built, problems)
-    if rows and not any(d.code.severity == "error" for d in problems.found):
+    if built.rows and not any(d.code.severity == "error" for d in problems.found):
         check_placing(built, problems, game.sources)
-    return built
 
 
 def _check_attributes(built: ir.Game, problems: Problems) -> None:

@@ -11,7 +11,7 @@ from sjdsl.factory import make
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
 from sjdsl.runtime.env import Environment
-from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
+from sjdsl.runtime.policy import UNTRAINED, Policy, take_actions, with_memory
 
 with needs("gymnasium"):
     import gymnasium
@@ -133,8 +133,8 @@ class AgentGame(gymnasium.Env):
 
 
 def _policy_of(given: str | PathLike[str] | Policy, env: Environment) -> Policy:
-    if given in ("random", "stay"):  # these need no trainers
-        return random_policy(env) if given == "random" else stay_policy(env)
+    if isinstance(given, str) and given in UNTRAINED:
+        return UNTRAINED[given](env)
     from sjdsl.trainers import find_policy
 
     return find_policy(Path(given) if isinstance(given, PathLike) else given, env)

@@ -61,6 +61,8 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
 
 def stay_policy(env: Any) -> Callable[[Array, Array], Array]:
     """Returns the policy under which nobody does anything. Raises ValueError where no action is `stay`."""
+    if "stay" not in env.action_names:
+        raise ValueError(f"`stay` is no action of {env.name}; its actions are {', '.join(env.action_names)}")
     stay = jnp.full(env.num_agents, list(env.action_names).index("stay"), jnp.int32)
     return lambda _key, _observation: stay
 
@@ -68,3 +70,6 @@ def stay_policy(env: Any) -> Callable[[Array, Array], Array]:
 def random_policy(env: Any) -> Callable[[Array, Array], Array]:
     """Returns the policy that draws every action with equal probability."""
     return lambda key, _observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
+
+
+UNTRAINED = {"random": random_policy, "stay": stay_policy}  # by the names that they have wherever a policy is asked for

@@ -16,6 +16,7 @@ from probes import QUICK, matching, quick, run_of
 from run_outcomes import SHORT, assert_same_end, compiled_once, counting, outcome, read_lines, read_manifest
 from safetensors.numpy import load_file
 
+from sjdsl.runtime.policy import UNTRAINED
 from sjdsl.trainers import (
     Config,
     ConfigError,
@@ -38,6 +39,7 @@ from sjdsl.trainers import (
 from sjdsl.trainers.compiled import compile_train
 from sjdsl.trainers.partners import Partners
 from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.policy_names import UNTRAINED as NEED_NO_FILE
 from sjdsl.trainers.policy_names import split_name
 
 SMALL = {**QUICK, "num_envs": 4, "num_steps": 4, "num_epochs": 1, "total_timesteps": 16 * 3, "checkpoint_updates": 1, "policy_every": 1}
@@ -280,6 +282,7 @@ def test_a_policy_is_found_by_its_name(brought: tuple[Path, list[Update]], tmp_p
         find_policy(f"{run_dir}@9", env)
     with pytest.raises(PolicyError, match=r"bots\.py has no `one`"):
         find_policy(f"{tmp_path}/bots.py:one", env)
+    assert tuple(UNTRAINED) == NEED_NO_FILE, "what commands take for a name before JAX is imported"
     staying: Any = SimpleNamespace(action_names=("go", "stay"), num_agents=2)
     assert find_policy("stay", staying)(jax.random.key(0), observation).tolist() == [1, 1]
 

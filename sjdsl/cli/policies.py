@@ -1,0 +1,45 @@
+"""Policies as commands name them: `random`, `stay`, a run, a stored policy, a function of one's own."""
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from sjdsl.runtime.env import Environment
+
+NAMES = "random, stay, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION."
+policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=NAMES)
+
+
+def check_policy(name: str) -> None:
+    """Raises ClickException for what cannot be the name of a policy; needs no JAX."""
+    from sjdsl.trainers.policy_names import KNOWN, might_be_named
+
+    if not might_be_named(name):
+        raise click.ClickException(f"there is no policy `{name}`; a policy is {KNOWN}")
+
+
+def choose_policy(name: str, env: "Environment") -> Any:
+    """Returns a policy by its name; what is to be said about it is said in a line."""
+    from sjdsl.runtime.policy import UNTRAINED
+
+    if name in UNTRAINED:  # these need no trainers, whose packages take a second to load
+        return UNTRAINED[name](env)
+    check_policy(name)
+    from sjdsl.trainers import find_policy
+
+    with warnings_as_notes():
+        return find_policy(name, env)
+
+
+@contextmanager
+def warnings_as_notes() -> Iterator[None]:
+    """Has warnings said in a line each, as notes."""
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        yield
+    for note in notes:
+        click.echo(f"note: {note.message}", err=True)
