@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.near_names import meant
 
 
 def games_folder() -> Path:
@@ -31,6 +31,5 @@ def find_game(name: str | Path) -> Path:
     file = Path(f"{name}.sj")
     if file.is_file():
         raise FileNotFoundError(f"there is no bundled game `{name}`; for the file beside you write its whole name: `{file}`")
-    near = nearest(str(name), bundled())
-    meant = f"; did you mean `{near}`?" if near else f"; the bundled games are {', '.join(bundled())}"
-    raise FileNotFoundError(f"there is no bundled game `{name}`, and no file of that name{meant}")
+    ending = meant(str(name), bundled(), "the bundled games are")
+    raise FileNotFoundError(f"there is no bundled game `{name}`, and no file of that name{ending}")

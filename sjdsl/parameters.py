@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.identifiers import param_attribute
 from sjdsl.compiler.print_ir import expression
 from sjdsl.compiler.require import holds
+from sjdsl.near_names import meant
 
 Values = Mapping[str, Any]
 
@@ -27,9 +27,7 @@ def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values)
         elif name in params:
             rest[name] = value
         else:
-            near = nearest(name, [*game_sizes, *params])
-            meant = f"; did you mean `{near}`?" if near else f"; it has {', '.join([*game_sizes, *params])}"
-            raise ValueError(f"the game has no number `{name}`{meant}")
+            raise ValueError(f"the game has no number `{name}`{meant(name, [*game_sizes, *params], 'it has')}")
     return sizes, rest
 
 
@@ -61,8 +59,7 @@ def param_values(game: ir.Game, given: Values, keep_promises: bool = True) -> di
     for name, value in given.items():
         param = next((p for p in game.params if p.name == name), None)
         if param is None:
-            near = nearest(name, values)
-            raise ValueError(f"the game has no parameter `{name}`" + (f"; did you mean `{near}`?" if near else ""))
+            raise ValueError(f"the game has no parameter `{name}`{meant(name, values, 'it has')}")
         values[name] = _merged(name, values[name], value, param.type.by, param.type)
     for check in game.checks:
         if keep_promises and check.sort == "require" and not holds(check.values[0], values):

@@ -1,8 +1,9 @@
 """What is wrong with a configuration, in the user's words."""
 
-import difflib
 from collections.abc import Mapping
 from typing import Any
+
+from sjdsl.near_names import meant
 
 RETIRED: Mapping[str, str] = {
     "checkpoint_every": "checkpoints are written by time now, see `checkpoint_minutes` and `checkpoint_share`, or every `checkpoint_updates` "
@@ -24,7 +25,7 @@ def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Map
             owners = [algorithm for algorithm, keys in keys_of.items() if key in keys]
             if owners:
                 return f"unknown key `{key}` here: it is one of {' and '.join(owners)}"
-            return f"unknown key `{key}`{nearest_key(key, known)}"
+            return f"unknown key `{key}`{meant(key, known, 'the keys are')}"
         case "greater_than":
             need = f"more than {fault['ctx']['gt']}"
         case "greater_than_equal":
@@ -46,9 +47,3 @@ def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Map
         case _:
             need = fault["msg"]
     return f"`{key}` must be {need}, not {fault['input']!r}"
-
-
-def nearest_key(key: str, known: Mapping[str, Any]) -> str:
-    """Returns `; did you mean …?`, or the list of known keys when none is near."""
-    near = difflib.get_close_matches(key, known, n=1)
-    return f"; did you mean `{near[0]}`?" if near else f"; known: {', '.join(known)}"

@@ -24,8 +24,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, get_args
 
+from sjdsl.near_names import meant
+
 from .config import KEYS_OF, Algorithm, Config, ConfigError, RewardMode, make_config
-from .config_errors import nearest_key
 
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
 SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_ANY}
@@ -113,7 +114,7 @@ def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> 
     """Raises ConfigError for a key that is not known, or a value of another type."""
     for key, value in tables.items():
         if key not in known:
-            raise ConfigError(f"{where}: unknown key `{key}`{nearest_key(key, known)}")
+            raise ConfigError(f"{where}: unknown key `{key}`{meant(key, known, 'the keys are')}")
         if not isinstance(value, known[key]):
             raise ConfigError(f"{where}: `{key}` must be {MEANS[known[key]]}, not {value!r}")
 
@@ -125,5 +126,5 @@ def _read(name: str | Path) -> str:
         return Path(name).read_text(encoding="utf-8")
     packaged = {file.name.removesuffix(".toml"): file for file in (files(__package__) / "presets").iterdir()}
     if name not in packaged:
-        raise ConfigError(f"unknown preset `{name}`{nearest_key(str(name), packaged)}")
+        raise ConfigError(f"unknown preset `{name}`{meant(str(name), packaged, 'the presets are')}")
     return packaged[str(name)].read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from sjdsl.bench.loop import Task, game_task, make_loop, play, steps_for
 from sjdsl.bench.machine import describe_machine
 from sjdsl.bench.timing import memory_of, race
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.near_names import meant
 from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
 
@@ -101,9 +101,7 @@ def swept_params(env: Environment, name: str, number: int) -> list[Any]:
     param = next((p for p in env.game.params if p.name == name), None)
     if param is None:
         names = [p.name for p in env.game.params]
-        near = nearest(name, names)
-        meant = f"; did you mean `{near}`?" if near else f"; it has {', '.join(names)}"
-        raise ValueError(f"{env.name} has no parameter `{name}`{meant}")
+        raise ValueError(f"{env.name} has no parameter `{name}`{meant(name, names, 'it has')}")
     if param.type.kind == "word":
         raise ValueError(f"`{name}` is a word; only numbers can be swept")
     factors = np.linspace(*FACTORS, number)

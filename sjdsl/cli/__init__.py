@@ -4,7 +4,6 @@ import gc
 import os
 import sys
 from collections.abc import Sequence
-from difflib import get_close_matches
 from importlib import import_module
 from typing import NoReturn
 
@@ -14,6 +13,7 @@ from sjdsl.cache import keep_programs
 from sjdsl.cli.faults import report_fault
 from sjdsl.cli.pointer import pointed
 from sjdsl.cli.terminal import leave_at_once_if_compiling
+from sjdsl.near_names import meant
 
 COMMANDS = {
     "bench": "Measure how fast games run.",
@@ -61,9 +61,7 @@ class Commands(click.Group):
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            near = get_close_matches(args[0], COMMANDS, n=1)
-            meant = f"did you mean `{near[0]}`?" if near else f"the commands are {', '.join(COMMANDS)}"
-            raise click.UsageError(f"there is no command `{args[0]}`; {meant}", ctx)
+            raise click.UsageError(f"there is no command `{args[0]}`{meant(args[0], COMMANDS, 'the commands are')}", ctx)
         return super().resolve_command(ctx, args)
 
 

@@ -10,7 +10,7 @@ import click
 from sjdsl.cli.environment import SEED, environment_options, read_assignments
 from sjdsl.cli.game_file import open_game, read_map, split_variants
 from sjdsl.compiler import Build, build, number_names
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.near_names import meant
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -104,7 +104,5 @@ def known_phases(phases: tuple[str, ...], game: "ir.Game") -> tuple[str, ...]:
     names = list(dict.fromkeys([*labels, *(label.partition("(")[0] for label in labels)]))
     for phase in phases:
         if phase not in names:
-            near = nearest(phase, names)
-            meant = f"; did you mean `{near}`?" if near else f"; they are {', '.join(dict.fromkeys(labels))}"
-            raise click.ClickException(f"the schedule has no phase `{phase}`{meant}")
+            raise click.ClickException(f"the schedule has no phase `{phase}`{meant(phase, names, 'they are')}")
     return phases

@@ -100,7 +100,7 @@ def load_base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:
     if path is None:
         raise CompileError(problems.found)
     if not path.is_file():
-        from sjdsl.compiler.diagnostics import nearest
+        from sjdsl.near_names import nearest
 
         near = nearest(path.name, [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else [])
         raise CompileError([Diagnostic(errors.NO_FILE, span, {"name": name, "nearest": near})])

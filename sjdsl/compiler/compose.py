@@ -10,8 +10,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast, errors
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic, near_or_all, nearest
+from sjdsl.compiler.diagnostics import CompileError, Diagnostic, near_or_all
 from sjdsl.compiler.source import Source, Span
+from sjdsl.near_names import nearest
 
 
 @dataclass

@@ -5,11 +5,12 @@ from itertools import product
 from math import inf, isfinite
 
 from sjdsl.compiler import ast, errors, guesses, ir
-from sjdsl.compiler.diagnostics import Label, nearest
+from sjdsl.compiler.diagnostics import Label
 from sjdsl.compiler.expressions import build, fixed
 from sjdsl.compiler.scope import Scope
 from sjdsl.compiler.source import Span
 from sjdsl.compiler.types import INTEGER_UNITS, UNIT_LIMITS, describe
+from sjdsl.near_names import nearest
 
 UNITS = (*UNIT_LIMITS, "word")
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from sjdsl.compiler.source import Span
+from sjdsl.near_names import nearest
 
 Severity = Literal["error", "warning"]
 MOST_LISTED = 20  # names in one help line
@@ -91,27 +92,3 @@ def near_or_all(name: str, candidates: Iterable[str], what: str) -> dict[str, st
     shown = ", ".join(f"`{k}`" for k in known[:MOST_LISTED])
     more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
     return {"nearest": nearest(name, known), "known": f"{what} are {shown}{more}" if known else ""}
-
-
-def nearest(name: str, candidates: Iterable[str]) -> str:
-    """Returns the other candidate closest to `name` by edit distance, or `""` if none is close enough to be meant."""
-    best, best_distance = "", max(1, len(name) // 3) + 1
-    for candidate in sorted(set(candidates) - {name}):
-        distance = _distance(name, candidate)
-        if distance < best_distance:
-            best, best_distance = candidate, distance
-    return best
-
-
-def _distance(a: str, b: str) -> int:
-    """Returns the optimal string alignment distance: insert, delete, replace, swap neighbours."""
-    rows = [list(range(len(b) + 1))]
-    for i, x in enumerate(a, 1):
-        row = [i]
-        for j, y in enumerate(b, 1):
-            cost = min(rows[-1][j] + 1, row[j - 1] + 1, rows[-1][j - 1] + (x != y))
-            if i > 1 and j > 1 and x == b[j - 2] and a[i - 2] == y:
-                cost = min(cost, rows[-2][j - 2] + 1)
-            row.append(cost)
-        rows.append(row)
-    return rows[-1][-1]

@@ -1,7 +1,6 @@
 """Effects: `give`, `tally`, `send`, and whom they reach."""
 
 from sjdsl.compiler import ast, errors, ir
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.domains import domain, without_variables
 from sjdsl.compiler.expressions import as_agent, build, number, wrong_type
 from sjdsl.compiler.facts import narrow_word
@@ -10,6 +9,7 @@ from sjdsl.compiler.phase_use import PhaseUse
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import START, Scope
 from sjdsl.compiler.types import integer
+from sjdsl.near_names import nearest
 
 FACINGS = ("north", "east", "south", "west", "same")
 

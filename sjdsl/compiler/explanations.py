@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from sjdsl.compiler import errors
-from sjdsl.compiler.diagnostics import Code, nearest
+from sjdsl.compiler.diagnostics import Code
+from sjdsl.near_names import nearest
 
 FOLDER = Path(__file__).parent / "explain"
 

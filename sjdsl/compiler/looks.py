@@ -4,10 +4,10 @@ from dataclasses import replace
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import condition
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import Problems, Scope, Static
+from sjdsl.near_names import nearest
 
 SPRITES = ("tree", "apple", "water", "mushroom", "ore", "gem", "coin", "wall", "floor", "animal", "raft", "pot")
 

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 from sjdsl.compiler import ast, errors, ir, limits
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import build
 from sjdsl.compiler.identifiers import Names, phase_function
 from sjdsl.compiler.print_ir import expression as text
 from sjdsl.compiler.scope import START, Poisoned, Scope
 from sjdsl.compiler.statements import PhaseUse, block
 from sjdsl.compiler.streams import Streams
+from sjdsl.near_names import nearest
 
 
 def start(game: Composition, scope: Scope) -> ir.Phase | None:

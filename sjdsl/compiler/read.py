@@ -3,9 +3,10 @@
 from pathlib import Path
 
 from sjdsl.compiler import errors
-from sjdsl.compiler.diagnostics import Code, CompileError, Diagnostic, nearest
+from sjdsl.compiler.diagnostics import Code, CompileError, Diagnostic
 from sjdsl.compiler.limits import MAX_BYTES
 from sjdsl.compiler.source import Source, Span
+from sjdsl.near_names import nearest
 
 
 def read_source(path: Path | str) -> Source:

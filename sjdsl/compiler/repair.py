@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from sjdsl.compiler.automaton import END, Automaton, Stack, accepted, levels, open_braces, reach, read
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.limits import MAX_DEPTH
+from sjdsl.near_names import nearest
 
 AHEAD = 24  # tokens looked at behind an error
 ENOUGH = 3  # tokens that must follow for a change to be believed

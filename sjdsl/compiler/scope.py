@@ -5,8 +5,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast, errors, ir
-from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label, near_or_all, nearest
+from sjdsl.compiler.diagnostics import Code, Diagnostic, Fix, Label, near_or_all
 from sjdsl.compiler.source import Source, Span
+from sjdsl.near_names import nearest
 
 START = "`phase start`"  # the place of a scope in which no agent stands anywhere
 

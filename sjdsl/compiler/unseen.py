@@ -5,9 +5,9 @@ observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="ri
 
 from sjdsl.compiler import ast, errors, ir
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import nearest
 from sjdsl.compiler.expressions import condition
 from sjdsl.compiler.scope import Problems, Scope, Static
+from sjdsl.near_names import nearest
 
 PLANES = ("marks", "content")
 FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide content on agents`"

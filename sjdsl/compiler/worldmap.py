@@ -5,9 +5,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sjdsl.compiler import ast, errors, ir, limits
-from sjdsl.compiler.diagnostics import Label, nearest
+from sjdsl.compiler.diagnostics import Label
 from sjdsl.compiler.scope import Problems, Static
 from sjdsl.compiler.source import Source, Span
+from sjdsl.near_names import nearest
 
 Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
 

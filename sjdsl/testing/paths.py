@@ -8,7 +8,8 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import World
-from sjdsl.testing.values import held, meant, written
+from sjdsl.near_names import meant
+from sjdsl.testing.values import held, written
 
 _PATH = re.compile(r"(?:(\w+)\.)?(\w+)((?:\[\w+\])*)")
 
@@ -36,7 +37,7 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     kinds = {kind.name: kind.fields for kind in game.kinds}
     owners = {"agent": game.agents.fields, **kinds}
     if owner is not None and owner not in owners:
-        raise ValueError(f"`{text}`: the game has no `{owner}`{meant(owner, list(owners))}")
+        raise ValueError(f"`{text}`: the game has no `{owner}`{meant(owner, owners)}")
     declared = next((f for f in (owners[owner] if owner else game.fields) if f.name == name), None)
     if declared is None:
         raise ValueError(f"`{text}`: {_no_field(owner, name, owners, game.fields)}")
@@ -52,9 +53,9 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
 def _no_field(owner: str | None, name: str, owners: dict[str, tuple[ir.VarField, ...]], world: tuple[ir.VarField, ...]) -> str:
     if owner:
         names = [f.name for f in owners[owner]]
-        return f"`{owner}` has no field `{name}`" + (meant(name, names) if names else "")
+        return f"`{owner}` has no field `{name}`{meant(name, names)}"
     whole = [*(f.name for f in world), *(f"{o}.{f.name}" for o, fields in owners.items() for f in fields)]
-    return f"the game has no field `{name}`" + (meant(name, whole) if whole else "")
+    return f"the game has no field `{name}`{meant(name, whole)}"
 
 
 def _entry(value: Any, keys: tuple[int, ...]) -> Any:

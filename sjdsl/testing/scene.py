@@ -8,11 +8,12 @@ import numpy as np
 
 from sjdsl.interpreter.planes import marking
 from sjdsl.interpreter.state import HEADINGS, World
+from sjdsl.near_names import meant
 from sjdsl.testing.engines import look_at, take_step
 from sjdsl.testing.paths import by_owner, find_field, owners_of, read_field
 from sjdsl.testing.pictures import Row, compare_pictures, draw_cells, draw_picture, read_picture
 from sjdsl.testing.states import compiled_state
-from sjdsl.testing.values import meant, merged, same
+from sjdsl.testing.values import merged, same
 
 if TYPE_CHECKING:
     from sjdsl.testing.stage import Stage
@@ -228,7 +229,7 @@ class Scene:
 
     def _named(self, name: str, values: Mapping[str, Any], what: str) -> Any:
         if name not in values:
-            raise ValueError(f"the game has no {what} `{name}`" + (meant(name, list(values)) if values else ""))
+            raise ValueError(f"the game has no {what} `{name}`{meant(name, values)}")
         return values[name]
 
     def _allowed(self, action: str) -> list[bool]:
@@ -237,5 +238,5 @@ class Scene:
     def _marks(self, phase: str) -> set[tuple[int, int]]:
         names = {p.label: p.name for p in marking(self.env.game)}
         if phase not in names:
-            raise ValueError(f"no phase `{phase}` marks cells" + (meant(phase, list(names)) if names else ""))
+            raise ValueError(f"no phase `{phase}` marks cells{meant(phase, names)}")
         return {(row, column) for name, row, column in self.world.marks if name == names[phase]}

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.testing.values import held, meant
+from sjdsl.near_names import meant
+from sjdsl.testing.values import held
 
 UNKNOWN = "?!*%$"  # the first that is no sign is drawn where a cell is in a state without a sign
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.near_names import meant
 
 LARGEST = 2**31 - 1
 
@@ -39,7 +39,7 @@ def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
     match type_.kind:
         case "word":
             if written not in type_.words:
-                raise ValueError(f"`{name}` is one of {', '.join(type_.words)}, not {written!r}{meant(str(written), type_.words, False)}")
+                raise ValueError(f"`{name}` is one of {', '.join(type_.words)}, not {written!r}{meant(str(written), type_.words, '')}")
             return written
         case "agent":
             return None if written is None else _agent(name, written, agents)
@@ -62,12 +62,6 @@ def _agent(name: str, number: Any, agents: int) -> int:
     if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 0 <= number < agents:
         raise ValueError(f"`{name}`: the agents are 0 .. {agents - 1}, not {number!r}")
     return int(number)
-
-
-def meant(name: str, candidates: Collection[str], list_all: bool = True) -> str:
-    """Returns the end of a message about an unknown name: the nearest one, or all there are."""
-    near = nearest(name, candidates)
-    return f"; did you mean `{near}`?" if near else f"; there are {', '.join(candidates)}" if list_all else ""
 
 
 def written(value: Any, type_: ir.Type) -> Any:

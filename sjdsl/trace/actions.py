@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics import nearest
+from sjdsl.near_names import meant
 from sjdsl.trace.episode import Choose, random_actions
 
 RANDOM = "random"
@@ -37,10 +37,8 @@ def _step(words: list[str], number: int, game: ir.Game, maybe_file: str) -> list
     names, agents = game.agents.actions, game.agents.number
     for word in words:
         if word not in names:
-            near = nearest(word, names)
-            meant = f"; did you mean `{near}`?" if near else f"; the game has {', '.join(names)}"
             beside = f", and no file `{maybe_file}`" if maybe_file else f" (step {number})"
-            raise ValueError(f"there is no action `{word}`{beside}{meant}")
+            raise ValueError(f"there is no action `{word}`{beside}{meant(word, names, 'the game has')}")
     if len(words) not in (1, agents):
         raise ValueError(f"step {number} has {len(words)} actions; write one for each of the {agents} agents, or one for all")
     return [names.index(word) for word in words] * (agents if len(words) == 1 else 1)
