@@ -9,29 +9,41 @@ from sjdsl.compiler.agent_range import agent_range
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.parse import parse
 from sjdsl.compiler.print_ir import expression
-from sjdsl.compiler.source import Source
 
 
-def describe(name: str) -> dict[str, Any]:
-    """Returns the title, variants, map, agents, actions, numbers and metrics of a game. Raises CompileError."""
+def outline(name: str) -> dict[str, Any]:
+    """Returns what a line about a game has room for: title, number of agents, map, actions and variants. Raises CompileError."""
     source = open_game(name)
-    composed = compose(source, parse(source), (), load_base)
-    game = build(source).game
+    return _outline(build(source).game, compose(source, parse(source), (), load_base))
+
+
+def _outline(game: ir.Game, composed: Composition) -> dict[str, Any]:
     return {
         "game": game.name,
         "title": game.title,
-        "file": source.name,
-        "cites": list(game.cites),
-        "about": dict(game.about),
         "variants": [{"name": v.name.text, "title": v.title.text if v.title else ""} for v in composed.variants.values()],
         "agents": game.agents.number,
         "map": {"rows": len(game.rows), "columns": len(game.rows[0])},
-        "episode": expression(game.episode),
         "actions": list(game.agents.actions),
+    }
+
+
+def describe(name: str) -> dict[str, Any]:
+    """Returns all there is to know, numbers with their limits too: how many agents the map holds is found by trying. Raises CompileError."""
+    source = open_game(name)
+    composed = compose(source, parse(source), (), load_base)
+    game = build(source).game
+    agents = agent_range(source)
+    return {
+        **_outline(game, composed),
+        "file": source.name,
+        "cites": list(game.cites),
+        "about": dict(game.about),
+        "episode": expression(game.episode),
         "window": game.window.model_dump(exclude={"origin"}),
         "kinds": [{"name": k.name, "fields": {f.name: _values(f.type) for f in k.fields}} for k in game.kinds],
         "params": [_number(p.name, p.type, p.value, (p.type.low, p.type.high)) for p in game.params],
-        "sizes": [_number(s.name, s.type, s.value, _limits(source, composed, s.name)) for s in game.sizes],
+        "sizes": [_number(s.name, s.type, s.value, _limits(agents, composed, s.name)) for s in game.sizes],
         "metrics": [{"name": e.name, "sort": "event", "by": list(e.by), "per_agent": e.per_agent} for e in game.events]
         + [{"name": m.name, "sort": "mean" if m.mean else "final"} for m in game.measures],
     }
@@ -48,9 +60,8 @@ def _by_word(value: Any, by: tuple[tuple[str, ...], ...]) -> Any:
     return {word: _by_word(v, by[1:]) for word, v in zip(by[0], value, strict=True)} if by else value
 
 
-def _limits(source: Source, game: Composition, name: str) -> tuple[str | float | None, str | float | None]:
+def _limits(agents: tuple[str, int, int] | None, game: Composition, name: str) -> tuple[str | float | None, str | float | None]:
     """Returns the limits of a size as its file has them (the compiler has narrowed them to its value), of agents as many as the map holds."""
-    agents = agent_range(source)
     if agents is not None and agents[0] == name:
         return agents[1:]
     declared = game.constants[name]

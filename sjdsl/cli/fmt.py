@@ -108,6 +108,8 @@ def _summary(changed: int, unchanged: int, problems: int, only_check: bool) -> s
     one = ("would be laid out otherwise", "is laid out as it should be") if only_check else ("is laid out anew", "is unchanged")
     many = ("would be laid out otherwise", "are laid out as they should be") if only_check else ("are laid out anew", "are unchanged")
     counts = (changed, unchanged, problems)
-    words = [o if count == 1 else m for count, o, m in zip(counts, (*one, "has syntax errors"), (*many, "have syntax errors"), strict=True)]
+    words = [
+        o if count == 1 else m for count, o, m in zip(counts, (*one, "cannot be laid out"), (*many, "cannot be laid out"), strict=True)
+    ]
     said = [f"{count} {what}" for count, what in zip(counts, words, strict=True) if count]
     return f"1 file {said[0][2:]}" if sum(counts) == 1 else f"{sum(counts)} files: {', '.join(said)}"

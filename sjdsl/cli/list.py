@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from sjdsl.cli.describe import describe
+from sjdsl.cli.describe import describe, outline
 from sjdsl.games_folder import bundled
 
 
@@ -14,13 +14,12 @@ from sjdsl.games_folder import bundled
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def command(games: tuple[str, ...], as_json: bool) -> None:
     """Lists the bundled games in short, or all about the GAMEs named: bundled ones and `.sj` files."""
-    found = [describe(name) for name in games or bundled()]
     if as_json:
-        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+        click.echo(json.dumps([describe(name) for name in games or bundled()], indent=2, ensure_ascii=False))
     elif games:
-        click.echo("\n\n".join(page(game) for game in found))
+        click.echo("\n\n".join(page(describe(name)) for name in games))
     else:
-        for line in align([("game", "title", "agents", "map", "actions", "variants"), *map(_row, found)]):
+        for line in align([("game", "title", "agents", "map", "actions", "variants"), *map(_row, map(outline, bundled()))]):
             click.echo(line)
         click.echo("\n`sjdsl list GAME` shows actions, parameters, sizes, metrics and kinds")
 

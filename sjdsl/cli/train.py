@@ -1,6 +1,7 @@
 """`sjdsl train`: agents that learn in a game, and what they are worth beside random ones."""
 
 import json
+import shlex
 from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,9 +30,7 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
     help=f"What an agent learns from: {', '.join(REWARDS)}, or FILE.py:FUNCTION; its own reward (individual) unless the preset has another, "
     "and common with vdn.",
 )
-@click.option(
-    "--preset", metavar="P", help="paper, released, two_cores, another preset of the package, or a .toml file, which may name the game."
-)
+@click.option("--preset", metavar="P", help="paper, released, two_cores, quick, or a .toml file, which may name the game.")
 @click.option(
     "--set",
     "changes",
@@ -115,7 +114,19 @@ def command(
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
     check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
+    if not distributed:  # then another process may have begun to write there
+        _require_unused(run_dir)
     _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers, callback)
+
+
+def _require_unused(run_dir: str | None) -> None:
+    """Refuses a folder that `train` would refuse, before JAX is imported."""
+    path = Path(run_dir or "")
+    if run_dir and path.exists() and (not path.is_dir() or any(path.iterdir())):
+        raise click.ClickException(
+            f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or go on with the run in it: "
+            f"sjdsl train --resume {shlex.quote(run_dir)}"
+        )
 
 
 def _start(
@@ -156,6 +167,12 @@ def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None, c
     if "game" not in manifest.get("provenance", {}):
         raise click.ClickException(
             f"the manifest of {path} does not say which game was trained; go on with the run from Python: sjdsl.trainers.resume(env, {str(path)!r})"
+        )
+    if longer is None and manifest.get("status") == "finished":
+        click.echo(
+            f"the run in {path} is finished, and is evaluated again; "
+            f"sjdsl train --resume {shlex.quote(str(path))} --set total_timesteps=… makes it longer",
+            err=True,
         )
     with stages(LOADING):
         env = make_environment(manifest["provenance"])

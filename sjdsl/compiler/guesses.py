@@ -70,6 +70,10 @@ VALUES = {
         "`give e to all but agent` reaches all others; `each agent as b where b is not agent { … }` speaks of each",
     ),
     **dict.fromkeys(("self", "me", "this", "myself", "i", "actor"), _ONESELF),
+    **dict.fromkeys(
+        ("reward", "rewards", "payoff", "score", "points", "utility"),
+        "what is given is a number: `give 1 to agent`, or the name of one that the game declares, `param bonus : reward = 1`",
+    ),
     **dict.fromkeys(("time", "t", "timestep", "now", "turn", "round", "tick"), "`step` is how many steps of the episode are finished"),
     **dict.fromkeys(("one", "a", "an", "random", "some", "any"), "a number of members is written with digits: `pick 1 tree { … }`"),
 }

@@ -88,7 +88,12 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
         if name.text in table:
             return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted="a value", help=help_)
     near = scope.near(name.text)
-    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, nearest=near, help=_owned(name.text, near, static))
+    values = sorted({*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"})
+    facts = near_or_all(name.text, values if len(values) > 1 else (), "the values known here") | {
+        "nearest": near,
+        "help": _owned(name.text, near, static),
+    }
+    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, **facts)
 
 
 def _with_parameter(define: str, variable: str, static: Static) -> str:

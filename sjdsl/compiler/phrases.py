@@ -49,6 +49,13 @@ def _sentences() -> Iterator[tuple[str, ...]]:
         yield f"{word} PATH by EXPR", "give {2} to {1}"
         yield f"{word} PATH EXPR", "give {2} to {1}"
         yield f"{word} EXPR to PATH", "give {1} to {2}"
+    for word in ("take", "deduct"):
+        yield f"{word} EXPR from NAME . NAME", "add {minus1} to {2}.{3}"
+        for amount in ("", " reward"):
+            yield f"{word} EXPR{amount} from agent", "give {minus1} to agent"
+    for word in ("fine", "punish", "penalise", "penalize", "charge"):
+        for by in ("", " by", " with"):
+            yield f"{word} PATH{by} EXPR", "give {minus2} to {1}"
     for everybody in ("agents", "all agents", "each agent", "every agent"):
         yield f"give EXPR to {everybody}", "give {1} to all"
     for others in ("all others", "the others", "other agents", "all other agents"):
@@ -64,7 +71,8 @@ def _sentences() -> Iterator[tuple[str, ...]]:
     yield "set PATH to EXPR", "set {1} = {2}"
     yield "set PATH + = EXPR", "add {2} to {1}"
     yield "set PATH - = EXPR", "add {minus2} to {1}"
-    yield "NAME = EXPR", "set {1} = {2}", "`set {1} = {2}` writes a field of the world, `let {1} = {2}` names a value in this block"
+    written = "`set {1} = {2}` writes a field of the world, or in a variant a number; `let {1} = {2}` names a value in this block"
+    yield "NAME = EXPR", "set {1} = {2}", written
     yield "PATH = EXPR", "set {1} = {2}"
     for word, sign in (("increment", ""), ("increase", ""), ("decrement", "-"), ("decrease", "-")):
         yield f"{word} PATH by EXPR", "add {minus2} to {1}" if sign else "add {2} to {1}"
@@ -91,6 +99,12 @@ def _sentences() -> Iterator[tuple[str, ...]]:
         yield f"{words} EXPR", "chance {1}"
     for words in ("else if", "elif", "elsif", "elseif"):
         yield f"{words} EXPR", "otherwise when {1}"
+    yield "else", "otherwise"
+    for word in ("else", "otherwise"):
+        alone = (
+            "`otherwise` follows `when`, `chance`, `pick` and `first`; after `each … where c {{ … }}` write `each … where not c {{ … }}`"
+        )
+        yield word, "each agent", alone
     for everybody in ("all agents", "every agent", "agents", "all", ""):
         yield f"move {everybody}", "move each agent"
     yield "agents", "agent"
@@ -106,6 +120,8 @@ def _expressions() -> Iterator[tuple[str, ...]]:
     for beside in ("next to", "adjacent to", "beside"):
         yield f"{beside} NAME", "in diamond(1) of {1}"
     yield "within INT of NAME", "in disc({1}) of {2}"
+    for word in ("radius", "distance", "range"):
+        yield f"in {word} INT of NAME", "in disc({1}) of {2}"
     for less in ("<", "<="):
         for lesser in ("<", "<="):
             yield f"INT {less} PATH {lesser} INT", f"{{2}} {less.replace('<', '>')} {{1}} and {{2}} {lesser} {{3}}"

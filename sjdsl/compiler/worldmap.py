@@ -1,5 +1,6 @@
 """Maps: text, inline or in a file beside the game, checked against the legend row by row."""
 
+import re
 import unicodedata
 from collections.abc import Iterable
 from pathlib import Path
@@ -60,6 +61,9 @@ def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         problems.add(errors.MAP_FILE, span, name=name, problem="it is not text")
+        return (), ()
+    if re.match(r"sj \d", text):
+        problems.add(errors.MAP_FILE, span, name=name, problem="it is a game")
         return (), ()
     lines = text.rstrip("\r\n").split("\n") if text.strip() else []
     return tuple(line.rstrip("\r") for line in lines), row_spans(lines, name)

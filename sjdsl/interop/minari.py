@@ -58,7 +58,12 @@ def save_minari(dataset: Dataset, dataset_id: str) -> minari.MinariDataset:
 
 def check_name(dataset_id: str) -> None:
     """Raises ValueError for an id that Minari does not take, or has."""
-    parse_dataset_id(dataset_id)
+    try:
+        _, _, version = parse_dataset_id(dataset_id)
+    except (ValueError, TypeError):  # it does not expect that the version is missing
+        version = None
+    if version is None:
+        raise ValueError(f"`{dataset_id}` cannot name a Minari dataset: a name is NAMESPACE/GAME/NAME-v0, such as sjdsl/coins/random-v0")
     if get_dataset_path(dataset_id).exists():
         raise ValueError(f"there is a Minari dataset {dataset_id} already; take another name or version")
 

@@ -61,7 +61,7 @@ class Courses:
         said = [f"{rules.place(leaf.sentence)}  {rules.text(leaf.sentence)}{self._use(leaf.place)}" for leaf in never]
         check = self.ground.own.checks[number]
         if check.sort == "once" and not self.tried.triggers[number]:
-            said.append(f"{rules.place(check)}  the first condition never came: {rules.text(check.values[0])}")
+            said.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
         return tuple(dict.fromkeys(said))
 
     def kept(self, number: int) -> Verdict:
@@ -72,7 +72,7 @@ class Courses:
             said += f", {self._effort.episodes} episodes of random play"
         if check.sort == "once":
             came = self.tried.triggers[number]
-            said += f"; the first condition came in {came} of the courses" if came else "; its first condition never came in the courses"
+            said += f"; its first condition held in {came} of the courses" if came else "; its first condition never held in the courses"
         return replace(make_verdict(self.ground, check, True, "examples", said), untested=self.missing(number))
 
     def idle(self) -> tuple[int, ...]:

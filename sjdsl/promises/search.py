@@ -42,7 +42,7 @@ class Broken:
 class Tried:
     """How many courses were played, `refused` ones, with a map the game does not take, among them; `ran`: how often each sentence did.
 
-    triggers: for each `once`, in how many courses its first condition came.
+    triggers: for each `once`, in how many courses its first condition held.
     """
 
     played: int = 0

@@ -53,7 +53,7 @@ def test_a_file_with_mistakes_is_left_alone_and_the_others_are_done(sjdsl: Sjdsl
     assert "did you mean `schedule`?" in shown.err
     assert (folder / "a_wrong.sj").read_text() == WRONG
     assert "ugly.sj is laid out anew" in shown.out
-    assert "3 files: 1 is laid out anew, 1 is unchanged, 1 has syntax errors" in shown.out
+    assert "3 files: 1 is laid out anew, 1 is unchanged, 1 cannot be laid out" in shown.out
 
 
 def test_a_game_that_is_wrong_but_can_be_read_is_laid_out(sjdsl: Sjdsl, folder: Path) -> None:

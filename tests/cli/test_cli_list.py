@@ -9,7 +9,8 @@ from sjdsl.compiler import STAGES
 from sjdsl.games_folder import bundled
 
 
-def test_all_games_are_listed(sjdsl: Sjdsl) -> None:
+def test_all_games_are_listed(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sjdsl.cli.describe.agent_range", lambda *_: pytest.fail("what the table does not show is not worked out"))
     shown = sjdsl("list")
     assert shown.status == 0
     assert [line.split()[0] for line in shown.out.splitlines()[1 : 1 + len(bundled())]] == bundled()

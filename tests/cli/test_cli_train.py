@@ -51,7 +51,9 @@ def test_a_folder_in_use_is_not_written_to(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "kept/notes.txt").write_text("mine")
     shown = sjdsl("train", "orchard.sj", *QUICK, "--run", "kept")
     assert shown.status == 1
-    assert "not empty" in shown.err
+    assert "kept is not empty" in shown.err
+    assert "sjdsl train --resume kept" in shown.err
+    assert "loading JAX" not in shown.err
 
 
 def test_a_preset_names_the_game(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,6 +96,8 @@ def test_seeds_have_folders(trained: Path, sjdsl: Sjdsl) -> None:
     shown = sjdsl("train", "--resume", trained, "--episodes", "0")
     assert shown.status == 0, shown.text
     assert f"{trained}/" in shown.out
+    assert f"the run in {trained} is finished" in shown.err
+    assert "--set total_timesteps=… makes it longer" in shown.err
 
 
 @pytest.mark.slow

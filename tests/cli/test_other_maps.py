@@ -16,6 +16,7 @@ WRONG = {
     "unknown glyph": ("HFS..B\n.PP?P.\nPPPP..\n", "SJ301", (2, 4), "glyph `?` at row 1, column 3 is in no kind"),
     "letter of the other case": ("HFS..b\n.PPPP.\nPPP...\n", "SJ301", (1, 6), "did you mean `B`?"),
     "after a byte order mark, with other line ends": ("\ufeffHFS..B\r\n.PP?P.\r\n", "SJ301", (2, 4), "row 1, column 3"),
+    "a game": ("sj 1\ngame x { }\n", "SJ309", None, "the map `other.txt` cannot be read: it is a game"),
     "no cells": ("\n", "SJ307", (1, 1), "the map has no cells"),
     "too few starts": ("HFS..B\n.PPPP.\nP.P...\n", "SJ303", None, "`gate` has 6 cells for 7 agents"),
 }

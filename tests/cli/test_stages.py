@@ -15,6 +15,7 @@ WRONG = [
     (["train", "orchard.sj", "--set", "learning_rat=1"], "did you mean `learning_rate`?"),
     (["train", "orchard.sj", "--param", "aple=1"], "did you mean `apple`?"),
     (["train", "orchard.sj", "--variant", "rch"], "rch"),
+    (["train", "orchard.sj", "--run", "."], ". is not empty; name a new folder"),
     (["render", "orchard.sj", "--param", "aple=1"], "did you mean `apple`?"),
     (["render", "orchard.sj", "--policy", "randm"], "there is no policy `randm`"),
     (["play", "orchard.sj", "--watch", "--others", "randm"], "there is no policy `randm`"),

@@ -51,7 +51,9 @@ def test_the_environment_comes_back(datasets: Path) -> None:
 
 def test_it_is_refused_before_anything_is_played(datasets: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = datasets / "coins.npz"
-    assert run([*CALL, "-o", str(file), "--minari", "coins random"]) == 1
+    for wrong in ("coins random", "coins", "coins-v"):
+        assert run([*CALL, "-o", str(file), "--minari", wrong]) == 1
+        assert f"`{wrong}` cannot name a Minari dataset" in capsys.readouterr().err
     assert run([*CALL, "-o", str(file), "--minari", ID, "--observation", "none"]) == 2
     assert not file.exists()
     assert run([*CALL, "-o", str(file), "--minari", ID]) == 0

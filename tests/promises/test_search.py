@@ -93,7 +93,7 @@ def test_what_only_a_long_episode_shows_is_found_there() -> None:
 def test_a_trigger_that_never_came_is_said() -> None:
     (verdict,) = examine(ground("once step > 900 always fruit == 0"), Effort(examples=10, episodes=1)).verdicts
     assert verdict.kept
-    assert "never came" in verdict.said
+    assert "never held" in verdict.said
 
 
 def test_a_game_that_takes_no_other_map_or_number_is_played_as_it_is() -> None:

@@ -51,7 +51,7 @@ def test_other_promises_are_not_touched_by_it() -> None:
 def test_a_first_condition_that_never_came_makes_it_untested() -> None:
     (verdict,) = examine(ground("once step > 900 always fruit == 0"), FEW).verdicts
     assert verdict.word == "untested"
-    assert "the first condition never came: step > 900" in verdict.untested[-1]
+    assert "the first condition never held: step > 900" in verdict.untested[-1]
 
 
 def test_an_expectation_depends_on_lines_too() -> None:

@@ -19,7 +19,7 @@ PPO = tuple((algorithm, reward) for algorithm in ("ippo", "mappo") for reward in
 def test_a_packaged_preset_and_changes() -> None:
     quick = load_preset("quick", {"seed": 7, "num_envs": "32"})
     assert quick.game == "coins"
-    assert (quick.config.seed, quick.config.num_envs, quick.config.reward) == (7, 32, "common")
+    assert (quick.config.seed, quick.config.num_envs, quick.config.reward) == (7, 32, "individual")
     with pytest.raises(ConfigError, match="did you mean `learning_rate`"):
         load_preset("quick", {"learning_rates": 1})
 

@@ -1,0 +1,34 @@
+"""ARCHITECTURE.md is a map: the files it names are there, and nothing has two entries."""
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+LINES = (ROOT / "ARCHITECTURE.md").read_text("utf-8").splitlines()
+NAMED = re.compile(r"`([\w./]+(?:\.(?:py|lark|toml|txt|j2|json)|/))`|\]\(([\w./]+)\)")
+USUAL = ("sjdsl/compiler", "sjdsl/compiler/lower", "sjdsl/compiler/templates", "sjdsl/compiler/optimise", "sjdsl")
+
+
+def missing(line: str) -> list[str]:
+    """Returns what a line names and what is not there: from the root, or in a folder that the line has named before, or a usual one."""
+    folders = [ROOT / folder for folder in ("", *USUAL)]
+    absent = []
+    for code, link in NAMED.findall(line):
+        name = code or link
+        found = [folder / name for folder in folders if (folder / name).exists()]
+        if found:
+            folders += [path if path.is_dir() else path.parent for path in found]
+        else:
+            absent.append(name)
+    return absent
+
+
+def test_what_is_named_is_there() -> None:
+    assert [(number, name) for number, line in enumerate(LINES, 1) for name in missing(line)] == []
+    assert missing("`sjdsl/trace/`, `effects.py`, `nosuch.py`, [none](docs/none.md)") == ["nosuch.py", "docs/none.md"]
+
+
+def test_nothing_has_two_entries() -> None:
+    entries = sorted(line.split(" | ")[0] for line in LINES if line.startswith("| "))
+    assert [first for first, second in pairwise(entries) if first == second] == []
