@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-COMPILING = "sjdsl-compiling"  # the name of the thread in which a game is compiled while it is played
+from sjdsl.screen import COMPILING
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir

@@ -5,7 +5,6 @@ from math import inf
 from sjdsl.compiler import ir
 
 INTEGER_UNITS = ("count", "steps", "cells")
-REAL_UNITS = ("reward", "probability", "fraction")
 UNIT_LIMITS = {
     "count": (0, inf),
     "steps": (0, inf),

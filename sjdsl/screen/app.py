@@ -17,9 +17,8 @@ from textual.containers import Container, Horizontal, ScrollableContainer, Verti
 from textual.geometry import Region
 from textual.widgets import Static
 
-from sjdsl.cli.terminal import COMPILING
 from sjdsl.compiler import ir
-from sjdsl.screen import sidebar
+from sjdsl.screen import COMPILING, sidebar
 from sjdsl.screen.board import WIDTH, board_text
 from sjdsl.screen.keys import action_keys, pasted_keys
 from sjdsl.screen.looks import make_screen_looks

@@ -17,7 +17,6 @@ from sjdsl.interpreter.writes import Slot
 
 Sort = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]
 Words = Mapping[tuple[int, int], int]  # (stream, number) -> word
-ABOUT_AGENTS: tuple[Sort, ...] = ("place", "heading", "away", "moved")
 
 
 class Used(NamedTuple):

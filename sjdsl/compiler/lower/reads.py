@@ -6,7 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.identifiers import attribute_name
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer
+from sjdsl.compiler.lower.context import AgentVar, CellVar, NotSupported, Writer
 from sjdsl.compiler.lower.values import Axis, Value, as_dtype, binary, literal, wrapped
 
 
@@ -165,7 +165,3 @@ def occupied(owner: CellVar, w: Writer) -> Value:
 
 def _lead(value: Value) -> str:
     return f"[{', '.join(['None'] * len(value.axes))}, :]" if value.axes else ""
-
-
-def frame_variable(e: ir.Member, frame: Frame) -> AgentVar | CellVar:
-    return frame.variables[e.name]
