@@ -1,12 +1,15 @@
 """The README tells the truth: its game compiles and plays, its Python lines run."""
 
 import re
+import shlex
 from pathlib import Path
 
+import click
 import jax
 import pytest
 
 import sjdsl
+from sjdsl.cli import commands
 
 ROOT = Path(__file__).parent.parent
 
@@ -51,3 +54,27 @@ def test_the_python_lines_of_playing() -> None:
     names: dict = {}
     exec(block("python", "docs/playing.md"), names)
     assert len(names["course"].actions) == 1000
+
+
+def shown_commands() -> list[tuple[str, str]]:
+    """Returns the lines of fenced blocks of all pages that call `sjdsl`, each with its page."""
+    found = []
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        blocks = re.split(r"^```.*\n", page.read_text("utf-8"), flags=re.MULTILINE)[1::2]
+        found += [(page.name, line) for block in blocks for line in block.splitlines() if line.startswith("sjdsl ")]
+    return found
+
+
+def test_the_commands_of_the_pages_are_commands() -> None:
+    """With options that there are; nothing is run."""
+    above, wrong = click.Context(commands, info_name="sjdsl"), []
+    assert len(shown_commands()) > 30
+    for page, line in shown_commands():
+        name, *arguments = shlex.split(line, comments=True)[1:]
+        command = commands.get_command(above, name)
+        try:
+            assert command is not None, f"there is no command {name}"
+            command.make_context(name, arguments, parent=above)
+        except (AssertionError, click.ClickException) as error:
+            wrong.append((page, line, str(error)))
+    assert wrong == []
