@@ -1,4 +1,4 @@
-"""ARCHITECTURE.md is a map: the files it names are there, and nothing has two entries."""
+"""ARCHITECTURE.md is a map: the files it names are there, and nothing has two entries; nor has a change in CHANGELOG.md."""
 
 import re
 from itertools import pairwise
@@ -32,3 +32,10 @@ def test_what_is_named_is_there() -> None:
 def test_nothing_has_two_entries() -> None:
     entries = sorted(line.split(" | ")[0] for line in LINES if line.startswith("| "))
     assert [first for first, second in pairwise(entries) if first == second] == []
+
+
+def test_no_change_is_told_twice() -> None:
+    changes = (ROOT / "CHANGELOG.md").read_text("utf-8").splitlines()
+    told = sorted(line for line in changes if line.startswith("- "))
+    assert [first for first, second in pairwise(told) if first == second] == []
+    assert [line for line in changes if line.startswith("* ")] == []

@@ -160,9 +160,9 @@ def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
     return {name: estimate(samples) for name, samples in figures.items()}
 
 
-def save_evaluation(evaluation: Evaluation, path: Path | str) -> None:
-    """Writes the estimates and every episode to a JSON file; figures that are not defined are null."""
+def save_evaluation(evaluation: Evaluation, path: Path | str, played: Mapping[str, Any] | None = None) -> None:
+    """Writes the estimates and every episode to a JSON file; figures that are not defined are null. `played`: what was, as JSON values."""
     groups = {"collective_returns": evaluation.collective_returns, "equalities": evaluation.equalities}
     per_episode = dataclasses.asdict(evaluation) | groups
     summary = {name: dataclasses.asdict(figure) for name, figure in summarise(evaluation).items()}
-    write_json(Path(path), {"episodes": len(evaluation.lengths), "summary": summary, "per_episode": per_episode})
+    write_json(Path(path), {**(played or {}), "episodes": len(evaluation.lengths), "summary": summary, "per_episode": per_episode})

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.trainers import Estimate
 
-FILE = "evaluation.json"
-
 
 @click.command("evaluate")
 @click.argument("run", metavar="RUN")
@@ -34,13 +32,16 @@ FILE = "evaluation.json"
 )
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4.")
 def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str | int | None, film: str | None) -> None:
-    """Plays the policy of RUN and a random one; the figures go to the evaluation.json of RUN.
+    """Plays the policy of RUN and a random one; the figures go to a file in RUN.
 
     RUN is a folder that `sjdsl train` wrote, or one of its policies: RUN@best, RUN@UPDATE; of several seeds, each is evaluated.
+    The file is evaluation.json for the last policy, evaluation_best.json or evaluation_UPDATE.json for another.
     """
     from sjdsl.trainers.policy_names import split_name
 
     path, named = split_name(run)
+    if which is not None and named not in (which, "last"):
+        raise click.UsageError(f"{run} names one policy and --which {which} another; leave one of them out", click.get_current_context())
     which = which or named
     if film is not None:
         check_film(Path(film))
@@ -68,7 +69,7 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     policy = stored_policy(path, env, greedy, which)
     with stages(f"compiling and playing {episodes} episodes of the trained policy") as say:
         trained = evaluate(env, policy, key, episodes)
-        save_evaluation(trained, path / FILE)
+        save_evaluation(trained, path / evaluation_file(which), {"policy": which, "seed": seed, "greedy": greedy})
         say(f"compiling and playing {episodes} episodes of a random policy")
         chance = summarise(evaluate(env, random_policy(env), key, episodes))
     figures = summarise(trained)
@@ -77,11 +78,17 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     names = [name for name in names if name not in undeclared]
     shown = [("", "trained", "random"), *((name, _interval(figures[name]), _interval(chance[name])) for name in names)]
     widths = [max(len(row[column]) for row in shown) for column in range(3)]
-    click.echo(f"\n{env.title or env.name}: means of {episodes} episodes with their 95 % intervals")
+    played = {"last": "", "best": ", the best policy"}.get(str(which), f", the policy of update {which}")
+    click.echo(f"\n{env.title or env.name}{played}: means of {episodes} episodes with their 95 % intervals")
     for row in shown:
         click.echo("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     earned, guessed = _interval(figures["collective return"]), _interval(chance["collective return"])
     click.echo(f"trained return {earned} against {guessed} of a random policy")
+
+
+def evaluation_file(which: str | int) -> str:
+    """Returns the name of the file for the figures of a policy: none takes the place of another's."""
+    return "evaluation.json" if which == "last" else f"evaluation_{which}.json"
 
 
 def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last") -> Any:

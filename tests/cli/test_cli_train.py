@@ -37,7 +37,13 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     assert "means of 3 episodes" in evaluated.out
     assert "playing 3 episodes of the trained policy" in evaluated.err
     assert "trained return" in evaluated.out
-    assert json.loads((run_dir / "evaluation.json").read_text())["episodes"] == 3
+    assert "the best policy: means of 3 episodes" in evaluated.out
+    stored = json.loads((run_dir / "evaluation_best.json").read_text())
+    said = {"policy": "best", "seed": 0, "greedy": None, "episodes": 3}
+    assert {name: stored[name] for name in said} == said
+    assert not (run_dir / "evaluation.json").exists(), "that is the last policy's"
+    both = sjdsl("evaluate", f"{run_dir}@best", "--which", "last")
+    assert (both.status, "names one policy and --which last another" in both.err) == (2, True)
 
     drawn = sjdsl("render", "orchard.sj", "--policy", run_dir, "--steps", "2", "-o", "film.gif")
     assert drawn.status == 0, drawn.text
