@@ -34,18 +34,8 @@ def expression(e: ir.Expr) -> str:
             return "step"
         case ir.Arithmetic():
             return _arithmetic(e)
-        case ir.Compare():
-            return f"({expression(e.left)} {e.fn} {expression(e.right)})"
-        case ir.Same():
-            return f"({expression(e.left)} is {expression(e.right)})"
-        case ir.InRange():
-            return f"({expression(e.value)} in {expression(e.low)} .. {expression(e.high)})"
-        case ir.InWords():
-            return f"({expression(e.value)} in {{ {', '.join(e.words)} }})"
-        case ir.InSet():
-            return f"({expression(e.value)} in {expression(e.container)})"
-        case ir.IsEmpty():
-            return f"({expression(e.container)} is nobody)"
+        case ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
+            return _test(e)
         case ir.Chose():
             return f"({expression(e.agent)} chose #{e.action})"
         case ir.Unoccupied():
@@ -78,6 +68,22 @@ def expression(e: ir.Expr) -> str:
             return f"{e.name}({expression(e.table)})"
         case _:
             assert_never(e)
+
+
+def _test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty) -> str:
+    match e:
+        case ir.Compare():
+            return f"({expression(e.left)} {e.fn} {expression(e.right)})"
+        case ir.Same():
+            return f"({expression(e.left)} is {expression(e.right)})"
+        case ir.InRange():
+            return f"({expression(e.value)} in {expression(e.low)} .. {expression(e.high)})"
+        case ir.InWords():
+            return f"({expression(e.value)} in {{ {', '.join(e.words)} }})"
+        case ir.InSet():
+            return f"({expression(e.value)} in {expression(e.container)})"
+        case ir.IsEmpty():
+            return f"({expression(e.container)} is nobody)"
 
 
 def _arithmetic(e: ir.Arithmetic) -> str:

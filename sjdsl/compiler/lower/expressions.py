@@ -64,17 +64,10 @@ def lower(e: ir.Expr, frame: Frame, w: Writer) -> Value:
             from sjdsl.compiler.lower.totals import total
 
             return total(e, frame, w)
-        case ir.SumRow():
-            row = lower(e.row, frame, w)
-            return replace(row, text=f"jnp.sum({row.text}, axis=-1, dtype={_dtype(row)})", levels=0)
+        case ir.SumRow() | ir.Lowest() | ir.Mix():
+            return of_row(e, lower(e.row, frame, w))
         case ir.Case():
             return case(e, frame, w)
-        case ir.Lowest():
-            row = lower(e.row, frame, w)
-            return replace(row, text=f"{'highest' if e.last else 'lowest'}({row.text})", dtype="u8", levels=0)
-        case ir.Mix():
-            row = lower(e.row, frame, w)
-            return Value(f"mix({row.text})", "f32", row.axes, 1)
         case ir.Ramp():
             parts = [real(x, frame, w) for x in (e.value, e.zero_at, e.one_at)]
             axes = union(*(p.axes for p in parts))
@@ -88,6 +81,17 @@ def lower(e: ir.Expr, frame: Frame, w: Writer) -> Value:
             raise AssertionError(e)
         case _:
             assert_never(e)
+
+
+def of_row(e: ir.SumRow | ir.Lowest | ir.Mix, row: Value) -> Value:
+    """Returns what is made of a whole row: its sum, the word of its lowest or highest entry, or the shares of its entries."""
+    match e:
+        case ir.SumRow():
+            return replace(row, text=f"jnp.sum({row.text}, axis=-1, dtype={_dtype(row)})", levels=0)
+        case ir.Lowest():
+            return replace(row, text=f"{'highest' if e.last else 'lowest'}({row.text})", dtype="u8", levels=0)
+        case ir.Mix():
+            return Value(f"mix({row.text})", "f32", row.axes, 1)
 
 
 def real(e: ir.Expr, frame: Frame, w: Writer) -> Value:
