@@ -42,8 +42,8 @@ def _phrase(pattern: str, instead: str, explanation: str = "") -> Phrase:
     return Phrase(tuple(pattern.split()), re.sub(r"\{(\w+)\}", r"{_\1}", instead), re.sub(r"\{(\w+)\}", r"{_\1}", explanation))
 
 
-def _sentences() -> Iterator[tuple[str, ...]]:
-    """Reward, writes, places, repetition and conditions."""
+def _writes() -> Iterator[tuple[str, ...]]:
+    """Reward and writes."""
     for word in ("reward", "pay", "award"):
         yield f"{word} PATH with EXPR", "give {2} to {1}"
         yield f"{word} PATH by EXPR", "give {2} to {1}"
@@ -78,6 +78,10 @@ def _sentences() -> Iterator[tuple[str, ...]]:
         yield f"{word} PATH by EXPR", "add {minus2} to {1}" if sign else "add {2} to {1}"
         yield f"{word} PATH", f"add {sign}1 to {{1}}"
     yield "subtract EXPR from PATH", "add {minus1} to {2}"
+
+
+def _places() -> Iterator[tuple[str, ...]]:
+    """Places, repetition and conditions."""
     for word in ("put", "place", "spawn", "teleport", "move", "respawn", "send"):
         for where in ("at", "on", "in", "to", "onto"):
             if (word, where) != ("send", "to"):
@@ -206,4 +210,4 @@ def _checks() -> Iterator[tuple[str, ...]]:
     yield "eventually EXPR", "expect {1} with random over 30 episodes"
 
 
-PHRASES = tuple(_phrase(*row) for table in (_sentences, _expressions, _declarations, _checks) for row in table())
+PHRASES = tuple(_phrase(*row) for table in (_writes, _places, _expressions, _declarations, _checks) for row in table())
