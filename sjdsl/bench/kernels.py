@@ -5,7 +5,7 @@ import re
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import jax
@@ -47,9 +47,6 @@ class Kernels:
     machine: dict[str, Any]
     copied_bytes_per_s: float
     steps: tuple[StepKernels, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        return asdict(self)
 
 
 def measure_kernels(

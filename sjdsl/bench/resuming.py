@@ -8,7 +8,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -35,9 +35,6 @@ class Resume:
     flags: str
     different: tuple[str, ...]
     seconds: float
-
-    def to_json(self) -> dict[str, Any]:
-        return asdict(self)
 
 
 def measure_resume(name: str, tell: Callable[[str], object] = lambda _: None, settings: Sequence[str] = SETTINGS) -> Resume:

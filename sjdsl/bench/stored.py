@@ -23,7 +23,7 @@ def write_found(path: Path, found: Found) -> None:
     """Writes all figures to a file, and which sort of measurement they are of; a half-written file never stands there."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f"{path.name}.part")
-    part.write_text(json.dumps({"sort": type(found).__name__.lower(), **found.to_json()}, indent=2) + "\n", encoding="utf-8")
+    part.write_text(json.dumps({"sort": type(found).__name__.lower(), **dataclasses.asdict(found)}, indent=2) + "\n", encoding="utf-8")
     os.replace(part, path)
 
 

@@ -4,7 +4,7 @@ import statistics
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import jax
@@ -51,9 +51,6 @@ class Report:
     speeds: tuple[Speed, ...]
     compilations: tuple[Compilation, ...]
     device_peak_bytes: int | None
-
-    def to_json(self) -> dict[str, Any]:
-        return asdict(self)
 
 
 def measure(

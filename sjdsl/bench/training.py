@@ -3,7 +3,7 @@
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import jax
@@ -46,9 +46,6 @@ class Training:
     machine: dict[str, Any]
     flops_per_s: float
     splits: tuple[Split, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        return asdict(self)
 
 
 def measure_training(

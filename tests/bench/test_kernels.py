@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import asdict
 
 import jax
 import jax.numpy as jnp
@@ -76,7 +77,7 @@ def test_the_share_is_the_time_a_copy_of_the_least_bytes_would_take() -> None:
     (row,) = kernel_table(found).rows
     assert row == ("meadow", "2", "tokens", "1,000", "12", "5,000", "2,000", "2,000 µs", "500k", "25.0%")
     assert "4 GB/s" in notes_of(found)[0]
-    assert json.loads(json.dumps(found.to_json()))["steps"][0]["kernels"] == 12
+    assert json.loads(json.dumps(asdict(found)))["steps"][0]["kernels"] == 12
 
 
 def test_a_copy_has_a_speed() -> None:

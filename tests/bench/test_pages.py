@@ -1,5 +1,6 @@
 """Figures on pages: tables, marks, pictures; no figure is measured here."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -60,7 +61,7 @@ def test_many_compilations_are_said_to_be_extrapolated() -> None:
         ("1", "1.50 s", "1,024"),
     ]
     assert table.rows[0][4] == "500k ±20%"
-    few = sweep_table(Sweep(**{**SWEEP.to_json(), "num_values": 2}))
+    few = sweep_table(Sweep(**{**asdict(SWEEP), "num_values": 2}))
     assert few.rows[1][2] == "4.0 s"
 
 

@@ -1,6 +1,7 @@
 """Where an update of training spends its time: the parts are all there, and the network's operations are those of its matrices."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,7 @@ def test_every_part_is_timed_in_every_round(training: Training) -> None:
         assert min(seconds) > 0
     assert split.compile_s > 0
     assert training.flops_per_s > 0
-    assert json.loads(json.dumps(training.to_json()))["splits"][0]["network"] == "mlp"
+    assert json.loads(json.dumps(asdict(training)))["splits"][0]["network"] == "mlp"
 
 
 @pytest.mark.slow
