@@ -28,6 +28,10 @@ def find_game(name: str | Path) -> Path:
     found = games_folder() / f"{name}.sj"
     if found.is_file() and path.name == str(name):
         return found
+    if path.is_dir():
+        first = next(iter(sorted(path.glob("*.sj"))), None)
+        such = f"; name a file in it, such as {first}" if first else ""
+        raise FileNotFoundError(f"`{name}` is a folder, and a game is wanted{such}")
     file = Path(f"{name}.sj")
     if file.is_file():
         raise FileNotFoundError(f"there is no bundled game `{name}`; for the file beside you write its whole name: `{file}`")

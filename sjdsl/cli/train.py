@@ -10,6 +10,7 @@ import click
 
 from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.evaluate import evaluate_run, list_files
+from sjdsl.cli.policies import check_policy
 from sjdsl.cli.stages import LOADING, stages
 
 if TYPE_CHECKING:
@@ -114,6 +115,8 @@ def command(
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
     check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
+    for named in filter(None, (config.init_from, *(policy for _, policy in config.partners))):
+        check_policy(named)
     if not distributed:  # then another process may have begun to write there
         _require_unused(run_dir)
     _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers, callback)
