@@ -1,6 +1,7 @@
 """Everything that is measured on a device within a time limit, the most telling first; each figure is on disk as soon as it is there."""
 
 import json
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -29,7 +30,7 @@ class Plan:
     resumed: str
     training_envs: int = 256
     training_steps: int = 128
-    convolutional: Sequence[str] = ()  # names of the games whose training with convolutions is measured, too
+    convolutional: int = 0  # games whose training with convolutions is measured, too, from the smallest observation to the largest
     workers: int = 1  # programs compiled at the same time
 
 
@@ -64,7 +65,15 @@ def parts_of(plan: Plan, tell: Callable[[str], object]) -> Iterator[Part]:
     yield Part("resuming", "resuming", "resuming.json", lambda: measure_resume(plan.resumed, tell))
     yield from (_training_part(plan, env, "mlp", tell) for env in envs)
     yield from _speed_parts(plan, others, "onehot", tell)
-    yield from (_training_part(plan, env, "cnn", tell) for env in envs if env.name in plan.convolutional)
+    yield from (_training_part(plan, env, "cnn", tell) for env in spread(envs, plan.convolutional))
+
+
+def spread(envs: Sequence[Environment], number: int) -> list[Environment]:
+    """Returns at most so many environments, at even distances from that with the smallest observation of all agents to the largest."""
+    ordered = sorted(envs, key=lambda env: math.prod(env.observation_shape))
+    last = len(ordered) - 1
+    chosen = {round(last * index / max(1, number - 1)) for index in range(number)} if ordered else set()
+    return [ordered[index] for index in sorted(chosen)]
 
 
 def _speed_parts(plan: Plan, tasks: Sequence[Task], observation: str, tell: Callable[[str], object]) -> Iterator[Part]:

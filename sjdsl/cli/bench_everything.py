@@ -39,7 +39,7 @@ def measure_all(
         repeats,
         games[0],
         training_envs=16 if on_cpu else 256,
-        convolutional=("coins", "clean_up", "harvest_open"),
+        convolutional=3,
         workers=1 if on_cpu else WORKERS,
     )
     parts = tuple(parts_of(plan, lambda _: None))

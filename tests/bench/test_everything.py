@@ -3,11 +3,13 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from sjdsl.bench import Compilation, Report, Speed, Sweep, Training, game_task
-from sjdsl.bench.everything import Part, Plan, joined, measure_everything, parts_of, read_parts
+from sjdsl.bench.everything import Part, Plan, joined, measure_everything, parts_of, read_parts, spread
 from sjdsl.bench.kernels import Kernels, StepKernels
 from sjdsl.bench.resuming import Resume, differences
 from sjdsl.bench.stored import Found, read_found, write_found
@@ -109,7 +111,7 @@ def test_figures_of_one_sort_are_joined() -> None:
 
 
 def test_the_plan_begins_with_what_tells_most(meadow_env: Environment) -> None:
-    parts = list(parts_of(Plan([game_task(meadow_env)], (4, 8), 1, "meadow.sj", convolutional=("meadow",)), lambda _: None))
+    parts = list(parts_of(Plan([game_task(meadow_env)], (4, 8), 1, "meadow.sj", convolutional=3), lambda _: None))
     assert [part.name for part in parts] == [
         "speed of 4 environments, tokens",
         "speed of 8 environments, tokens",
@@ -158,3 +160,10 @@ def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
     assert differences(tmp_path / "whole", tmp_path / "resumed") == ("loss", "policies/2.safetensors")
     (tmp_path / "resumed" / "metrics.jsonl").write_text(lines[0] + "\n" + lines[1][:10])
     assert differences(tmp_path / "whole", tmp_path / "resumed")[0] == "2 and 1 rows of metrics"
+
+
+@pytest.mark.parametrize(("number", "chosen"), [(0, []), (1, [1]), (2, [1, 9]), (3, [1, 4, 9]), (9, [1, 2, 4, 8, 9])])
+def test_games_are_chosen_from_the_smallest_observation_to_the_largest(number: int, chosen: list[int]) -> None:
+    envs: Any = [SimpleNamespace(observation_shape=(2, size, 1, 1)) for size in (9, 2, 4, 1, 8)]
+    assert [env.observation_shape[1] for env in spread(envs, number)] == chosen
+    assert spread([], number) == []
