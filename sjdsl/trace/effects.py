@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.interpreter import shapes
 from sjdsl.interpreter.account import Account, Done
-from sjdsl.interpreter.board import Board, cells_of
+from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.draws import return_stream
 from sjdsl.interpreter.evaluate import agents_in, evaluate
 from sjdsl.interpreter.instance import Instance
@@ -146,7 +146,7 @@ def _used(sort: str, agent: int, account: Account, board: Board, by: Sequence[Do
         order, heading = sentence.order_stream, sentence.heading_stream
         if isinstance(account.turn, ir.Tick):
             order, heading = return_stream(order), return_stream(heading)
-        at = (order, cells_of(board, sentence.domain.var.kinds).index(place)) if sort == "place" else (heading, agent)
+        at = (order if sort == "place" else heading, agent)
         if sort in ("place", "heading") and at in words:
             yield Used("which cell" if sort == "place" else "which heading", *at, words[at])
 

@@ -118,6 +118,31 @@ def test_a_trace_is_the_episode_that_is_rendered() -> None:
         assert shot.heading.tolist() == moment.world.heading
 
 
+def test_the_word_told_is_the_one_that_chose_the_cell() -> None:
+    """Agent after agent takes, of the m cells that are left, number floor(w * m / 2^32): section 5 of docs/semantics.md."""
+    game = build(Source("seats.sj", SEATS)).game
+    for seed in range(5):
+        start = next(iter(play(game, default_params(game), seed, 0, random_actions(game))))
+        free = [(row, col) for row in range(2) for col in range(4)]
+        told = {effect.owner: effect for turn in start.turns for effect in turn.effects if effect.sort == "place"}
+        assert [*told] == [0, 1, 2, 3, 4]
+        for effect in told.values():
+            (used,) = effect.words
+            assert used.purpose == "which cell"
+            assert free.pop(used.word * len(free) >> 32) == tuple(effect.new)
+
+
+SEATS = """sj 1
+game seats "Five agents, eight seats" {
+  episode 3
+  kind seat "s"
+  map { "ssss" "ssss" }
+  agents 5 { acts stay, forward  moves compass }
+  phase start { each agent { send agent to seat facing north } }
+  schedule walk
+  phase walk { move each agent }
+}
+"""
 SMALL = """sj 1
 game small "One tree, one stone" {
   param luck : probability = 0.25
