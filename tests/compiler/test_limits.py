@@ -23,7 +23,7 @@ def found_in(text: str) -> list[Diagnostic]:
     """Returns what is wrong with a text, shown both ways, within the time allowed."""
     parser()
     source = Source("game.sj", text)
-    begin = time.process_time()
+    begin = time.thread_time()
     try:
         parse(source)
         found: list[Diagnostic] = []
@@ -31,7 +31,7 @@ def found_in(text: str) -> list[Diagnostic]:
         found = list(error.diagnostics)
     render(found, {source.name: source}, colour=True)
     to_json(found, {source.name: source})
-    assert time.process_time() - begin < SECONDS
+    assert time.thread_time() - begin < SECONDS
     return found
 
 

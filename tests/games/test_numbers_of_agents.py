@@ -21,8 +21,8 @@ from .found import Form, forms, rules_of
 MOST = {
     "coins": (2, r"`players` is 3, outside 2 \.\. 2 \(two colours, an agent for each\)"),
     "harvest_open": (60, r"`players` is 61, outside 2 \.\. 60 \(of 60 gates one stays free for whoever is hit\)"),
-    "harvest_closed": (19, "`gate` may have no free cell: up to 20 agents come, and only 19 cells are certain"),
-    "harvest_partnership": (19, "`gate` may have no free cell: up to 20 agents come, and only 19 cells are certain"),
+    "harvest_closed": (19, "`gate` has 19 cells, and up to 20 agents may be there or come"),
+    "harvest_partnership": (19, "`gate` has 19 cells, and up to 20 agents may be there or come"),
     "clean_up": (19, "`gate` has 19 cells for 20 agents"),
     "coop_mining": (18, "`camp` has 18 cells for 19 agents"),
     "gift_refinement": (18, "`camp` has 18 cells for 19 agents"),

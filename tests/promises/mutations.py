@@ -41,6 +41,9 @@ MUTATIONS = [
     Mutation("clean_up", "symmetric agents", _by_index("give apple to agent")),
     Mutation("clean_up", "require perfect_at < spoiled_at", (("fraction    = 0.0 ", "fraction = 0.5 "),), refused=True),
     Mutation("clean_up", "always count(agent on orchard", (("{ set orchard.fruit = none  give", "{ give"),)),
+    Mutation(
+        "clean_up", "always count(water where", (("set water.state = clean  set water.cleaners = nobody", "set water.state = clean"),)
+    ),
     Mutation("clean_up", "expect eaten == 0", (("best_rate * ramp(dirt, spoiled_at, perfect_at)", "0.9"),)),
     Mutation("clean_up", "expect hits == 0", (("where zapper chose zap {\n      mark beam of zapper\n      each agent", "{ each agent"),)),
     Mutation(
