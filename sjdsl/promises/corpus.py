@@ -12,11 +12,13 @@ from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Value
 from sjdsl.promises.course import Course, Played
 from sjdsl.promises.coverage import Feature
-from sjdsl.promises.recipes import Recipe
+from sjdsl.promises.distance import Chains, Distances
+from sjdsl.promises.recipes import Goal
 
 SELDOM = 3  # so often something happens and still makes a course worth going on with
 LONGEST = 48  # steps after which a course is not continued
 ASKED = 8  # courses of which one is chosen
+TIRING = 4  # after so many courses in vain on its map, or twice as many that went on from it, a course counts as twice as far from a goal
 
 
 @dataclass
@@ -27,14 +29,26 @@ class Kept:
     played: Played = field(compare=False, repr=False)
     new: tuple[Feature, ...] = field(compare=False, repr=False)
     chosen: int = 0
+    distances: Distances | None = field(default=None, compare=False, repr=False)
+
+    def distance(self, goal: Goal, chains: Chains) -> float:
+        """Returns how far the last state is from what a goal asks for."""
+        if self.distances is None:
+            self.distances = Distances(chains, self.played.game, self.played.worlds[-1])
+        return self.distances.of(goal.recipe, goal.many)
 
 
 @dataclass
 class Corpus:
-    """The courses kept, and how often everything was seen."""
+    """The courses kept, and how often everything was seen.
+
+    nearer: those that came nearer to a goal. vain: how often since then a course on a map, with a goal, has not: agents may be stuck there.
+    """
 
     kept: list[Kept] = field(default_factory=list)
     seen: Counter[Feature] = field(default_factory=Counter)
+    nearer: dict[Goal, list[Kept]] = field(default_factory=dict)
+    vain: Counter[tuple[str, ...]] = field(default_factory=Counter)
 
     def add(self, course: Course, played: Played, since: int, promises: Sequence[int]) -> None:
         """Remembers a course, up to each of its steps from `since` on in which something new is to be seen."""
@@ -50,16 +64,24 @@ class Corpus:
                 cut = replace(course, actions=tuple(played.actions[: t + 1]), luck=course.luck[: t + 1])
                 self.kept.append(Kept(cut, played.cut(t + 1), seldom))
 
-    def choose(self, random: Random, focus: Recipe | None = None) -> Kept:
+    def add_nearer(self, course: Course, played: Played, goal: Goal) -> None:
+        """Remembers a course that came nearer to a goal than the one it went on from."""
+        self.kept.append(Kept(course, played, ()))
+        self.nearer.setdefault(goal, []).append(self.kept[-1])
+
+    def choose(self, random: Random, chains: Chains, goal: Goal | None = None) -> Kept:
         """Returns a course to go on with, of some, rather one that was seldom gone on with.
 
-        That in which the rarest happened; for a sentence that is to take place, that which lacks least for two agents to have part in it.
+        That in which the rarest happened; for a goal, the nearest to it, where those that came nearer to it before are always looked at.
         """
         some = [self.kept[random.randrange(len(self.kept))] for _ in range(ASKED)]
-        if focus is None:
-            best = min(some, key=lambda kept: (1 + kept.chosen) * min(self.seen[f] for f in kept.new))
+        if goal is None:
+            best = min(some, key=lambda kept: (1 + kept.chosen) * min((self.seen[f] for f in kept.new), default=SELDOM))
         else:
-            best = min(some, key=lambda kept: (len(focus.unmet(kept.played.game, kept.played.worlds[-1], 2)), kept.chosen))
+            some += self.nearer.get(goal, [])[-ASKED:]
+            best = min(
+                some, key=lambda kept: (1 + kept.distance(goal, chains)) * (1 + (self.vain[kept.course.rows] + kept.chosen / 2) / TIRING)
+            )
         best.chosen += 1
         return best
 

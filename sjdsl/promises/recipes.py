@@ -1,25 +1,28 @@
 """What a sentence needs to take place, read off its text: who acts how, and which cells or agents must be where they reach."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from random import Random
 
 from sjdsl.compiler import ir
+from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import board_of, cells_of
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.promises.sentences import Leaf, Place
+from sjdsl.promises.touches import AWAY, STEP, reads, written_by
 from sjdsl.promises.touches import Part as Written
-from sjdsl.promises.touches import reads, written_by
 
-BACKWARDS = 0.85  # how often what a sentence lacks is brought about first
-AT_ONCE = (1, 1, 2, 3)  # for how many agents a sentence is to take place
+BACKWARDS = 0.95  # how often what a sentence lacks is brought about first
 JOINING = (1, 2, 2, 3)  # how many are sent where agents are gathered in a set
 MOST = 4  # sentences that are brought about at once
 NEVER = 4.0  # how much more often a sentence that never ran is looked for than one that ran once
+
+
+Bound = tuple[str, Value] | None  # a variable and which cell, or agent, it is
 
 
 @dataclass(frozen=True)
@@ -28,13 +31,15 @@ class Recipe:
 
     agents, cells: the variables of its domains and guards; cells with the kinds they can be of. actions: what an agent must choose; on: kinds
     of cells on which it must stand. reaches: (agent, shape, agent or cell that must be in it). tests: conditions, with the variables they
-    name. writes: what the sentence changes; word: what it sets that to, if it is one word; joins: which agent
-    it adds to a set. gathers: agents that must be in a set, each with the condition that the set is not empty.
+    name. writes: what the sentence changes; sets, adds: what it sets that to, or adds to it; owner: whose field
+    that is; joins: which agent it adds to a set. gathers: agents that must be in a set, each with the condition that the set is not empty.
     """
 
     place: Place
     writes: frozenset[Written]
-    word: str | None
+    sets: ir.Expr | None
+    adds: ir.Expr | None
+    owner: str | None
     joins: str | None
     gathers: tuple[tuple[str, ir.Expr], ...]
     agents: tuple[str, ...]
@@ -54,22 +59,25 @@ class Recipe:
         wanted = [member for anchor, _, member in self.reaches if anchor == name and member in self.cells]
         return [a for a in fitting if not wanted or any(self.fitting_cells(member, game, world, {name: a}) for member in wanted)]
 
-    def unmet(self, game: ir.Game, world: World, many: int) -> list[ir.Expr]:
-        """Returns the conditions that hold for no agent and no cell, or not together, or for fewer than `many` agents."""
-        lacking = [test for named, test in self.tests if not self._is_met(named, test, game, world)]
+    def unmet(self, game: ir.Game, world: World, many: int, bound: Bound = None) -> list[ir.Expr]:
+        """Returns the conditions that hold for no agent and no cell, or not together, or for fewer than `many` agents.
+
+        bound: a cell that is given.
+        """
+        lacking = [test for named, test in self.tests if not self._is_met(named, test, game, world, bound)]
         wanted = min(many, sum(place is not None for place in world.position))
         for name in self.agents:
             if len(self.fitting_agents(name, game, world)) < wanted:
                 lacking += [test for named, test in self.tests if name in named]
         for name in self.cells:
-            if not lacking and not self.fitting_cells(name, game, world, {}):
+            if not lacking and not self.fitting_cells(name, game, world, {}, bound):
                 lacking += [test for named, test in self.tests if named == {name}]
         return list({id(test): test for test in lacking}.values())
 
-    def _is_met(self, named: frozenset[str], test: ir.Expr, game: ir.Game, world: World) -> bool:
+    def _is_met(self, named: frozenset[str], test: ir.Expr, game: ir.Game, world: World, bound: Bound) -> bool:
         """Returns whether a condition holds for any choice of its variables; with more than two of them that is not looked at."""
         here = [agent for agent, place in enumerate(world.position) if place is not None]
-        choices: list[list[Value]] = [list(cells_of(board_of(game), self.cells[n])) if n in self.cells else list(here) for n in named]
+        choices: list[list[Value]] = [self._cells(n, game, bound) if n in self.cells else list(here) for n in named]
         if len(named) > 2:
             return True
         for values in product(*choices):
@@ -81,9 +89,24 @@ class Recipe:
                 continue
         return False
 
-    def fitting_cells(self, name: str, game: ir.Game, world: World, agent: Mapping[str, int]) -> list[Cell]:
+    def _cells(self, name: str, game: ir.Game, bound: Bound) -> list[Value]:
+        return [bound[1]] if bound is not None and bound[0] == name else list(cells_of(board_of(game), self.cells[name]))
+
+    def cells_for(self, test: ir.Expr, game: ir.Game, world: World, bound: Bound) -> list[Value]:
+        """Returns of which cells a condition is best made true: those for which as many others as can be hold already; [] if it names no cell."""
+        named = next(named for named, known in self.tests if known is test)
+        name = next((n for n in self.cells if n in named), None)
+        if name is None:
+            return []
+        others = [t for n, t in self.tests if n == {name}]
+        failing = {
+            c: sum(not self._is_met(frozenset({name}), t, game, world, (name, c)) for t in others) for c in self._cells(name, game, bound)
+        }
+        return [cell for cell, number in failing.items() if number == min(failing.values())]
+
+    def fitting_cells(self, name: str, game: ir.Game, world: World, agent: Mapping[str, int], bound: Bound = None) -> list[Cell]:
         """Returns the cells for which everything said of them, and of them and an agent, holds."""
-        candidates = cells_of(board_of(game), self.cells[name])
+        candidates = self._cells(name, game, bound)
         return [cell for cell in candidates if self._holds({**agent, name: cell}, game, world)]
 
     def _holds(self, names: Mapping[str, Value], game: ir.Game, world: World) -> bool:
@@ -106,44 +129,73 @@ def choose_recipe(recipes: Collection[Recipe], ran: Counter[Place], random: Rand
 
 
 @dataclass(frozen=True)
+class Goal:
+    """A sentence, by its place among the recipes, that is to take place for so many agents, or so many times, in one step."""
+
+    recipe: int
+    many: int
+
+
+@dataclass(frozen=True)
 class Part:
-    """One agent's part in a sentence; `rather`: the agents that should have it, empty for any."""
+    """One agent's part in a sentence; `rather`: the agents that should have it, empty for any; `bound`: a cell of it that is given."""
 
     recipe: Recipe
     name: str
     rather: tuple[int, ...] = ()
+    bound: Bound = None
 
 
 def parts_towards(
-    focus: Recipe, recipes: Collection[Recipe], game: ir.Game, world: World, random: Random, seen: frozenset[Place] = frozenset()
+    goal: Goal,
+    recipes: Sequence[Recipe],
+    game: ir.Game,
+    world: World,
+    random: Random,
+    seen: frozenset[Place] = frozenset(),
+    bound: Bound = None,
 ) -> list[Part]:
     """Returns what agents can do now so that a sentence can take place later: its own parts, or, for what it lacks, those of others."""
-    lacking = focus.unmet(game, world, 1) if random.random() < BACKWARDS else []
+    focus = recipes[goal.recipe]
+    lacking = focus.unmet(game, world, 1, bound) if random.random() < BACKWARDS else []
     gathering = [test for test in lacking if any(test is gathered for _, gathered in focus.gathers)]
     if not seen and len(gathering) == len(lacking):  # it could take place: perhaps first for more of them at once
-        lacking += focus.unmet(game, world, random.choice(AT_ONCE))
+        lacking += focus.unmet(game, world, goal.many, bound)
     lacking = [test for test in lacking if not any(test is gathered for gathered in gathering)] or gathering
     seen |= {focus.place}
     found: list[Part] = []
     for test in random.sample(lacking, min(len(lacking), MOST)):
         gathered = [focus.fitting_agents(name, game, world) for name, condition in focus.gathers if condition is test]
         read = set(reads(test))
-        writers = [r for r in recipes if r.place not in seen and r.writes & read and _can_make(r, test)]
+        writers = [i for i, r in enumerate(recipes) if r.place not in seen and r.writes & read and can_make(r, test)]
         if not writers or (gathered and not any(gathered)):  # those who could be gathered have to be made first
             continue
-        writer = random.choice(writers)
+        chosen = random.choice(writers)
+        writer = recipes[chosen]
         wanted = tuple(agent for agents in gathered for agent in agents)
-        for part in parts_towards(writer, recipes, game, world, random, seen):
+        cells = focus.cells_for(test, game, world, bound) if writer.owner in writer.cells else []
+        given = (writer.owner, random.choice(cells)) if writer.owner is not None and cells else None
+        for part in parts_towards(Goal(chosen, 1), recipes, game, world, random, seen, given):
             joining = part.recipe is writer and part.name == writer.joins
-            found += [Part(writer, part.name, wanted)] * random.choice(JOINING) if joining else [part]
-    return found[:MOST] or [Part(focus, name) for name in focus.agents or ("",)]
+            found += [replace(part, rather=wanted)] * (goal.many if goal.many > 1 else random.choice(JOINING)) if joining else [part]
+    return found[:MOST] or [Part(focus, name, (), bound) for name in focus.agents or ("",)] * goal.many
 
 
-def _can_make(recipe: Recipe, test: ir.Expr) -> bool:
-    """Returns whether a sentence could make a condition true: it does not set the field to another word than the one asked for."""
-    if isinstance(test, ir.Same) and isinstance(test.right, ir.Word) and recipe.word is not None:
-        return recipe.word == test.right.value
-    return True
+def can_make(recipe: Recipe, test: ir.Expr) -> bool:
+    """Returns whether a sentence could make a condition true; not if it sets the field to a value for which it is false, or moves it away."""
+    match test:
+        case ir.Same(right=ir.Word(value=wanted)) if isinstance(recipe.sets, ir.Word):
+            return recipe.sets.value == wanted
+        case ir.InWords(words=words) if isinstance(recipe.sets, ir.Word):
+            return recipe.sets.value in words
+        case ir.Not(value=ir.IsEmpty()):
+            return not isinstance(recipe.sets, ir.Nobody)
+        case ir.Compare(left=ir.FieldRead(), right=ir.Number(value=wanted)) if isinstance(recipe.sets, ir.Number):
+            return numbers.compare(test.fn, recipe.sets.value, wanted)
+        case ir.Compare(left=ir.FieldRead(), fn="<" | "<=" | ">" | ">=") if isinstance(recipe.adds, ir.Number):
+            return (recipe.adds.value > 0) == (test.fn in (">", ">="))
+        case _:
+            return True
 
 
 def _recipe(leaf: Leaf) -> Recipe:
@@ -172,13 +224,13 @@ def _recipe(leaf: Leaf) -> Recipe:
         (d.place.anchor.name, d.place.shape, d.var.name) for d in domains if isinstance(d.place, ir.Near) and d.place.anchor.who == "agent"
     ]
     agents = tuple(dict.fromkeys(d.var.name for d in domains if d.var.who == "agent"))
-    value = leaf.sentence.value if isinstance(leaf.sentence, ir.Set) else None
-    word = value.value if isinstance(value, ir.Word) else None
     joins = leaf.sentence.value.name if isinstance(leaf.sentence, ir.Add) and isinstance(leaf.sentence.value, ir.Member) else None
     return Recipe(
         leaf.place,
         frozenset(written_by(leaf.sentence)),
-        word,
+        leaf.sentence.value if isinstance(leaf.sentence, ir.Set) else None,
+        leaf.sentence.value if isinstance(leaf.sentence, ir.Add) else None,
+        _owner(leaf.sentence),
         joins,
         tuple(gathers),
         agents,
@@ -188,6 +240,22 @@ def _recipe(leaf: Leaf) -> Recipe:
         tuple(reaches),
         tuple(tests),
     )
+
+
+def _owner(sentence: ir.Stmt) -> str | None:
+    """Returns the variable whose field a sentence writes."""
+    target: ir.Node | None = sentence.target if isinstance(sentence, ir.Set | ir.Add) else None
+    while isinstance(target, ir.At):
+        target = target.row
+    return target.owner.name if isinstance(target, ir.FieldRead) and isinstance(target.owner, ir.Member) else None
+
+
+def is_timed(test: ir.Expr, game: ir.Game) -> bool:
+    """Returns whether a condition may come to hold by waiting: it reads a timer, who is away, or the number of the step."""
+    timers = {(f.place, f.kind, f.name) for f in (*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields) if f.timer}
+    read = set(reads(test))
+    parts = {(place, kind, name) if place == "cell" else (place, name) for place, kind, name in timers}
+    return bool(read & (parts | {STEP, AWAY}))
 
 
 def _parts(e: ir.Node) -> Iterator[ir.Node]:

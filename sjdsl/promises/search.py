@@ -1,20 +1,23 @@
 """Looks for courses that break a promise, guided by what has not happened yet, and shrinks them; all on the interpreter."""
 
+import math
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from random import Random
 
 from sjdsl.compiler import ir
+from sjdsl.interpreter.state import World
 from sjdsl.promises.corpus import Corpus, Kept
 from sjdsl.promises.course import Course, Played, play
-from sjdsl.promises.coverage import places_run
+from sjdsl.promises.coverage import MANY, places_run
+from sjdsl.promises.distance import Chains, Distances
 from sjdsl.promises.draws import LUCKS
 from sjdsl.promises.errands import random_stretch
 from sjdsl.promises.examples import own_start, random_start
 from sjdsl.promises.ground import Ground
-from sjdsl.promises.recipes import Recipe, choose_recipe, recipes_of
-from sjdsl.promises.sentences import Place, leaves_of
+from sjdsl.promises.recipes import NEVER, Goal, recipes_of
+from sjdsl.promises.sentences import STARTING, Place, leaves_of
 from sjdsl.promises.shrink import shrink
 from sjdsl.promises.verdict import Effort
 from sjdsl.promises.watch import STATES, Break, find_break
@@ -23,7 +26,12 @@ AGAIN = 0.75  # how often an older course goes on
 ERRANDS = 0.75  # how often agents have errands
 CLOSEST = 0.6  # how often these go on from the course nearest to what they are for
 OWN = 0.05  # how often, while lines are missing after all courses asked for, one begins on the game's own map
-MOST_STEPS = 16  # in one stretch of a course
+MOST_STEPS = 18  # in one stretch of a course
+LEAST_STEPS = 10  # of those with a goal
+VAIN = 1.0  # how fast a goal is given up, the more often courses came no nearer to it
+NEARER = 0.5  # by so much a course comes nearer to a goal if it has done something towards it, and not only gone there
+GOALS = 4  # goals that are tried until there is a way to one
+LONGEST = 64  # steps added to a course while it comes nearer to a goal
 FLOATS = -1  # stands for the promise that every real stays inside float32
 Breaks = Callable[[ir.Check, Played, Course, int], Break | None]  # the last one: the first state that is new
 
@@ -66,6 +74,9 @@ class Search:
         self.left, self.found, self.tried = list(promises), list[Broken](), Tried()
         self.recipes = recipes_of(leaves_of(ground.own))
         self._needed, self._random = dict(needed), Random(effort.seed)
+        self._chains = Chains(self.recipes)
+        self._latest: tuple[World, Distances] | None = None
+        self._vain = Counter[Goal | None]()
 
     def run(self) -> None:
         """Plays as many courses as asked for, and up to as many again while lines that promises depend on never ran."""
@@ -79,28 +90,75 @@ class Search:
         """Plays one more stretch of a course."""
         self.tried.played += 1
         random = self._random
-        recipes: tuple[Recipe, ...] = tuple(r for r in self.recipes if r.place in missing) or self.recipes
-        focus = choose_recipe(recipes, self.tried.ran, random) if recipes and random.random() < ERRANDS else None
-        begun = self._begin(bool(missing), focus if random.random() < CLOSEST else None)
+        goal = self._choose_goal(missing) if self.recipes and random.random() < ERRANDS else None
+        begun = self._begin(bool(missing), goal if random.random() < CLOSEST else None)
         if begun is None:
             self.tried.refused += 1
             return
         course, since = begun
-        game = since.game
-        played, first = since, len(since.outcomes)
+        if goal is not None and self.tried.corpus.kept and self._distance(since, goal) == math.inf:
+            older = self.tried.corpus.choose(random, self._chains, goal)
+            course, since = older.course, older.played
+        played = since
         if since.worlds and not since.is_over:
-            steps = random.randint(1, MOST_STEPS)
-            driver = random_stretch(game, self.recipes, focus, self.tried.ran, steps, random)
-            course = replace(course, luck=course.luck + (random.choice(LUCKS),) * steps)
-            played = play(game, course, first + steps, self._checks(game), since, driver)
-        course = replace(course, actions=tuple(played.actions), luck=course.luck[: len(played.actions)])
-        self._look(course, played, first)
+            for _ in range(GOALS):
+                if goal is None or self._distance(since, goal) < math.inf:
+                    break
+                goal = self._choose_goal(missing)
+            course, played = self._go_on(course, since, goal)
+        self._look(course, played, len(since.outcomes))
 
-    def _begin(self, on_own: bool, focus: Recipe | None) -> tuple[Course, Played] | None:
+    def _go_on(self, course: Course, played: Played, goal: Goal | None) -> tuple[Course, Played]:
+        """Returns a course with one more stretch; with several as long as each comes nearer to the goal."""
+        game, random, corpus = played.game, self._random, self.tried.corpus
+        near, most = self._distance(played, goal), LONGEST
+        steps = random.randint(1 if goal is None else LEAST_STEPS, MOST_STEPS)
+        while steps > 0 and most > 0:
+            first = len(played.outcomes)
+            driver = random_stretch(game, self.recipes, goal, self.tried.ran, steps, random)
+            course = replace(course, luck=course.luck + (random.choice(LUCKS),) * steps)
+            played = play(game, course, first + steps, self._checks(game), played, driver)
+            course = replace(course, actions=tuple(played.actions), luck=course.luck[: len(played.actions)])
+            taken = len(played.outcomes) - first
+            steps, most = steps - max(1, taken), most - max(1, taken)
+            if goal is None or played.is_over:
+                break
+            now = self._distance(played, goal)
+            if now < near - NEARER:
+                near, steps, corpus.vain[course.rows] = now, MOST_STEPS, 0
+                corpus.add_nearer(course, played, goal)
+            elif steps <= 0:
+                corpus.vain[course.rows] += 0 < near < math.inf
+                self._vain[goal] += 1
+        return course, played
+
+    def _distance(self, played: Played, goal: Goal | None) -> float:
+        if goal is None or played.is_over:
+            return math.inf
+        world = played.worlds[-1]
+        if self._latest is None or self._latest[0] is not world:
+            self._latest = (world, Distances(self._chains, played.game, world))
+        return self._latest[1].of(goal.recipe, goal.many)
+
+    def _choose_goal(self, missing: Collection[Place]) -> Goal:
+        """Returns a goal, rather one that was seldom reached and seldom tried; of the missing sentences, if any can be a goal."""
+        seen, goals = self.tried.corpus.seen, dict[Goal, float]()
+        aims = [i for i, r in enumerate(self.recipes) if r.place[0] != STARTING] or range(len(self.recipes))
+        wanted = [i for i in aims if self.recipes[i].place in missing] or aims
+        for i in wanted:
+            place = self.recipes[i].place
+            for many in range(1, MANY + 1):
+                times = self.tried.ran[place] if many == 1 else seen["times", place, many]
+                goals[Goal(i, many)] = (1 / (1 + times) ** 0.5 if times else NEVER) / (1 + self._vain[Goal(i, many)]) ** VAIN
+                if not times:
+                    break
+        return self._random.choices(list(goals), list(goals.values()))[0]
+
+    def _begin(self, on_own: bool, goal: Goal | None) -> tuple[Course, Played] | None:
         """Returns the course to go on with, an older one or a new start; None if the game does not take its map."""
         random, kept = self._random, self.tried.corpus.kept
         if kept and random.random() < AGAIN:
-            older: Kept = self.tried.corpus.choose(random, focus)
+            older: Kept = self.tried.corpus.choose(random, self._chains, goal)
             return older.course, older.played
         course = own_start(self.ground, random) if on_own and random.random() < OWN else random_start(self.ground, random)
         game = None if course is None else self.ground.on(course.rows, course.agents)
