@@ -57,7 +57,10 @@ class Stretch:
             self.errands, self.together, self.patience = sent.errands, sent.together, self._taken + sent.longest + WAITS
         self._taken += 1
         arrived = {agent: self._has_arrived(agent, world) for agent in self.errands}
-        now = not self.together or all(arrived.values()) or self._taken > self.patience
+        all_there = all(arrived.values())
+        if self.goal is not None and self.goal.many > 1 and self.together and not all_there and self._taken > self.patience:
+            return None  # one alone would only spoil it
+        now = not self.together or all_there or self._taken > self.patience
         if self.together and now:
             self.patience = 0
         return tuple(

@@ -26,8 +26,11 @@ AGAIN = 0.75  # how often an older course goes on
 ERRANDS = 0.75  # how often agents have errands
 CLOSEST = 0.6  # how often these go on from the course nearest to what they are for
 OWN = 0.05  # how often, while lines are missing after all courses asked for, one begins on the game's own map
-MOST_STEPS = 18  # in one stretch of a course
-LEAST_STEPS = 10  # of those with a goal
+MOST_STEPS = 18  # in one stretch of a course towards a goal
+FEW_STEPS = 10  # of those without a goal, or with one that was often reached or often missed
+LEAST_STEPS = 10  # of the others
+SELDOM = 10  # so often a goal is reached and courses still look for it by its distance
+GIVEN_UP = 24  # so often a goal is missed, since a course came nearer to it than ever before, and then no more
 VAIN = 1.0  # how fast a goal is given up, the more often courses came no nearer to it
 NEARER = 0.5  # by so much a course comes nearer to a goal if it has done something towards it, and not only gone there
 GOALS = 4  # goals that are tried until there is a way to one
@@ -76,6 +79,7 @@ class Search:
         self._needed, self._random = dict(needed), Random(effort.seed)
         self._chains = Chains(self.recipes)
         self._latest: tuple[World, Distances] | None = None
+        self._nearest = dict[Goal, float]()
         self._vain = Counter[Goal | None]()
 
     def run(self) -> None:
@@ -91,18 +95,18 @@ class Search:
         self.tried.played += 1
         random = self._random
         goal = self._choose_goal(missing) if self.recipes and random.random() < ERRANDS else None
-        begun = self._begin(bool(missing), goal if random.random() < CLOSEST else None)
+        begun = self._begin(bool(missing), goal if self._is_hot(goal) and random.random() < CLOSEST else None)
         if begun is None:
             self.tried.refused += 1
             return
         course, since = begun
-        if goal is not None and self.tried.corpus.kept and self._distance(since, goal) == math.inf:
+        if self._is_hot(goal) and self.tried.corpus.kept and self._distance(since, goal) == math.inf:
             older = self.tried.corpus.choose(random, self._chains, goal)
             course, since = older.course, older.played
         played = since
         if since.worlds and not since.is_over:
             for _ in range(GOALS):
-                if goal is None or self._distance(since, goal) < math.inf:
+                if not self._is_hot(goal) or self._distance(since, goal) < math.inf:
                     break
                 goal = self._choose_goal(missing)
             course, played = self._go_on(course, since, goal)
@@ -111,8 +115,9 @@ class Search:
     def _go_on(self, course: Course, played: Played, goal: Goal | None) -> tuple[Course, Played]:
         """Returns a course with one more stretch; with several as long as each comes nearer to the goal."""
         game, random, corpus = played.game, self._random, self.tried.corpus
-        near, most = self._distance(played, goal), LONGEST
-        steps = random.randint(1 if goal is None else LEAST_STEPS, MOST_STEPS)
+        hot = self._is_hot(goal)
+        near, most = self._distance(played, goal) if hot else math.inf, LONGEST
+        steps = random.randint(LEAST_STEPS, MOST_STEPS) if hot else random.randint(1, FEW_STEPS)
         while steps > 0 and most > 0:
             first = len(played.outcomes)
             driver = random_stretch(game, self.recipes, goal, self.tried.ran, steps, random)
@@ -123,12 +128,14 @@ class Search:
             steps, most = steps - max(1, taken), most - max(1, taken)
             if goal is None or played.is_over:
                 break
-            now = self._distance(played, goal)
+            now = self._distance(played, goal) if hot else math.inf
             if now < near - NEARER:
                 near, steps, corpus.vain[course.rows] = now, MOST_STEPS, 0
                 corpus.add_nearer(course, played, goal)
+                if now < self._nearest.get(goal, math.inf) - NEARER:
+                    self._nearest[goal], self._vain[goal] = now, 0
             elif steps <= 0:
-                corpus.vain[course.rows] += 0 < near < math.inf
+                corpus.vain[course.rows] += hot and 0 < near < math.inf
                 self._vain[goal] += 1
         return course, played
 
@@ -140,15 +147,23 @@ class Search:
             self._latest = (world, Distances(self._chains, played.game, world))
         return self._latest[1].of(goal.recipe, goal.many)
 
+    def _times(self, goal: Goal) -> int:
+        """Returns how often a goal was reached, as far as that is counted."""
+        place = self.recipes[goal.recipe].place
+        return self.tried.ran[place] if goal.many == 1 else self.tried.corpus.seen["times", place, goal.many]
+
+    def _is_hot(self, goal: Goal | None) -> bool:
+        """Returns whether distances are measured for a goal: it was seldom reached, and not often missed since a course came nearest to it."""
+        return goal is not None and self._times(goal) < SELDOM and self._vain[goal] < GIVEN_UP
+
     def _choose_goal(self, missing: Collection[Place]) -> Goal:
         """Returns a goal, rather one that was seldom reached and seldom tried; of the missing sentences, if any can be a goal."""
-        seen, goals = self.tried.corpus.seen, dict[Goal, float]()
+        goals = dict[Goal, float]()
         aims = [i for i, r in enumerate(self.recipes) if r.place[0] != STARTING] or range(len(self.recipes))
         wanted = [i for i in aims if self.recipes[i].place in missing] or aims
         for i in wanted:
-            place = self.recipes[i].place
             for many in range(1, MANY + 1):
-                times = self.tried.ran[place] if many == 1 else seen["times", place, many]
+                times = self._times(Goal(i, many))
                 goals[Goal(i, many)] = (1 / (1 + times) ** 0.5 if times else NEVER) / (1 + self._vain[Goal(i, many)]) ** VAIN
                 if not times:
                     break

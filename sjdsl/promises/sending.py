@@ -84,6 +84,8 @@ class Sending:
         found: list[tuple[int, str, Part]] = []
         for part in parts[: len(free)]:
             recipe = part.recipe
+            if part.rather and not set(part.rather) & set(free) and self.random.random() < AT_ONCE:
+                continue  # it would only stand where another has to
             name = part.name if part.name in recipe.agents else self.random.choice(recipe.agents or ("",))
             fitting = [agent for agent in part.rather if agent in free] or recipe.fitting_agents(name, self.game, self.world)
             agent = self.random.choice([agent for agent in fitting if agent in free] or free)
