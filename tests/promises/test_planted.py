@@ -10,21 +10,22 @@ from sjdsl.promises import Effort, examine
 from .planted_faults import GAMES, courses_until_found, planted
 
 FOUND = {  # seed, and courses within which it finds the fault
-    "bridge": (0, 10),
-    "buckets": (1, 12),
-    "crates": (0, 20),
-    "deer": (1, 10),
-    "freeze": (0, 12),
-    "gate": (1, 15),
-    "market": (1, 25),
-    "raft": (1, 10),
-    "safe": (0, 10),
+    "bridge": (2, 10),
+    "buckets": (0, 25),
+    "crates": (1, 20),
+    "deer": (2, 6),
+    "freeze": (2, 8),
+    "gate": (1, 5),
+    "market": (2, 5),
+    "raft": (2, 8),
+    "safe": (2, 8),
+    "soup": (1, 70),
 }
 
 
 def test_there_are_ten() -> None:
     assert len(GAMES) == 10
-    assert set(FOUND) <= set(GAMES)
+    assert set(FOUND) == set(GAMES)
 
 
 @pytest.mark.parametrize("game", sorted(FOUND))

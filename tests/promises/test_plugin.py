@@ -69,6 +69,25 @@ def test_one_promise_can_be_chosen(folder: Path) -> None:
     assert "1 passed" in lines[-1]
 
 
+def test_an_untested_promise_is_skipped_and_fails_if_strict(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The rule of the promise runs in step 900, an episode has 20."""
+    rule = "each tree where step > 900 { set tree.fruit = ripe }"
+    path = folder / "late.sj"
+    path.write_text(ORCHARD.format(rule=rule, checks="once fruit == 0 always fruit == 0", more=""))
+    monkeypatch.chdir(folder)
+    options = ["-p", "no:cacheprovider", "-p", "no:xdist", "-rs", "--sj", "--sj-examples", "10", str(path)]
+    assert pytest.main(options) == pytest.ExitCode.OK
+    said = capsys.readouterr().out
+    assert "1 skipped" in said
+    assert "untested: these lines never ran" in said
+    assert pytest.main([*options, "--sj-strict"]) == pytest.ExitCode.TESTS_FAILED
+    said = capsys.readouterr().out
+    assert "the promise is untested: once fruit == 0 always fruit == 0" in said
+    assert "set tree.fruit = ripe" in said
+
+
 def test_mistakes_are_told_without_a_traceback(folder: Path) -> None:
     (folder / "orchard.sj").write_text(orchard("always appels[ripe] >= 0"))
     status, lines = run(folder, "--sj")
