@@ -16,7 +16,7 @@ from sjdsl.compiler.read import read_source
 from sjdsl.compiler.report import render, to_json
 from sjdsl.compiler.source import Source
 
-SECONDS = 2.0
+SECONDS = 5.0  # of the thread's own; what is not linear takes minutes
 HEAD = "sj 1\ngame x {\n"
 
 
@@ -24,19 +24,18 @@ def found_in(text: str) -> list[Diagnostic]:
     """Returns what is wrong with a text, shown both ways, within the time allowed."""
     parser()
     source = Source("game.sj", text)
-    gc.collect()
-    gc.freeze()  # what other tests have left is not gone through again and again
+    gc.disable()  # what other tests have left is not gone through again and again
     begin = time.thread_time()
     try:
         parse(source)
         found: list[Diagnostic] = []
     except CompileError as error:
         found = list(error.diagnostics)
+    finally:
+        gc.enable()
     render(found, {source.name: source}, colour=True)
     to_json(found, {source.name: source})
-    seconds = time.thread_time() - begin
-    gc.unfreeze()
-    assert seconds < SECONDS
+    assert time.thread_time() - begin < SECONDS
     return found
 
 
