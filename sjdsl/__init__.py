@@ -8,7 +8,7 @@ __version__ = "0.1.0"
 __all__ = ["CompileError", "Environment", "TokenPlane", "__version__", "make"]
 
 if TYPE_CHECKING:
-    from sjdsl.compiler.diagnostics import CompileError
+    from sjdsl.compiler.diagnostics.diagnostic import CompileError
     from sjdsl.factory import make
     from sjdsl.runtime.env import Environment
     from sjdsl.runtime.planes import TokenPlane

@@ -11,11 +11,11 @@ import jax
 
 from sjdsl.cache import cached_text
 from sjdsl.compiler import Build, build, compile_build, number_names
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.render import game_hash
-from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler.emit.module import game_hash
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from sjdsl.parameters import build_params, split_sizes
 from sjdsl.runtime.env import Environment
@@ -64,8 +64,8 @@ def environment_of(
 
 def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
     """Returns the rows of a map given by its file or by itself, and where they stand; the legend is asked later."""
-    from sjdsl.compiler.scope import Problems
-    from sjdsl.compiler.worldmap import parse_rows, row_spans
+    from sjdsl.compiler.elaborate.scope import Problems
+    from sjdsl.compiler.elaborate.world_map import parse_rows, row_spans
 
     if map is None:
         return None, ()

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import param_attribute
-from sjdsl.compiler.print_ir import expression
-from sjdsl.compiler.require import holds
+from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.names import param_attribute
+from sjdsl.compiler.ir.printer import expression
 from sjdsl.near_names import meant
 
 Values = Mapping[str, Any]

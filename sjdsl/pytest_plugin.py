@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from sjdsl.promises import Examination, Verdict
+    from sjdsl.properties import Examination, Verdict
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -33,15 +33,15 @@ class GameFile(pytest.File):
 
     @cached_property
     def examination(self) -> "Examination":
-        from sjdsl.compiler.read import read_source
-        from sjdsl.promises import Effort, Examination, Ground
+        from sjdsl.compiler.syntax.read import read_source
+        from sjdsl.properties import Effort, Examination, Ground
 
         option = self.config.getoption
         variants = tuple(option("sj_variant").split("+")) if option("sj_variant") else ()
         return Examination(Ground(read_source(self.path), variants), Effort(option("sj_examples"), seed=option("sj_seed")))
 
     def collect(self) -> Iterable["PromiseItem"]:
-        from sjdsl.compiler.diagnostics import CompileError
+        from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
         try:
             examination = self.examination
@@ -79,7 +79,7 @@ class PromiseItem(pytest.Item):
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *rest: Any) -> Any:
         """Returns the trace of a broken promise, or what is wrong with the file; a Python traceback only for faults of our own."""
-        from sjdsl.compiler.diagnostics import CompileError
+        from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
         match excinfo.value:
             case PromiseBroken(args=(verdict,)):
@@ -104,6 +104,6 @@ def _told(verdict: "Verdict") -> str:
 
 def _rendered(error: Any) -> str:
     from sjdsl.cli.diagnostics import texts_of
-    from sjdsl.compiler.report import render
+    from sjdsl.compiler.diagnostics.report import render
 
     return render(error.diagnostics, texts_of(error.diagnostics), colour=False)

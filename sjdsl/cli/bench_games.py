@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sjdsl.cli.environment import describe_environment, make_environment
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
 if TYPE_CHECKING:
     from sjdsl.bench import Task

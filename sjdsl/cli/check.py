@@ -8,9 +8,9 @@ from sjdsl.cli.diagnostics import print_diagnostics, texts_of
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.compiler import check, load_base
 from sjdsl.compiler.compose import compose
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parse
 
 Found = dict[tuple[str, ...], list[Diagnostic]]
 
@@ -37,7 +37,7 @@ def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: 
         if not as_json:
             _print_problems(file, found)
     if as_json:
-        from sjdsl.compiler.report import to_json
+        from sjdsl.compiler.diagnostics.report import to_json
 
         click.echo(json.dumps(to_json(everything, texts_of(everything)), indent=2))
     return int(any(strict or d.code.severity == "error" for d in everything))

@@ -11,9 +11,9 @@ from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
 from sjdsl.compiler import build, compile_build
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.standalone import standalone
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.emit.standalone import standalone
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled
 
 FOLDER = Path("generated")

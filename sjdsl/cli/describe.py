@@ -3,12 +3,12 @@
 import math
 from typing import Any
 
+from sjdsl.agent_range import agent_range
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import ast, build, ir, load_base
-from sjdsl.compiler.agent_range import agent_range
 from sjdsl.compiler.compose import Composition, compose
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.print_ir import expression
+from sjdsl.compiler.ir.printer import expression
+from sjdsl.compiler.syntax.parse import parse
 
 
 def outline(name: str) -> dict[str, Any]:

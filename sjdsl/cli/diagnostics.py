@@ -8,16 +8,16 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.pointer import remember
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.read import read_source
 
 
 def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False) -> None:
     """Prints diagnostics as a person reads them; texts that `sources` lacks are read from their files."""
     if not found:
         return
-    from sjdsl.compiler.report import render
+    from sjdsl.compiler.diagnostics.report import render
 
     remember((d.code.code for d in found), err)
     stream = sys.stderr if err else sys.stdout

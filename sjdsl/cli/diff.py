@@ -5,7 +5,7 @@ import json
 import click
 
 from sjdsl.cli.game_file import open_game, split_variants
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import Written, differences, read_written
 from sjdsl.doc.report import as_json, report
 from sjdsl.near_names import nearest

@@ -7,7 +7,7 @@ import click
 @click.argument("code")
 def command(code: str) -> None:
     """Explains the message with this CODE, such as SJ101: what it means, an example, how to repair it."""
-    from sjdsl.compiler.explanations import explain
+    from sjdsl.compiler.diagnostics.explanations import explain
 
     try:
         click.echo(explain(code))

@@ -25,7 +25,7 @@ def report_fault(error: Exception) -> int:
     if _is_fault_of_a_run(error):
         click.echo(f"error: {error}", err=True)
         return 1
-    from sjdsl.compiler.diagnostics import CompileError
+    from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
     if isinstance(error, CompileError):
         from sjdsl.cli.diagnostics import print_diagnostics

@@ -9,9 +9,9 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.diagnostics import print_diagnostics
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.read import decode, read_source
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.read import decode, read_source
 from sjdsl.format import format_source
 
 STDIN = "-"

@@ -12,10 +12,10 @@ from sjdsl.cache import cache_folder
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.cli.stages import stages
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
 if TYPE_CHECKING:
-    from sjdsl.promises import Effort, Report, Verdict
+    from sjdsl.properties import Effort, Report, Verdict
 
 WORDS = {"kept": "kept", "untested": "untested", "broken": "BROKEN", "not decided": "not decided"}
 
@@ -36,7 +36,7 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
     """
     os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
 
-    from sjdsl.promises import Effort
+    from sjdsl.properties import Effort
 
     effort, documents, failed = Effort(examples, seed=seed), [], False
     for file in files:
@@ -60,7 +60,7 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
 
 def test_file(file: str, variant: str | None, effort: "Effort") -> "Report":
     """Returns what becomes of the promises of a game. Raises CompileError for what is wrong with it."""
-    from sjdsl.promises import Ground, examine
+    from sjdsl.properties import Ground, examine
 
     return examine(Ground(open_game(file), split_variants(variant)), effort)
 

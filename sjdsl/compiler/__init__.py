@@ -7,18 +7,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sjdsl.compiler import ast, errors, ir
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.checks.ways_out import with_ways_out
 from sjdsl.compiler.compose import compose
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides, elaborate
+from sjdsl.compiler.elaborate.scope import Problems
+from sjdsl.compiler.elaborate.world_map import inside_folder
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
-from sjdsl.compiler.parse import parse
 from sjdsl.compiler.program import Program
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.scope import Problems
-from sjdsl.compiler.source import Source, Span
-from sjdsl.compiler.ways_out import with_ways_out
-from sjdsl.compiler.worldmap import inside_folder
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.compiler.syntax.read import read_source
 
 STAGES = ("ast", "ir", "optimised", "program", "python")
 
@@ -73,7 +74,7 @@ def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) 
 
 def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> str:
     """Returns the Python module of a checked game."""
-    from sjdsl.compiler.render import render
+    from sjdsl.compiler.emit.module import render
 
     return render(lower_build(made, source, passes), made.game)
 
@@ -111,17 +112,19 @@ def load_base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:
 
 def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True) -> Iterator[str]:
     """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir` and `optimised`."""
-    from sjdsl.compiler import print_ast, print_ir, program
+    from sjdsl.compiler import program
+    from sjdsl.compiler.ast import printer as ast_printer
+    from sjdsl.compiler.ir import printer as ir_printer
 
     if stage == "ast":
-        yield from print_ast.lines(parse(source))
+        yield from ast_printer.lines(parse(source))
         return
     made = build(source, variants)
     match stage:
         case "ir":
-            yield from print_ir.game(made.game, positions).splitlines()
+            yield from ir_printer.game(made.game, positions).splitlines()
         case "optimised":
-            yield from print_ir.game(optimise(made.game), positions).splitlines()
+            yield from ir_printer.game(optimise(made.game), positions).splitlines()
         case "program":
             yield from program.dump(lower_build(made, source))
         case "python":

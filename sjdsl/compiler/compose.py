@@ -9,9 +9,10 @@ table entry; `drop` removes.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from sjdsl.compiler import ast, errors
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic, near_or_all
-from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near_or_all
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.near_names import nearest
 
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.print_ir import game as ir_text
+from sjdsl.compiler.ir.printer import game as ir_text
 
 EPISODES = 200
 SEED = 0

@@ -1,7 +1,7 @@
 """Parameters and sizes as a table: default, unit, limits, whether a change means compiling again, and where the number comes from."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.types import UNIT_LIMITS
+from sjdsl.compiler.ir.types import UNIT_LIMITS
 from sjdsl.doc.wording import code, number, plain, table, table_value
 from sjdsl.doc.written import Written
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import token_planes
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc.wording import code, plain, table
 from sjdsl.doc.written import read_written
 from sjdsl.games_folder import find_game

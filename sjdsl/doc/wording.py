@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from sjdsl.compiler.print_ir import number_text
+from sjdsl.compiler.ir.printer import number_text
 
 SMALLEST = 1e-9  # what is smaller is written with an exponent
 WIDEST = 220  # characters of a sentence that still takes the sentence inside it onto its own line

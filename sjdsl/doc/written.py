@@ -5,14 +5,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
+from sjdsl.agent_range import agent_range
 from sjdsl.compiler import ast, ir, load_base
-from sjdsl.compiler.agent_range import agent_range
 from sjdsl.compiler.compose import Composition, compose
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides, elaborate
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.source import Source, Span
-from sjdsl.compiler.streams import layout_free
+from sjdsl.compiler.elaborate.streams import layout_free
+from sjdsl.compiler.syntax.parse import parse
 
 _COMMENT = re.compile(r'^(?:[^"#]|"[^"]*")*#\s*(.*?)\s*$')
 

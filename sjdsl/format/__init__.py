@@ -1,7 +1,7 @@
 """The one layout of a `.sj` text: same words and comments, other spaces and line ends; decided by the tree, written token by token."""
 
-from sjdsl.compiler.parse import read_tree
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import read_tree
 from sjdsl.format.gaps import read_gaps
 from sjdsl.format.layout import lay_out
 from sjdsl.format.lines import render

@@ -6,7 +6,7 @@ from typing import Literal
 
 from lark import Token, Tree
 
-from sjdsl.compiler.limits import STATEMENTS
+from sjdsl.compiler.diagnostics.limits import STATEMENTS
 
 Sort = Literal["block", "list", "rows", "texts"]
 ENTRIES = frozenset(("entry", "arm", "relabel"))

@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from sjdsl.compiler.declare import BUILT_IN_ACTIONS
+from sjdsl.compiler.elaborate.declarations import BUILT_IN_ACTIONS
 from sjdsl.factory import make
 from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot

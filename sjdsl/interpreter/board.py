@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from sjdsl.compiler import ir, print_ir
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir import printer
 from sjdsl.interpreter.state import Cell, Pool, Value, World, field_value
 
 
@@ -84,7 +85,7 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
             if isinstance(node, ir.Send):
                 pool = Pool(turn.name, node.pool)
                 first = pools.setdefault(pool, node)
-                assert print_ir.domain(first.domain) == print_ir.domain(node.domain), f"{pool} is split"
+                assert printer.domain(first.domain) == printer.domain(node.domain), f"{pool} is split"
                 assert first.order_stream == node.order_stream, f"{pool} is split"
                 assert first.heading_stream == node.heading_stream, f"{pool} is split"
     return pools

@@ -5,11 +5,11 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members
 from sjdsl.interpreter.account import Drawn
-from sjdsl.interpreter.draws import note_if_near
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found
 from sjdsl.interpreter.state import Value
+from sjdsl.interpreter.threefry import note_if_near
 
 HALF = 2**31
 _COMPUTING = (ir.Arithmetic, ir.Ramp, ir.Mix, ir.Sum, ir.SumRow, ir.Local)

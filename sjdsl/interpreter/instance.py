@@ -7,8 +7,8 @@ from typing import TypeVar
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.draws import Draws, take
 from sjdsl.interpreter.state import Value, World
+from sjdsl.interpreter.threefry import Draws, take
 
 T = TypeVar("T")
 

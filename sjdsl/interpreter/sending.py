@@ -4,10 +4,10 @@ from functools import lru_cache
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import Board, cells_of
-from sjdsl.interpreter.draws import return_stream
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, World
+from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Sending
 
 

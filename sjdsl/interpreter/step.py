@@ -8,7 +8,6 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
-from sjdsl.interpreter.draws import Draws
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
@@ -16,6 +15,7 @@ from sjdsl.interpreter.overflow import watched
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
 from sjdsl.interpreter.state import Outcome, Value, World, copied
+from sjdsl.interpreter.threefry import Draws
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
 
 

@@ -6,7 +6,7 @@ Colours that tell words or agents apart differ for people with any kind of colou
 import re
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.looks import COLOURS as NAMED
+from sjdsl.compiler.elaborate.looks import COLOURS as NAMED
 
 Colour = tuple[int, int, int]
 

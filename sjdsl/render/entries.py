@@ -6,8 +6,8 @@ from itertools import islice, product
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.facts import conjuncts
-from sjdsl.compiler.print_ir import expression
+from sjdsl.compiler.ir.implications import conjuncts
+from sjdsl.compiler.ir.printer import expression
 from sjdsl.render.colours import agent_colour
 from sjdsl.render.drawings import BAR_STEPS, Drawing, Figure, draw_cell
 from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values

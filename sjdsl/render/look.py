@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.facts import conjuncts
-from sjdsl.compiler.print_ir import expression
+from sjdsl.compiler.ir.implications import conjuncts
+from sjdsl.compiler.ir.printer import expression
 from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, is_solid, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds

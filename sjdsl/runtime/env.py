@@ -8,9 +8,9 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.compiler import ir
+from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.draws import key_words
 from sjdsl.runtime.planes import TokenPlane, channel_names
-from sjdsl.runtime.resetting import reset_where
 from sjdsl.runtime.state_vector import state_vector
 from sjdsl.runtime.tokens import to_channels
 
@@ -137,7 +137,7 @@ class Environment:
 
     def _events(self, out: Any) -> dict[str, Array]:
         """Returns the counts of a step by event; a `by` event gives `name[word]` for each word."""
-        from sjdsl.compiler.identifiers import param_attribute
+        from sjdsl.compiler.ir.names import param_attribute
 
         counts = {}
         for event in self.game.events:

@@ -9,7 +9,7 @@ import numpy as np
 from jax import Array
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.compiler.ir.names import attribute_name
 
 FIELD = "role"
 EPISODES = 8  # that must begin alike: chance roles of two agents would pass once in 2^7 games at most

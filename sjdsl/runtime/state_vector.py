@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.compiler.ir.names import attribute_name
 
 HEADINGS = 4
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.compiler.lower.content import marking_phases
+from sjdsl.compiler.lower.cell_appearance import marking_phases
 from sjdsl.interpreter.state import Value, World
-from sjdsl.promises.replay import world_of
+from sjdsl.properties.state_conversion import world_of
 from sjdsl.replay.course import Course, Moment
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.frame import Frame, make_frame

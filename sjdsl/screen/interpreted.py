@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.state import Value, copied
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Threefry
 from sjdsl.screen.frame import Frame, make_frame
-from sjdsl.trace.words import fold_in, key_of
+from sjdsl.trace.random_words import fold_in, key_of
 
 
 class Interpreted:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.interpreter import observe as interpreter_view
 from sjdsl.interpreter.planes import marking
 from sjdsl.interpreter.state import Outcome, World

@@ -7,10 +7,10 @@ from typing import Any
 import jax
 import numpy as np
 
-from sjdsl.compiler.identifiers import param_attribute
-from sjdsl.interpreter.draws import Recorded, Threefry
+from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import step
+from sjdsl.interpreter.threefry import Recorded, Threefry
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.differences import outcome_differences, state_differences
 from sjdsl.testing.values import loaded

@@ -8,9 +8,9 @@ from typing import Any
 
 from sjdsl.factory import make
 from sjdsl.interpreter.board import Board, board_of
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import reset
+from sjdsl.interpreter.threefry import Threefry
 from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_words

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import attribute_name
-from sjdsl.compiler.lower.sending import all_pools
+from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.state import Away, Pool, World
 from sjdsl.runtime.env import Environment

@@ -9,10 +9,10 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter import shapes
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.draws import return_stream
 from sjdsl.interpreter.evaluate import agents_in, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Away, Cell, Value
+from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot
 
 Sort = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account, Done, Drawn, Tell
 from sjdsl.interpreter.board import Board, board_of
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
+from sjdsl.interpreter.threefry import Threefry
 from sjdsl.trace.effects import Effect, effects_of, without_effect
-from sjdsl.trace.words import Heard, Key, key_of, random_numbers, split
+from sjdsl.trace.random_words import Heard, Key, key_of, random_numbers, split
 
 Choose = Callable[[int, Key], list[int]]  # number of the step in the trace, a key for it -> an action for each agent
 

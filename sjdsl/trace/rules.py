@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler.diagnostics.source import Source, Span
 
 _COMMENT_OR_TEXT = re.compile(r'("(?:\\.|[^"\\\n])*")|#[^\n]*')
 UNKNOWN = "?"  # of a game that was built without a text

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.promises import Effort, Ground, Report
-from sjdsl.promises.examine import settle
+from sjdsl.properties import Effort, Ground, Report
+from sjdsl.properties.verify_properties import settle
 
 HERE = Path(__file__).parent
 KEPT = """require apple >= 0
@@ -109,14 +109,14 @@ def test_a_variant_has_its_own_promises(sjdsl: Sjdsl, folder: Path) -> None:
 
 
 def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only what needs no playing: `tests/promises/test_games.py` plays the games, with shorter episodes."""
+    """Only what needs no playing: `tests/properties/test_games.py` plays the games, with shorter episodes."""
 
     def only_settled(ground: Ground, effort: Effort) -> Report:
         del effort
         verdicts = [settle(ground, number) for number in range(len(ground.own.checks))]
         return Report(tuple(v for v in verdicts if v is not None), 0)
 
-    monkeypatch.setattr("sjdsl.promises.examine", only_settled)
+    monkeypatch.setattr("sjdsl.properties.verify_properties", only_settled)
     shown = sjdsl("test", "pd_arena")
     assert shown.status == 0
     assert "pd_arena: " in shown.out

@@ -6,7 +6,7 @@ import pytest
 from command_line import Sjdsl
 
 import sjdsl as package
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.games_folder import find_game
 
 GOOD = "HFS..B\n.PPPP.\nPPP...\n"

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.render import game_hash
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.emit.module import game_hash
+from sjdsl.compiler.syntax.read import read_source
 
 GAME = """sj 1
 game plain "Plain" {{

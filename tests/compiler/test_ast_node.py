@@ -5,7 +5,7 @@ from dataclasses import FrozenInstanceError, replace
 import pytest
 
 from sjdsl.compiler import ast
-from sjdsl.compiler.source import Span
+from sjdsl.compiler.diagnostics.source import Span
 
 HERE = Span("a.sj", 0, 5, 1, 1)
 NAME = ast.Name(HERE, "apple")

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.syntax.read import read_source
 
 BASE = """sj 1
 game base "Base" {

@@ -5,7 +5,7 @@ import time
 import pytest
 
 from sjdsl.compiler import check
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
 
 GAME = """sj 1
 game pond {{

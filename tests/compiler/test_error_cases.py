@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import check
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
-from sjdsl.compiler.explanations import FOLDER, all_codes, explain
-from sjdsl.compiler.limits import MAX_BYTES, MAX_LINE
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.report import render
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.explanations import FOLDER, all_codes, explain
+from sjdsl.compiler.diagnostics.limits import MAX_BYTES, MAX_LINE
+from sjdsl.compiler.diagnostics.report import render
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.compiler.syntax.read import read_source
 
 ERRORS = Path(__file__).parent.parent / "errors"
 CASES = sorted(path.stem for path in ERRORS.glob("*.sj"))

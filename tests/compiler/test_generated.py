@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import compile_source
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game
 
 GENERATED = Path(__file__).parent.parent.parent / "generated"

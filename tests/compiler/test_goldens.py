@@ -13,7 +13,7 @@ import pytest
 
 from sjdsl import __version__
 from sjdsl.compiler import STAGES, dump
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 
 TESTS = Path(__file__).parent.parent
 CASES = sorted((TESTS / "cases").glob("*.sj"))

@@ -3,8 +3,8 @@
 import pytest
 
 from sjdsl.compiler import build
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
 
 GAME = """sj 1
 game frame "Guards" {{

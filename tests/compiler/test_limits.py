@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
-from sjdsl.compiler.limits import MAX_BYTES, MAX_DEPTH, MAX_LINE, MAX_PROBLEMS, MAX_STATEMENTS
-from sjdsl.compiler.parse import parse, parser
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.report import render, to_json
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.limits import MAX_BYTES, MAX_DEPTH, MAX_LINE, MAX_PROBLEMS, MAX_STATEMENTS
+from sjdsl.compiler.diagnostics.report import render, to_json
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parse, parser
+from sjdsl.compiler.syntax.read import read_source
 
 SECONDS = 5.0  # of the thread's own; what is not linear takes minutes
 HEAD = "sj 1\ngame x {\n"

@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 from lark import Token
 
-from sjdsl.compiler import ast, build_ast
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
-from sjdsl.compiler.parse import parse, parser
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.repair import ENTRIES, SECTIONS, SENTENCES
-from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.syntax import build_ast
+from sjdsl.compiler.syntax.parse import parse, parser
+from sjdsl.compiler.syntax.read import read_source
+from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, SENTENCES
 
 GAMES = sorted((Path(__file__).parents[2] / "games").glob("*.sj"))
 COINS = next(path for path in GAMES if path.stem == "coins").read_text("utf-8")

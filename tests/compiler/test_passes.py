@@ -10,18 +10,19 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.compiler import build, ir, print_ir
+from sjdsl.compiler import build, ir
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.emit.module import render
+from sjdsl.compiler.ir import printer
+from sjdsl.compiler.ir.verify import verify
 from sjdsl.compiler.lower import lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.optimise.drop_impossible import drop_impossible
 from sjdsl.compiler.optimise.drop_unused import drop_unused
 from sjdsl.compiler.optimise.fold_constants import fold_constants
 from sjdsl.compiler.optimise.rewrite import rewrite
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.render import render
-from sjdsl.compiler.source import Source
-from sjdsl.compiler.verify import verify
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.factory import load_module
 
 ROOT = Path(__file__).parents[2]
@@ -61,7 +62,7 @@ def framed(rule: str) -> ir.Game:
 
 def shown(game: ir.Game) -> list[str]:
     """Returns the schedule as text, without streams (they are made from the text as it was) and without types."""
-    lines = print_ir.game(game, positions=False).splitlines()
+    lines = printer.game(game, positions=False).splitlines()
     begin = next(i for i, line in enumerate(lines) if line.startswith("  schedule"))
     end = next(i for i, line in enumerate(lines) if i > begin and re.match(r"  \S", line) and not line.startswith("  schedule"))
     return [re.sub(r"  : .*", "", line) for line in lines[begin:end] if "stream:" not in line]

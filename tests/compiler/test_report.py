@@ -5,10 +5,10 @@ import pickle
 
 import pytest
 
-from sjdsl.compiler.diagnostics import Code, CompileError, Diagnostic, Fix, Label
-from sjdsl.compiler.report import WIDTH, render, to_json
-from sjdsl.compiler.source import Source, Span
-from sjdsl.compiler.ways_out import Tried
+from sjdsl.compiler.checks.ways_out import Tried
+from sjdsl.compiler.diagnostics.diagnostic import Code, CompileError, Diagnostic, Fix, Label
+from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
+from sjdsl.compiler.diagnostics.source import Source, Span
 
 WRONG = Code("SJ999", "Wrong", "`{name}` is wrong", "write `{better}`")
 ODD = Code("SJ998", "Odd", "this is odd", "", "warning")

@@ -8,8 +8,8 @@ from string import ascii_lowercase
 
 from lark import Token
 
-from sjdsl.compiler.parse import read_tree
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.parse import read_tree
+from sjdsl.compiler.syntax.read import read_source
 
 FOLDER = Path(__file__).parents[2] / "games"
 

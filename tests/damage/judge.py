@@ -10,15 +10,16 @@ from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
 
-from sjdsl.compiler import Build, ast, load_base, lower_build, print_ir
+from sjdsl.compiler import Build, ast, load_base, lower_build
 from sjdsl.compiler.compose import compose
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.report import LINES, render, to_json
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides, elaborate
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.report import LINES, render, to_json
-from sjdsl.compiler.source import Source, Span
-from sjdsl.compiler.verify import verify
+from sjdsl.compiler.ir import printer
+from sjdsl.compiler.ir.verify import verify
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.compiler.syntax.read import read_source
 from tests.damage.edits import FOLDER, Edit
 
 SECONDS = 2.0
@@ -126,7 +127,7 @@ def _made(source: Source, file: ast.File, variants: Variants) -> tuple[Build, st
         raise CompileError(found)
     limited = [c for c in composed.constants.values() if c.is_size and c.low is not None and c.high is not None]
     limits = [composed.sources[c.span.file].text[c.low.span.start : c.high.span.end] for c in limited]  # type: ignore[union-attr]
-    return Build(game, tuple(found), composed.sources), "\n".join([print_ir.game(game), *limits])
+    return Build(game, tuple(found), composed.sources), "\n".join([printer.game(game), *limits])
 
 
 def _base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:

@@ -7,11 +7,11 @@ from random import Random
 from string import printable
 
 from sjdsl.cli.check import find_problems
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.parse import parser
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.report import render, to_json
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.report import render, to_json
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parser
+from sjdsl.compiler.syntax.read import read_source
 from tests.damage.edits import FOLDER, GAMES, tokens
 from tests.damage.judge import SECONDS, told
 

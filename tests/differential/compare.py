@@ -7,9 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from sjdsl.interpreter.draws import Recorded, Threefry
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Recorded, Threefry
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.differences import CLOSE, outcome_differences, state_differences
 

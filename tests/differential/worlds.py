@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import attribute_name
+from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.interpreter.state import Away, Cell, Pool, World
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.states import FACINGS, pool_numbers

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import Written, read_written
 from tests.manual.blocks import examples, frames, manual_blocks
 

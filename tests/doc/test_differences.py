@@ -6,7 +6,7 @@ from collections import Counter
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import Written, differences, read_written
 from sjdsl.doc.report import as_json, report
 

@@ -5,7 +5,7 @@ from itertools import product
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.expressions import value

@@ -8,12 +8,12 @@ from copy import deepcopy
 
 from sjdsl.compiler import build
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.interpreter.account import Account
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Threefry
 
 from .corpus import TESTS
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 
-from sjdsl.compiler import print_ast
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.ast import printer
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parse
 from sjdsl.format import format_source
 from sjdsl.format.lines import WIDTH
 from tests.format.damage import LONG, comments_of, damaged, words_of
@@ -38,7 +38,7 @@ def in_block(body: str) -> str:
 def check_whole(text: str) -> str:
     """Returns a text formatted, after all that holds for every text was checked."""
     result = formatted(text)
-    assert list(print_ast.lines(parse(Source("game.sj", result)))) == list(print_ast.lines(parse(Source("game.sj", text))))
+    assert list(printer.lines(parse(Source("game.sj", result)))) == list(printer.lines(parse(Source("game.sj", text))))
     assert words_of(result) == words_of(text)
     assert comments_of(result) == comments_of(text)
     assert formatted(result) == result

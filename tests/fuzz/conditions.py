@@ -3,7 +3,7 @@
 from math import inf
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.types import HEADINGS, element
+from sjdsl.compiler.ir.types import HEADINGS, element
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Typed
 

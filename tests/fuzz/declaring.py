@@ -3,7 +3,7 @@
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.types import UNIT_LIMITS
+from sjdsl.compiler.ir.types import UNIT_LIMITS
 from tests.fuzz.declared import Event, Field, Kind, Number, Shape, World
 
 WORDS = ("none", "ripe", "red", "blue", "low", "high", "glad")

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.compiler import Build, build, ir, lower_build
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir.verify import verify
 from sjdsl.compiler.lower import NotSupported
 from sjdsl.compiler.optimise import PASSES, optimise
-from sjdsl.compiler.source import Source
-from sjdsl.compiler.verify import verify
 from sjdsl.factory import load_module
 from sjdsl.runtime.env import Environment
 from tests.fuzz.printed import changed_by_layout

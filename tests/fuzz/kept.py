@@ -4,8 +4,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.format import format_source
 from tests.fuzz.judge import Verdict
 from tests.fuzz.programs import Program

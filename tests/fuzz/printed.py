@@ -1,8 +1,10 @@
 """A program laid out by the formatter: the same tree, the same rules, and nothing left to do the second time."""
 
-from sjdsl.compiler import build, ir, print_ast, print_ir
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.source import Source
+from sjdsl.compiler import build, ir
+from sjdsl.compiler.ast import printer as ast_printer
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir import printer as ir_printer
+from sjdsl.compiler.syntax.parse import parse
 from sjdsl.format import format_source
 from tests.fuzz.programs import Program
 
@@ -18,11 +20,11 @@ def changed_by_layout(program: Program, source: Source, game: ir.Game) -> str:
         if tree(once) != tree(text):
             return f"format: {name} is another tree"
     again = build(Source(source.name, format_source(source), source.folder)).game
-    if print_ir.game(again, positions=False) != print_ir.game(game, positions=False):
+    if ir_printer.game(again, positions=False) != ir_printer.game(game, positions=False):
         return "format: the text laid out has other rules"
     return ""
 
 
 def tree(text: str) -> list[str]:
     """Returns the tree of a text, without positions."""
-    return list(print_ast.lines(parse(Source("game.sj", text))))
+    return list(ast_printer.lines(parse(Source("game.sj", text))))

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from lark import Token, Tree
 
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.parse import read_tree
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import read_tree
 from tests.fuzz.programs import Program
 
 Fails = Callable[[Program], bool]

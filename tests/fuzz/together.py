@@ -11,12 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.lower import lower
-from sjdsl.compiler.render import render
-from sjdsl.interpreter.draws import Recorded, Threefry
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
+from sjdsl.interpreter.threefry import Recorded, Threefry
 from sjdsl.runtime.env import Environment
 from tests.differential.compare import Report, compare, compare_outcome
 from tests.fuzz import numpy_jax

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 from sjdsl.compiler import build, ir, load_base
 from sjdsl.compiler.compose import compose
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.render import game_hash
+from sjdsl.compiler.emit.module import game_hash
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game
 
 MANY = 20  # agents. Source: the larger number in the paper's table of speeds

@@ -9,10 +9,10 @@ import pytest
 
 from sjdsl import make
 from sjdsl.compiler import build
-from sjdsl.compiler.source import Source
-from sjdsl.interpreter.draws import Threefry
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Threefry
 
 FRAME = """sj 1
 game frame "A map without its pond" {{

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.draws import Recorded, Threefry
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Recorded, Threefry
 from sjdsl.testing.engines import interpreter_params
 from tests.differential.compare import Report, compare, compare_outcome
 from tests.differential.worlds import world_of

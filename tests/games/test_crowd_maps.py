@@ -3,7 +3,7 @@
 import pytest
 
 from sjdsl.compiler import build
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 
 from .map_reading import Cells, box, find, read_map, regions, span

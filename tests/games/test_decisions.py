@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 
 from .environments import NINE

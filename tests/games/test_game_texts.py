@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import pytest
 
 from sjdsl.compiler import ast
-from sjdsl.compiler.parse import parse
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.source import Source, Span
+from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game
 
 MOST_LINES = 80  # a game is read aloud: non-blank lines without comments, map, looks, checks and variants, each of at most WIDTH columns

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from sjdsl.compiler import build
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game
 
 PAPERS = ("paradigm", "long_term_impact", "multi_task", "difficulty")

@@ -7,10 +7,10 @@ import jax.numpy as jnp
 import pytest
 
 from sjdsl import make
+from sjdsl.agent_range import agent_range
 from sjdsl.cli.describe import describe
-from sjdsl.compiler.agent_range import agent_range
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written
 from sjdsl.games_folder import find_game
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.draws import Recorded
+from sjdsl.interpreter.threefry import Recorded
 
 from . import games as g
 from .sentence_games import COLOUR, RG, SMALL, SOIL_FRUIT, SOIL_HITS, add, run, score, set_, small

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sjdsl.interpreter.draws import Near, Recorded, Threefry, Used, note_if_near, return_stream, threefry
+from sjdsl.interpreter.threefry import Near, Recorded, Threefry, Used, note_if_near, return_stream, threefry
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import build, ir, read_source
-from sjdsl.interpreter.draws import Recorded, Threefry
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import Cell, Outcome, World, default_params
 from sjdsl.interpreter.step import action_mask, read, reset, step
+from sjdsl.interpreter.threefry import Recorded, Threefry
 
 GAMES = Path(__file__).parents[2] / "games"
 NAMES = sorted(path.stem for path in GAMES.glob("*.sj"))

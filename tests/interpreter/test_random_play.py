@@ -3,10 +3,10 @@
 import random
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Threefry
 
 from . import games as g
 

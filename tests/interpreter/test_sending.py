@@ -3,9 +3,9 @@
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.draws import Recorded, return_stream
 from sjdsl.interpreter.state import Away, Cell, Pool
 from sjdsl.interpreter.step import step
+from sjdsl.interpreter.threefry import Recorded, return_stream
 
 from . import games as g
 

@@ -5,7 +5,7 @@ Each draws for everybody and picks somebody; what it writes is read by nobody.
 
 import re
 
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
 
 PARAM = "param law_never : count = 0 in 0 .. 1"
 FIELD = "field law_tally : 0 .. 9 capped = 0"

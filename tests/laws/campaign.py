@@ -13,7 +13,7 @@ from random import Random
 import jax
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.parse import parse
+from sjdsl.compiler.syntax.parse import parse
 from sjdsl.factory import load_module
 from tests.games.environments import NINE
 from tests.laws.corpus import game_of, random_text, source_of

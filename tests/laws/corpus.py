@@ -7,16 +7,16 @@ from random import Random
 from typing import Any
 
 from sjdsl.compiler import Build, build, ir, lower_build
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.optimise import optimise
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from sjdsl.interpreter.board import board_of
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import Cell, World, default_params
 from sjdsl.interpreter.step import reset
-from sjdsl.promises.draws import Lucky
+from sjdsl.interpreter.threefry import Threefry
+from sjdsl.properties.biased_words import Lucky
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
 from tests.fuzz.together import interpret, on_numpy, random_play, run

@@ -10,10 +10,10 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.optimise import optimise
-from sjdsl.interpreter.draws import Recorded
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import action_mask, reset, step
+from sjdsl.interpreter.threefry import Recorded
 from sjdsl.testing.differences import outcome_differences as differs_from_outcome
 from sjdsl.testing.differences import state_differences
 from tests.fuzz import numpy_jax

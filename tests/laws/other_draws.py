@@ -6,7 +6,7 @@ Which word that takes depends on the order in which there was to choose: cells i
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.draws import Chosen, Recorded, return_stream
+from sjdsl.interpreter.threefry import Chosen, Recorded, return_stream
 from tests.laws.streams import Stream, other_digit, renumbered, streams
 from tests.laws.symmetry import Symmetry
 

@@ -7,7 +7,7 @@ from typing import Literal
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members
 from sjdsl.interpreter.board import Board, board_of, cells_of
-from sjdsl.interpreter.draws import return_stream
+from sjdsl.interpreter.threefry import return_stream
 from tests.laws.symmetry import Symmetry
 
 

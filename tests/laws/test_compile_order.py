@@ -8,7 +8,7 @@ from pathlib import Path
 from random import Random
 
 from sjdsl.compiler import compile_source
-from sjdsl.compiler.diagnostics import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
 from tests.games.environments import NINE

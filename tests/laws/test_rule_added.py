@@ -8,8 +8,8 @@ from random import Random
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.games_folder import find_game
 from sjdsl.interpreter.state import default_params
 from tests.fuzz.judge import written

@@ -7,11 +7,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from sjdsl.compiler import Build, ir
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import Cell, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
+from sjdsl.interpreter.threefry import Threefry
 
 HEADINGS = ("north", "east", "south", "west")
 QUICK = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}  # compiling costs more than these runs
@@ -152,7 +152,7 @@ class Compiled:
         return self._view(seen)
 
     def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
-        from sjdsl.compiler.lower.context import attribute_name
+        from sjdsl.compiler.lower.scope import attribute_name
 
         (_, cols), pad = self.module.FRAME, self.module.PAD
         position = [0 if p is None else (p[0] + pad) * cols + p[1] + pad for p in places]
@@ -179,7 +179,7 @@ class Compiled:
         return view
 
     def _events(self, out: Any) -> dict[str, Any]:
-        from sjdsl.compiler.identifiers import param_attribute
+        from sjdsl.compiler.ir.names import param_attribute
 
         found: dict[str, Any] = {}
         for event in self.game.events:
@@ -207,7 +207,7 @@ class Compiled:
         )
 
     def _values(self, declared: ir.VarField) -> Any:
-        from sjdsl.compiler.lower.context import attribute_name
+        from sjdsl.compiler.lower.scope import attribute_name
 
         return _decoded(np.asarray(getattr(self.state, attribute_name(declared))).tolist(), declared.type, self.game.agents.number)
 

@@ -9,9 +9,12 @@ from typing import get_args
 import pytest
 from lark import Lark, Token
 
-from sjdsl.compiler import build, declare, errors, expressions, ir, limits, names, shapes, sights, types
-from sjdsl.compiler.constants import UNITS
-from sjdsl.compiler.source import Source
+from sjdsl.compiler import build, ir
+from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.elaborate import declarations, expressions, observations, paths, shapes
+from sjdsl.compiler.elaborate.constants import UNITS
+from sjdsl.compiler.ir import types
 from sjdsl.interpreter.state import Facing
 
 from .blocks import MANUAL, examples, frames
@@ -20,12 +23,12 @@ EXECUTED = [e for e in examples() if e.said("result")]
 WORDS_OF_RULES = {
     "units": UNITS,
     "functions": ("min", "max", "ramp", *expressions.ROW_FUNCTIONS, *expressions.MATRIX_CLASSES),
-    "actions": declare.BUILT_IN_ACTIONS,
-    "attributes": (*names.AGENT_ATTRIBUTES, *names.CELL_ATTRIBUTES),
+    "actions": declarations.BUILT_IN_ACTIONS,
+    "attributes": (*paths.AGENT_ATTRIBUTES, *paths.CELL_ATTRIBUTES),
     "shapes": (*shapes.BUILT_IN, "centre"),
     "facings": get_args(Facing),
-    "sides of the window": sights.SIDES,
-    "whose fields are seen": sights.OWNERS,
+    "sides of the window": observations.SIDES,
+    "whose fields are seen": observations.OWNERS,
     "frames of moves": ("relative", "compass"),
     "checks": ("random", "never", "falling", "rising", "agents", "mirror"),
     "values": ("step", "nobody", "yes", "no"),
@@ -124,7 +127,7 @@ def test_the_reserved_words_are_those_of_the_grammar():
 def test_the_names_with_a_meaning_are_those_of_the_compiler():
     listed = section("23. Words that are taken").split("These mean something of their own")[1].split("\n\n")[1]
     keywords = {t.pattern.value for t in recording_parser()[0].terminals}
-    assert set(re.findall(r"`(\w+)`", listed)) == set(declare.RESERVED_VARIABLES) - keywords
+    assert set(re.findall(r"`(\w+)`", listed)) == set(declarations.RESERVED_VARIABLES) - keywords
 
 
 def test_every_code_is_listed_with_its_title():

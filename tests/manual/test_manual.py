@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import Build, build, check, compile_build
-from sjdsl.compiler.diagnostics import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.report import render
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.report import render
-from sjdsl.compiler.source import Source
 
 from .blocks import Example, examples, manual_blocks
 from .plays import Compiled, Interpreted, Play, View

@@ -10,7 +10,7 @@ __all__ = ["installed"]  # a fixture
 
 USE = """
 import pathlib, sjdsl, sjdsl.trainers, sjdsl.bench, sjdsl.render
-from sjdsl.compiler.explanations import explain
+from sjdsl.compiler.diagnostics.explanations import explain
 assert "site-packages" in sjdsl.__file__, sjdsl.__file__
 assert sjdsl.make("coins").num_agents == 2
 assert sjdsl.make("my_game.sj").num_agents == 1

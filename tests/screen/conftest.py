@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.read import read_source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.state import default_params
 from sjdsl.screen.interpreted import Interpreted
 from sjdsl.screen.session import Session, random_choice, stay_choice

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.games_folder import bundled
 from sjdsl.render.colours import Colour
 from sjdsl.screen.board import ARROWS, board_text, hexadecimal

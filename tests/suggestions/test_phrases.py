@@ -5,11 +5,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from sjdsl.compiler.diagnostics import CompileError
-from sjdsl.compiler.guesses import NAMES
-from sjdsl.compiler.parse import parse, parser
-from sjdsl.compiler.phrases import PHRASES, Phrase
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.guesses import NAMES
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parse, parser
+from sjdsl.compiler.syntax.recovery.phrases import PHRASES, Phrase
 
 PARTS = {
     "PATH": "agent.bag", "EXPR": "2", "DOMAIN": "tree", "NAME": "one", "INT": "3", "STRING": '"x"', "NAMES": "left right",

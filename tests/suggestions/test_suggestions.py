@@ -4,8 +4,8 @@ import pytest
 
 from sjdsl import compiler
 from sjdsl.compiler import check
-from sjdsl.compiler.diagnostics import Diagnostic
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.source import Source
 from tests.suggestions.frame import Case, cases
 
 CASES = cases()

@@ -1,10 +1,10 @@
 """A kind without cells on the map, whose field has rows: its state is empty, and keeps its form."""
 
 from sjdsl.compiler import build
-from sjdsl.compiler.source import Source
-from sjdsl.interpreter.draws import Threefry
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.step import reset
+from sjdsl.interpreter.threefry import Threefry
 from sjdsl.testing.states import compiled_state
 from tests.fuzz.together import on_numpy
 

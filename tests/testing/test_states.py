@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from sjdsl.games_folder import bundled
-from sjdsl.interpreter.draws import Threefry
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Threefry
 from sjdsl.testing import Stage
 from sjdsl.testing.paths import find_field, read_field
 from sjdsl.testing.states import fields_of

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sjdsl.compiler import build
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import default_params
 from sjdsl.trace.actions import read_actions

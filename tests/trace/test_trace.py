@@ -8,15 +8,15 @@ import pytest
 
 import sjdsl
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.read import read_source
-from sjdsl.compiler.source import Source
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.state import Cell, World, copied, default_params
 from sjdsl.render.playing import play as play_compiled
 from sjdsl.render.playing import random_policy
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, begin, follow, play, random_actions
-from sjdsl.trace.words import key_of, random_numbers, split
+from sjdsl.trace.random_words import key_of, random_numbers, split
 
 REPOSITORY = Path(__file__).parents[2]
 FILES = [
@@ -217,7 +217,7 @@ def shouted(before: int, after: int) -> list[str]:
 
 
 def luck_of(key: tuple[int, int], stream: int) -> int:
-    from sjdsl.interpreter.draws import Threefry
+    from sjdsl.interpreter.threefry import Threefry
 
     return Threefry(*key).word(stream, 0) >> 1
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sjdsl.trainers.replay import Replay, add_entries, draw_entries, empty_replay
+from sjdsl.trainers.replay_buffer import Replay, add_entries, draw_entries, empty_replay
 
 CAPACITY, ADDED = 12, 4
 ENTRY = {"name": jax.ShapeDtypeStruct((), jnp.int32), "window": jax.ShapeDtypeStruct((2, 3), jnp.uint8)}

@@ -8,20 +8,20 @@ Assumes a verified game; guarantees that every index stays in the padded frame a
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import attribute_name, param_attribute
-from sjdsl.compiler.layout import Layout
-from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.content import marking_phases, token_planes
-from sjdsl.compiler.lower.context import AgentVar, Frame, Module, NotSupported, Writer, iota
+from sjdsl.compiler.ir.names import attribute_name, param_attribute
+from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower.assignments import all_fields
+from sjdsl.compiler.lower.assignments import finish as finish_writes
+from sjdsl.compiler.lower.axes import as_dtype
+from sjdsl.compiler.lower.cell_appearance import marking_phases, token_planes
 from sjdsl.compiler.lower.expressions import lower as lower_expression
+from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.movement import stores_moved
-from sjdsl.compiler.lower.observe import observe
-from sjdsl.compiler.lower.sending import Sends, all_pools, returns
-from sjdsl.compiler.lower.sending import finish as finish_sends
-from sjdsl.compiler.lower.sentences import block, mark_size
-from sjdsl.compiler.lower.values import as_dtype
-from sjdsl.compiler.lower.writes import all_fields
-from sjdsl.compiler.lower.writes import finish as finish_writes
+from sjdsl.compiler.lower.observations import observe
+from sjdsl.compiler.lower.relocation import Sends, all_pools, returns
+from sjdsl.compiler.lower.relocation import finish as finish_sends
+from sjdsl.compiler.lower.scope import AgentVar, Frame, Module, NotSupported, Writer, iota
+from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.program import Attribute, Function, Program
 
 STORED = {"u8": "uint8", "u32": "uint32", "i32": "int32", "f32": "float32", "bool": "bool_"}
@@ -115,7 +115,7 @@ def _state(game: ir.Game, w: Writer) -> list[Attribute]:
 
 
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Attribute:
-    dtype = STORED[reads.storage(field, w)]
+    dtype = STORED[state_reads.storage(field, w)]
     dims = {"cell": "S", "agent": "N", "world": ""}[field.place]
     shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by])
     layout = w.module.layout

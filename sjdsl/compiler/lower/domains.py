@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, iota
+from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower.axes import Axis, Value, aligned, binary, both, literal, union, wrapped
 from sjdsl.compiler.lower.expressions import lower
-from sjdsl.compiler.lower.values import Axis, Value, aligned, binary, both, literal, union, wrapped
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, Frame, NotSupported, Writer, iota
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ def enter(d: ir.Domain, frame: Frame, w: Writer) -> Frame:
     if d.on is not None:
         agent = inner.variables[d.var.name]
         assert isinstance(agent, AgentVar)
-        site, there = reads.site_under(agent, d.on.kinds, w)
+        site, there = state_reads.site_under(agent, d.on.kinds, w)
         on = CellVar(site, d.on.kinds)
         inner = replace(inner, variables={**inner.variables, d.on.name: on}).when(there)
     if d.where is not None:
@@ -73,14 +73,14 @@ def _agents(d: ir.Domain, frame: Frame, w: Writer) -> Frame:
             index = w.keep(d.var.name, lower(d.place.value, frame, w))
             variable = AgentVar(index)
             inner = extended(frame, None, d, variable, index, n)
-            return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(reads.present(variable, w))
+            return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(state_reads.present(variable, w))
         case ir.Among():
             return _among(d, d.place, frame, w)
         case _:
             pass
     axis = w.axis(d.var.name, n)
     variable = AgentVar(iota(axis), axis)
-    inner = extended(frame, axis, d, variable, variable.index, n).when(reads.present(variable, w))
+    inner = extended(frame, axis, d, variable, variable.index, n).when(state_reads.present(variable, w))
     match d.place:
         case ir.Near():
             return inner.when(agents_in(d.place, variable, inner, w))
@@ -102,7 +102,7 @@ def _among(d: ir.Domain, place: ir.Among, frame: Frame, w: Writer) -> Frame:
     parts = ", ".join(f"jnp.broadcast_to({aligned(i, axes)}, ({shape},))" if axes else i.text for i in indices)
     index = w.keep(d.var.name, Value(f"jnp.stack([{parts}], axis={len(axes)})", "i32", (*axes, axis)))
     variable = AgentVar(index)
-    inner = extended(frame, axis, d, variable, index, w.module.num_agents).when(reads.present(variable, w))
+    inner = extended(frame, axis, d, variable, index, w.module.num_agents).when(state_reads.present(variable, w))
     repeats = []
     for later in range(1, len(indices)):
         for earlier in range(later):
@@ -136,7 +136,7 @@ def sites_in(place: ir.Near, kinds: tuple[str, ...], frame: Frame, w: Writer, na
     shape = w.module.shape(place.shape)
     label = f"{place.shape.split('(')[0]}_{'_'.join(kinds)}"
     if isinstance(anchor, CellVar):
-        reads.check_placed(anchor)
+        state_reads.check_placed(anchor)
         table = layout.neighbours_table(anchor.kinds, shape, kinds)
         axis = w.axis(name, table.value.shape[1])
         constant = w.module.constant(label, table, f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none")
@@ -175,9 +175,9 @@ def sweep(place: ir.Near, frame: Frame, w: Writer) -> Swept:
     name = w.module.constant(f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading")
     axis = _shape_axis(w, ident, offsets.value.shape[1], anchor)
     if isinstance(anchor, AgentVar):
-        at, facing = reads.position(anchor, w), reads.heading(anchor)
+        at, facing = state_reads.position(anchor, w), state_reads.heading(anchor)
     else:  # a cell has no heading, and the shapes around cells have no direction
-        at, facing = reads.cell(anchor, w), literal(0, "i32")
+        at, facing = state_reads.cell(anchor, w), literal(0, "i32")
     index = "0" if shape.see_through else facing.text
     step = f"{name}[{index}]"
     lead = f"{wrapped(at)}[{', '.join([':'] * len(at.axes) + ['None'])}]" if at.axes else at.text
@@ -269,10 +269,10 @@ def agents_in(place: ir.Near, variable: AgentVar, frame: Frame, w: Writer) -> Va
     anchor = frame.variables[place.anchor.name]
     shape = w.module.shape(place.shape)
     assert variable.axis is not None
-    mine = reads.position(variable, w)
+    mine = state_reads.position(variable, w)
     if isinstance(anchor, CellVar):
         offsets = w.module.constant(f"{shape.name.split('(')[0]}_around", w.module.layout.offsets(shape)[0], f"cells of {shape.name}")
-        at = reads.cell(anchor, w)
+        at = state_reads.cell(anchor, w)
         axis = w.axis("around", len(w.module.layout.shape_cells(shape)))
         lead = f"{wrapped(at)}[{', '.join([':'] * len(at.axes) + ['None'])}]" if at.axes else at.text
         tail = f"{offsets}[{', '.join(['None'] * len(at.axes))}, :]" if at.axes else offsets

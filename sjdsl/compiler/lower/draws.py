@@ -1,9 +1,9 @@
 """Draws: the words of a stream for every instance of a place, and what is made of them."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower.context import Frame, Writer
+from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped
 from sjdsl.compiler.lower.expressions import lower, real
-from sjdsl.compiler.lower.values import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped
+from sjdsl.compiler.lower.scope import Frame, Writer
 
 
 def words(stream: int, frame: Frame, extra: tuple[Axis, int] | None = None) -> Value:

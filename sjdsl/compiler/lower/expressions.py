@@ -4,23 +4,10 @@ from dataclasses import replace
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.identifiers import param_attribute
-from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.context import AgentVar, CellVar, Frame, NotSupported, Writer, iota
-from sjdsl.compiler.lower.values import (
-    Axis,
-    Value,
-    aligned,
-    as_dtype,
-    binary,
-    both,
-    invert,
-    literal,
-    reduce,
-    select,
-    union,
-    wrapped,
-)
+from sjdsl.compiler.ir.names import param_attribute
+from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, invert, literal, reduce, select, union, wrapped
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, Frame, NotSupported, Writer, iota
 
 NOBODY = -1
 
@@ -39,11 +26,11 @@ def lower(e: ir.Expr, frame: Frame, w: Writer) -> Value:
         case ir.ParamRef():
             return _param(e)
         case ir.Member():
-            return reads.member_number(frame.variables[e.name])
+            return state_reads.member_number(frame.variables[e.name])
         case ir.Local():
             return frame.locals[e.name]
         case ir.FieldRead():
-            return reads.field(e, None if e.owner is None else owner(e.owner, frame, w), w)
+            return state_reads.field(e, None if e.owner is None else owner(e.owner, frame, w), w)
         case ir.Attribute():
             return attribute(e, frame, w)
         case ir.At():
@@ -61,7 +48,7 @@ def lower(e: ir.Expr, frame: Frame, w: Writer) -> Value:
         case ir.Logic():
             return logic(e, frame, w)
         case ir.Count() | ir.Sum():
-            from sjdsl.compiler.lower.totals import total
+            from sjdsl.compiler.lower.aggregates import total
 
             return total(e, frame, w)
         case ir.SumRow() | ir.Lowest() | ir.Mix():
@@ -120,15 +107,15 @@ def attribute(e: ir.Attribute, frame: Frame, w: Writer) -> Value:
     who = owner(e.owner, frame, w)
     layout = w.module.layout
     if e.name in ("row", "col"):
-        at = reads.position(who, w) if isinstance(who, AgentVar) else reads.cell(who, w)
+        at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
         op = "//" if e.name == "row" else "%"
         return Value(f"{wrapped(at)} {op} {layout.cols} - {layout.pad}", "i32", at.axes)
     assert isinstance(who, AgentVar)
     match e.name:
         case "index":
-            return reads.index_of(who)
+            return state_reads.index_of(who)
         case "heading":
-            return replace(reads.heading(who), text=f"{reads.heading(who).text}.astype(jnp.uint8)", dtype="u8")
+            return replace(state_reads.heading(who), text=f"{state_reads.heading(who).text}.astype(jnp.uint8)", dtype="u8")
         case "moved":
             stored = Value("state.moved", "bool")
             return (
@@ -137,7 +124,7 @@ def attribute(e: ir.Attribute, frame: Frame, w: Writer) -> Value:
                 else replace(stored, text=f"state.moved[{who.index.text}]", axes=who.index.axes)
             )
         case "away":
-            here = reads.present(who, w)
+            here = state_reads.present(who, w)
             return literal(False, "bool") if here is None else invert(here)
         case _:
             raise AssertionError(e)
@@ -273,11 +260,11 @@ def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, frame: Frame, w: Writ
         case ir.Unoccupied():
             cell = owner(e.cell, frame, w)
             assert isinstance(cell, CellVar)
-            return invert(reads.occupied(cell, w))
+            return invert(state_reads.occupied(cell, w))
         case ir.StandsOn():
             who = owner(e.agent, frame, w)
             assert isinstance(who, AgentVar)
-            return reads.site_under(who, e.kinds, w)[1]
+            return state_reads.site_under(who, e.kinds, w)[1]
         case _:
             assert_never(e)
 

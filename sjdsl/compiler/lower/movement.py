@@ -3,10 +3,9 @@
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower import reads
-from sjdsl.compiler.lower.context import AgentVar, Frame, NotSupported, Writer
+from sjdsl.compiler.lower.axes import Value, wrapped
 from sjdsl.compiler.lower.domains import blocked_by, enter
-from sjdsl.compiler.lower.values import Value, wrapped
+from sjdsl.compiler.lower.scope import AgentVar, Frame, NotSupported, Writer
 
 STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 TURNS = {"turn_left": 3, "turn_right": 1}
@@ -58,6 +57,3 @@ def _conditional_blocks(agent: AgentVar, w: Writer) -> None:
 def stores_moved(game: ir.Game) -> bool:
     """Returns whether any rule reads `moved`."""
     return any(isinstance(n, ir.Attribute) and n.name == "moved" for n in ir.walk(game))
-
-
-__all__ = ["move", "reads", "stores_moved", "wrapped"]

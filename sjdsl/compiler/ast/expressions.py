@@ -1,0 +1,208 @@
+"""The tree as written, first half: names, types and expressions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sjdsl.compiler.ast.node import Node
+from sjdsl.compiler.diagnostics.source import Span
+
+if TYPE_CHECKING:
+    from sjdsl.compiler.ast.statements import Domain
+
+
+class Name(Node):
+    span: Span
+    text: str
+
+
+class String(Node):
+    span: Span
+    text: str
+
+
+class Words(Node):
+    """`{ none, ripe }`"""
+
+    span: Span
+    names: tuple[Name, ...]
+
+
+class Range(Node):
+    """`0 .. cap capped`"""
+
+    span: Span
+    low: Expr
+    high: Expr
+    capped: bool
+
+
+class NamedType(Node):
+    """`agent`, `set of agent`, `reward`"""
+
+    span: Span
+    set_of: bool
+    name: Name
+
+
+Type = Words | Range | NamedType
+
+
+# ---- expressions
+
+
+class Int(Node):
+    span: Span
+    value: int
+
+
+class Decimal(Node):
+    span: Span
+    value: float
+
+
+class Nobody(Node):
+    span: Span
+
+
+class Path(Node):
+    """`a.bag[raw]`: a name, then members and indices in order."""
+
+    span: Span
+    name: Name
+    steps: tuple[Member | Index, ...]
+
+
+class Member(Node):
+    span: Span
+    name: Name
+
+
+class Index(Node):
+    span: Span
+    key: Expr
+
+
+class Call(Node):
+    """`ramp(x, zero_at, one_at)`, `ready(row)`, `disc(2)`"""
+
+    span: Span
+    name: Name
+    arguments: tuple[Expr, ...]
+
+
+class Count(Node):
+    span: Span
+    domain: Domain
+
+
+class Total(Node):
+    """`sum(row)` or `sum(e over D)`"""
+
+    span: Span
+    value: Expr
+    domain: Domain | None
+
+
+class Case(Node):
+    span: Span
+    subject: Expr
+    arms: tuple[Arm, ...]
+
+
+class Arm(Node):
+    """`3..: e` has low 3, high None, open True; `otherwise: e` has word None and low None."""
+
+    span: Span
+    low: int | None
+    high: int | None
+    open: bool
+    word: Name | None
+    value: Expr
+
+
+class Unary(Node):
+    """op: `+`, `-`, `not`"""
+
+    span: Span
+    op: str
+    operand: Expr
+
+
+class Binary(Node):
+    """op: `+ - * / %`, `<= >= == != < >`, `and`, `or`, `is`, `is not`"""
+
+    span: Span
+    op: str
+    left: Expr
+    right: Expr
+
+
+class Chose(Node):
+    """`zapper chose zap`"""
+
+    span: Span
+    agent: Expr
+    action: Name
+
+
+class Standing(Node):
+    """`nobody on soil`, `agent on grass`"""
+
+    span: Span
+    who: Expr
+    kind: Name
+
+
+class Within(Node):
+    """`x in set`; `x in { a, b }` has words; `x in low .. high` has high."""
+
+    span: Span
+    value: Expr
+    container: Expr | Words
+    high: Expr | None
+
+
+Expr = Int | Decimal | Nobody | Path | Call | Count | Total | Case | Unary | Binary | Chose | Standing | Within
+
+
+class Table(Node):
+    """`{ red: 0.25, green: 0.4 }`; values may be tables."""
+
+    span: Span
+    entries: tuple[Entry, ...]
+
+
+class Entry(Node):
+    span: Span
+    key: Name
+    value: Expr | Table
+
+
+__all__ = [
+    "Arm",
+    "Binary",
+    "Call",
+    "Case",
+    "Chose",
+    "Count",
+    "Decimal",
+    "Entry",
+    "Expr",
+    "Index",
+    "Int",
+    "Member",
+    "Name",
+    "NamedType",
+    "Nobody",
+    "Path",
+    "Range",
+    "Standing",
+    "String",
+    "Table",
+    "Total",
+    "Type",
+    "Unary",
+    "Within",
+    "Words",
+]

@@ -1,0 +1,212 @@
+"""The tree as written, second half: domains and sentences."""
+
+from __future__ import annotations
+
+from sjdsl.compiler.ast.expressions import Expr, Name, Path, Table, Words
+from sjdsl.compiler.ast.node import Node
+from sjdsl.compiler.diagnostics.source import Span
+
+
+class ShapeRef(Node):
+    """`beam` or `disc(2)`; arguments None for a named shape."""
+
+    span: Span
+    name: Name
+    arguments: tuple[Expr, ...] | None
+
+
+class Near(Node):
+    """`in beam of cleaner`"""
+
+    span: Span
+    shape: ShapeRef
+    anchor: Name
+
+
+class Members(Node):
+    """`in { row, column }`"""
+
+    span: Span
+    names: tuple[Name, ...]
+
+
+class On(Node):
+    span: Span
+    kind: Name
+    bind: Name | None
+
+
+class Domain(Node):
+    """`KIND as x on KIND as y in PLACE where c`"""
+
+    span: Span
+    kind: Name
+    bind: Name | None
+    on: On | None
+    place: Near | Path | Members | None
+    where: Expr | None
+
+
+# ---- sentences
+
+
+class Block(Node):
+    span: Span
+    statements: tuple[Stmt, ...]
+
+
+class Let(Node):
+    span: Span
+    name: Name
+    value: Expr
+
+
+class Draw(Node):
+    """`from a .. b` has high; `from { w, w }` has Words; `from { w: p }` has Table."""
+
+    span: Span
+    name: Name
+    source: Expr | Words | Table
+    high: Expr | None
+
+
+class Each(Node):
+    span: Span
+    domain: Domain
+    block: Block
+
+
+class Pick(Node):
+    span: Span
+    number: Expr
+    domain: Domain
+    block: Block
+    otherwise: Otherwise | None
+
+
+class First(Node):
+    span: Span
+    domain: Domain
+    block: Block
+    otherwise: Otherwise | None
+
+
+class Match(Node):
+    span: Span
+    left: Domain
+    first: bool
+    right: Domain
+    block: Block
+
+
+class When(Node):
+    span: Span
+    condition: Expr
+    block: Block
+    otherwise: Otherwise | None
+
+
+class Chance(Node):
+    span: Span
+    probability: Expr
+    block: Block
+    otherwise: Otherwise | None
+
+
+Otherwise = Block | When | Chance
+
+
+class Set(Node):
+    span: Span
+    target: Path
+    value: Expr
+
+
+class Add(Node):
+    span: Span
+    value: Expr
+    target: Path
+
+
+class All(Node):
+    """`all`, or `all but x`"""
+
+    span: Span
+    but: Name | None
+
+
+class Give(Node):
+    span: Span
+    value: Expr
+    receiver: Path | All
+
+
+class Tally(Node):
+    span: Span
+    event: Path
+    by: Expr | None
+    receiver: Path | None
+
+
+class Send(Node):
+    """stay: the name after `otherwise` (must be `stay`)."""
+
+    span: Span
+    who: Path
+    domain: Domain
+    after: Expr | None
+    facing: Name | None
+    stay: Name | None
+
+
+class Remove(Node):
+    span: Span
+    who: Path
+
+
+class Move(Node):
+    span: Span
+    domain: Domain
+
+
+class Mark(Node):
+    span: Span
+    shape: ShapeRef
+    anchor: Name
+
+
+class End(Node):
+    span: Span
+
+
+Stmt = Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move | Mark | End
+
+
+__all__ = [
+    "Add",
+    "All",
+    "Block",
+    "Chance",
+    "Domain",
+    "Draw",
+    "Each",
+    "End",
+    "First",
+    "Give",
+    "Let",
+    "Mark",
+    "Match",
+    "Members",
+    "Move",
+    "Near",
+    "On",
+    "Otherwise",
+    "Pick",
+    "Remove",
+    "Send",
+    "Set",
+    "ShapeRef",
+    "Stmt",
+    "Tally",
+    "When",
+]

@@ -1,0 +1,361 @@
+"""Two writes in one phase: refused unless provably one, equal, exclusive or commuting (manual, "Writes").
+
+A write is looked at with everything around it: the quantifiers (each gives instances), the branches taken, and the
+conditions known to hold. Two writes of one field can only meet at one target, so conditions about the target decide.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.elaborate.scope import Problems
+from sjdsl.compiler.ir.implications import conjuncts, contradict
+from sjdsl.compiler.ir.printer import expression as text
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One quantifier: the sentence, the variables it binds, and whether it gives at most one instance for each around it."""
+
+    sentence: ir.Stmt
+    binds: tuple[ir.Member, ...]
+    single: bool
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One way through a sentence with several. `once`: the sentence is met once in the phase, so only one of its ways is taken."""
+
+    sentence: int
+    way: int
+    once: bool
+
+
+@dataclass(frozen=True)
+class Write:
+    """One `set`, `add` or change of place. `key`: what is written; `owner`: whose (None: the world's)."""
+
+    sort: str  # set, add, place
+    key: tuple[str, ...]
+    kinds: tuple[str, ...]
+    owner: ir.Expr | None
+    value: str
+    depends: frozenset[str]
+    sentence: ir.Stmt
+    frames: tuple[Frame, ...]
+    branches: tuple[Branch, ...]
+    facts: tuple[ir.Expr, ...]
+    bounded: bool = False
+
+
+@dataclass(frozen=True)
+class Around:
+    """What surrounds a sentence. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
+
+    frames: tuple[Frame, ...] = ()
+    branches: tuple[Branch, ...] = ()
+    facts: tuple[ir.Expr, ...] = ()
+    locals: dict[str, frozenset[str]] = field(default_factory=dict)
+    lanes: dict[str, int] = field(default_factory=dict)
+
+
+def check_conflicts(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
+    """Reports every pair of writes of one phase that could disagree, and `move` beside other sentences."""
+    around = Around(lanes={s.name: len(s.lanes) for s in game.shapes})
+    writes = [replace(w, bounded=w.bounded and not _is_capped(w, game)) for w in _writes(phase.body, around)]
+    for write in writes:
+        if not _agrees_with_itself(write):
+            _report(write, write, phase, problems)
+        elif write.bounded and not is_own(write):
+            _report_range(write, game, problems)
+    for i, a in enumerate(writes):
+        for b in writes[i + 1 :]:
+            if _same_key(a, b) and _meet(a, b) and not _compatible(a, b):
+                _report(a, b, phase, problems)
+    moves = [s for s in _all(phase.body) if isinstance(s, ir.Move)]
+    if moves and (len(phase.body) > 1 or phase.body[0] is not moves[0]):
+        problems.add(errors.MOVE_ALONE, moves[0].origin)  # type: ignore[arg-type]
+
+
+def _all(body: tuple[ir.Stmt, ...]) -> Iterator[ir.Node]:
+    for s in body:
+        yield from ir.walk(s)
+
+
+def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
+    for s in body:
+        match s:
+            case ir.Let():
+                around = replace(around, locals={**around.locals, s.name: _names(s.value, around)})
+            case ir.Draw():
+                around = replace(around, locals={**around.locals, s.name: frozenset({f"draw {s.name}"})})
+            case ir.Each() | ir.Pick() | ir.First():
+                yield from _quantified(s, around)
+            case ir.Match():
+                left, right = s.left, s.right
+                facts = tuple(c for d in (left, right) if d.where is not None for c in conjuncts(d.where))
+                frame = Frame(s, (*_bound(left), *_bound(right)), single=False)
+                inner = replace(around, frames=(*around.frames, frame), facts=around.facts + facts)
+                yield from _writes(s.body, inner)
+            case ir.When() | ir.Chance():
+                yield from _branched(s, around)
+            case ir.Set():
+                yield _field_write("set", s, s.target, s.value, around)
+            case ir.Add():
+                yield _field_write("add", s, s.target, s.value, around)
+            case ir.Send():
+                after = "" if s.after is None else text(s.after)
+                value = f"{s.pool} {after} {s.facing} {s.stay}"
+                depends = frozenset() if s.after is None else _names(s.after, around)
+                yield _write("place", ("place",), (), s.who, value, depends, s, around)
+            case ir.Remove():
+                yield _write("place", ("place",), (), s.who, "removed", frozenset(), s, around)
+            case _:
+                pass
+
+
+def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
+    return (d.var,) if d.on is None else (d.var, d.on)
+
+
+def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
+    facts = (*_standing(s.domain), *(() if s.domain.where is None else conjuncts(s.domain.where)))
+    if isinstance(s, ir.First):
+        single = isinstance(s.domain.place, ir.Near) and around.lanes[s.domain.place.shape] <= 1
+    else:
+        single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
+    inner = replace(around, frames=(*around.frames, Frame(s, _bound(s.domain), single)), facts=around.facts + facts)
+    other = around
+    if isinstance(s, ir.First) and not single:  # both ways can be taken, each in some lanes
+        other = replace(around, frames=(*around.frames, Frame(s, (), single)))
+    else:
+        inner = replace(inner, branches=(*around.branches, _branch(s, 0, around)))
+        other = replace(around, branches=(*around.branches, _branch(s, 1, around)))
+    yield from _writes(s.body, inner)
+    if not isinstance(s, ir.Each):
+        yield from _writes(s.otherwise, other)
+
+
+def _standing(d: ir.Domain) -> tuple[ir.Expr, ...]:
+    """Returns what `agent on kind` says of the agent."""
+    return () if d.on is None else (ir.StandsOn(agent=d.var, kinds=d.on.kinds),)
+
+
+def _branch(s: ir.Stmt, way: int, around: Around) -> Branch:
+    return Branch(id(s), way, all(f.single for f in around.frames))
+
+
+def _branched(s: ir.When | ir.Chance, around: Around) -> Iterator[Write]:
+    facts = around.facts
+    for number, branch in enumerate(s.branches):
+        here = facts + (tuple(conjuncts(branch.test)) if isinstance(s, ir.When) else ())
+        yield from _writes(branch.body, replace(around, branches=(*around.branches, _branch(s, number, around)), facts=here))
+        if isinstance(s, ir.When):
+            facts = facts + tuple(conjuncts(branch.test, holds=False))
+    last = _branch(s, len(s.branches), around)
+    yield from _writes(s.otherwise, replace(around, branches=(*around.branches, last), facts=facts))
+
+
+def _names(e: ir.Expr, around: Around) -> frozenset[str]:
+    """Returns the variables a value depends on; those its own quantifiers bind are not outside it."""
+    found: set[str] = set()
+    inner: set[str] = set()
+    for node in ir.walk(e):
+        match node:
+            case ir.Domain():
+                inner |= {m.name for m in _bound(node)}
+            case ir.Member():
+                found.add(node.name)
+            case ir.Local():
+                found |= around.locals.get(node.name, {node.name})
+    return frozenset(found - inner)
+
+
+def _field_write(sort: str, s: ir.Set | ir.Add, target: ir.Expr, value: ir.Expr, around: Around) -> Write:
+    entries: list[str] = []
+    depends = _names(value, around)
+    while isinstance(target, ir.At):
+        entries.insert(0, text(target.key) if isinstance(target.key, ir.Word) else "*")
+        depends |= _names(target.key, around)
+        target = target.row
+    assert isinstance(target, ir.FieldRead)
+    key = (target.place, target.name, *entries)
+    uncapped = sort == "add" and target.type.kind == "int"
+    made = _write(sort, key, target.kinds, target.owner, text(value), depends, s, around)
+    return replace(made, bounded=uncapped)
+
+
+def _write(
+    sort: str,
+    key: tuple[str, ...],
+    kinds: tuple[str, ...],
+    owner: ir.Expr | None,
+    value: str,
+    depends: frozenset[str],
+    s: ir.Stmt,
+    around: Around,
+) -> Write:
+    return Write(sort, key, kinds, owner, value, depends, s, around.frames, around.branches, around.facts)
+
+
+def is_own(w: Write) -> bool:
+    """Returns whether every target is written by one instance: it is the variable of the only quantifier that multiplies.
+
+    A quantifier that gives at most one instance for each of those around it does not multiply.
+    """
+    if w.owner is None:
+        return all(f.single for f in w.frames)
+    if not isinstance(w.owner, ir.Member):
+        return False
+    names = {w.owner.name}
+    frames = list(w.frames)
+    while frames:
+        frame = frames.pop()
+        if not any(m.name in names for m in frame.binds):
+            if not frame.single:
+                return False
+            continue
+        alone = all(f.single for f in frames)
+        domain = None if isinstance(frame.sentence, ir.Match) else frame.sentence.domain  # type: ignore[union-attr]
+        place = None if domain is None else domain.place
+        if isinstance(place, ir.Among) and frames and isinstance(frames[-1].sentence, ir.Match):
+            names = {m.name for m in place.members}
+        elif place is None or frame.single:
+            return alone
+        else:
+            return False
+    return False
+
+
+def _agrees_with_itself(w: Write) -> bool:
+    if w.sort == "add":
+        return True
+    if is_own(w):
+        return True
+    own_names = {w.owner.name} if isinstance(w.owner, ir.Member) else set()
+    return not (w.depends - own_names)
+
+
+def _same_key(a: Write, b: Write) -> bool:
+    if a.key[0] != b.key[0] or a.key[:2] != b.key[:2]:
+        return False
+    return all(x == y or "*" in (x, y) for x, y in zip(a.key[2:], b.key[2:], strict=False))
+
+
+def _meet(a: Write, b: Write) -> bool:
+    return not (a.kinds and b.kinds) or bool(set(a.kinds) & set(b.kinds))
+
+
+def _compatible(a: Write, b: Write) -> bool:
+    if a.sort == b.sort == "add":
+        return not (a.bounded or b.bounded) or _exclusive(a, b)
+    if a.sort == b.sort and a.value == b.value and not (a.depends | b.depends):
+        return True
+    return _exclusive(a, b)
+
+
+def _exclusive(a: Write, b: Write) -> bool:
+    """Returns whether the two writes can never reach the same target in one phase."""
+    apart = [x for x in a.branches for y in b.branches if x.sentence == y.sentence and x.way != y.way]
+    if any(x.once for x in apart):
+        return True
+    if is_own(a) and is_own(b):
+        if apart and _shared_frames(a, b):
+            return True
+        if _two_sides(a, b):
+            return True
+    return any(contradict(x, y) for x in _about_target(a) for y in _about_target(b))
+
+
+def _shared_frames(a: Write, b: Write) -> bool:
+    """Returns whether both targets are the variable of one and the same quantifier."""
+    if a.owner is None and b.owner is None:
+        return True
+    same = isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name == b.owner.name
+    return same and bool(a.frames) and bool(b.frames) and a.frames[0].sentence is b.frames[0].sentence
+
+
+def _two_sides(a: Write, b: Write) -> bool:
+    """Returns whether the targets are the two sides of one `match`: always different members."""
+    if not (a.frames and b.frames and a.frames[0].sentence is b.frames[0].sentence):
+        return False
+    if not isinstance(a.frames[0].sentence, ir.Match) or len(a.frames) != 1 or len(b.frames) != 1:
+        return False
+    return isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name != b.owner.name
+
+
+def _about_target(w: Write) -> list[ir.Expr]:
+    """Returns the known conditions that speak of the target alone, the target renamed so that two writes compare."""
+    if w.owner is None:
+        return [f for f in w.facts if not _members(f)]
+    if not isinstance(w.owner, ir.Member):
+        return []
+    name = w.owner.name
+    return [_renamed(f, name) for f in w.facts if _members(f) <= {name}]
+
+
+def _members(e: ir.Expr) -> set[str]:
+    names: set[str] = set()
+    for node in ir.walk(e):
+        if isinstance(node, ir.Member | ir.Local):
+            names.add(node.name)
+    return names
+
+
+def _renamed(e: ir.Node, name: str) -> ir.Expr:
+    if isinstance(e, ir.Member) and e.name == name:
+        return e.model_copy(update={"name": "$"})
+    update = {}
+    for key in ir.inner_fields(type(e)):
+        value = getattr(e, key)
+        if isinstance(value, ir.Node):
+            update[key] = _renamed(value, name)
+        elif isinstance(value, tuple) and any(isinstance(v, ir.Node) for v in value):
+            update[key] = tuple(_renamed(v, name) if isinstance(v, ir.Node) else v for v in value)
+    return e.model_copy(update=update)  # type: ignore[return-value]
+
+
+def _name(w: Write) -> str:
+    if w.sort == "place":
+        return "the place"
+    return w.key[1] if w.owner is None else f"{text(w.owner)}.{w.key[1]}"
+
+
+def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
+    span, other = b.sentence.origin, a.sentence.origin
+    assert span is not None and other is not None
+    labels = () if a is b else (Label(other, "the other write is here"),)
+    if a.sort == b.sort == "place":
+        problems.add(errors.TWO_DESTINATIONS, span, labels, phase=phase.label)
+    elif {a.sort, b.sort} == {"set", "add"}:
+        problems.add(errors.ADD_AND_SET, span, labels, name=_name(b), phase=phase.label)
+    else:
+        owner = {"agent": "agent", "cell": "cell", "world": "world"}.get(a.key[0], "agent")
+        problems.add(errors.WRITE_CONFLICT, span, labels, name=_name(b), owner=owner, phase=phase.label)
+
+
+def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:
+    """An `add` that several instances can make at once is provably in range only if the field is capped (or endless)."""
+    declared = _declaration(w, game)
+    assert declared is not None and w.sentence.origin is not None
+    low, high = f"{declared.type.low:g}", f"{declared.type.high:g}"
+    reached = "the sum of several adds"
+    problems.add(errors.FIELD_RANGE, w.sentence.origin, name=_name(w), low=low, high=high, reached=reached)
+
+
+def _is_capped(w: Write, game: ir.Game) -> bool:
+    declared = None if w.sort == "place" else _declaration(w, game)
+    return declared is not None and declared.capped
+
+
+def _declaration(w: Write, game: ir.Game) -> ir.VarField | None:
+    place, name = w.key[:2]
+    if place == "agent":
+        fields = game.agents.fields
+    elif place == "world":
+        fields = game.fields
+    else:
+        fields = next(k for k in game.kinds if k.name == w.kinds[0]).fields
+    return next((f for f in fields if f.name == name), None)

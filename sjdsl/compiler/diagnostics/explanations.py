@@ -1,0 +1,26 @@
+"""The long text about a code: what it means, a wrong example, the repaired one, and why."""
+
+from pathlib import Path
+
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Code
+from sjdsl.near_names import nearest
+
+FOLDER = Path(__file__).parent / "explain"
+
+
+def all_codes() -> dict[str, Code]:
+    """Returns every code of the compiler by its number, in order."""
+    found = [value for value in vars(errors).values() if isinstance(value, Code)]
+    return {code.code: code for code in sorted(found, key=lambda code: code.code)}
+
+
+def explain(code: str) -> str:
+    """Returns the text about a code such as `SJ204` or `204`. Raises ValueError for one that does not exist."""
+    known = all_codes()
+    asked = code.strip().upper()
+    wanted = asked if asked in known else f"SJ{asked.removeprefix('SJ').zfill(3)}"
+    if wanted not in known:
+        near = nearest(wanted, known)
+        raise ValueError(f"there is no code `{code[:20]}`" + (f"; did you mean `{near}`?" if near else ""))
+    return (FOLDER / f"{wanted}.md").read_text("utf-8")

@@ -1,0 +1,92 @@
+"""How large a game may be: every limit of the compiler, and the checks a text must pass before it is parsed."""
+
+import re
+
+from lark import Token, Tree
+
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.source import Source, Span
+
+MAX_BYTES = 1 << 20
+MAX_LINE = 4096  # characters
+MAX_TOKENS = 32_768
+MAX_STATEMENTS = 4096
+MAX_DEPTH = 64  # brackets around one place, signs and `not` before one value
+MAX_TREE = 160  # the same, and operators in a row, links of an `otherwise` chain, blocks
+MAX_INTEGER = 2**31 - 1
+MAX_DIGITS = 32  # of a decimal number
+MAX_PROBLEMS = 100  # syntax errors of one file
+
+MAX_MAP_SIDE = 256
+MAX_MAP_CELLS = 65_536
+MAX_SHAPE_CELLS = 256
+MAX_WINDOW = 32  # cells to one side
+MAX_AGENTS = 64
+MAX_ACTIONS = 64
+MAX_KINDS = 64
+MAX_WORDS = 64  # in one set
+MAX_FIELDS = 128
+MAX_PHASES = 64
+MAX_TURNS = 128
+MAX_DRAWN = 65_535  # values of one draw
+MAX_DEFINES_DEEP = 32  # a define that uses a define that …
+MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
+
+CHAINS = ("sum", "prod", "expr", "and_e")
+STATEMENTS = frozenset((
+    "cite", "about", "size", "param", "episode", "kind", "group", "field", "timer", "map", "agents", "shape", "define",
+    "schedule", "phase", "observe", "look", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
+    "moves", "forbid", "window", "show", "hide", "event", "mean", "final", "require", "always", "once", "conserved",
+    "monotone", "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
+    "add", "give", "tally", "send", "remove", "move", "mark", "end",
+))  # fmt: skip
+
+
+def too_much(problem: str, limit: int, span: Span, help_: str = "") -> Diagnostic:
+    """Returns the error for something there is too much of."""
+    return Diagnostic(errors.TOO_MUCH, span, {"problem": problem, "limit": limit, "help": help_})
+
+
+def check_text(source: Source) -> list[Diagnostic]:
+    """Returns why a text cannot be parsed at all: too large, not text, a line too long; empty if it can."""
+    size = len(source.text.encode("utf-8", "surrogatepass")) if len(source.text) <= MAX_BYTES else len(source.text)
+    if size > MAX_BYTES:
+        return [Diagnostic(errors.FILE_TOO_LARGE, source.span(0, 0), {"given": size, "limit": MAX_BYTES})]
+    if "\0" in source.text:
+        at = source.text.index("\0")
+        return [Diagnostic(errors.NOT_TEXT, source.span(at, at), {"problem": "it holds NUL characters"})]
+    old = re.search(r"\r(?!\n)", source.text)
+    if old:
+        problem = "it has lines that end with a carriage return alone"
+        return [Diagnostic(errors.NOT_TEXT, source.span(old.start(), old.start()), {"problem": problem})]
+    long = re.search(rf"[^\n]{{{MAX_LINE + 1},}}", source.text)
+    if long:
+        span = source.span(long.start(), long.start())
+        return [too_much(f"this line has {len(long.group())} characters", MAX_LINE, span, "break the line")]
+    return []
+
+
+def check_tree(tree: Tree[Token], source: Source) -> list[Diagnostic]:
+    """Returns what is too large about a text without syntax errors: nested too deeply, too many statements."""
+    statements = 0
+    todo: list[tuple[Tree[Token], int]] = [(tree, 0)]
+    while todo:
+        node, depth = todo.pop()
+        depth += _operators(node) if node.data in CHAINS else 1
+        if depth > MAX_TREE:
+            return [Diagnostic(errors.TOO_DEEP, _span(node, source), {"limit": MAX_TREE})]
+        statements += node.data in STATEMENTS
+        if statements > MAX_STATEMENTS:
+            return [too_much("the file has more statements", MAX_STATEMENTS, _span(node, source))]
+        todo += [(child, depth) for child in reversed(node.children) if isinstance(child, Tree)]
+    return []
+
+
+def _operators(chain: Tree[Token]) -> int:
+    """How many operators a chain has; `and` and `or` leave no token in the tree."""
+    return sum(isinstance(child, Token) for child in chain.children) or len(chain.children) - 1
+
+
+def _span(node: Tree[Token], source: Source) -> Span:
+    return source.span(node.meta.start_pos, node.meta.start_pos)

@@ -1,0 +1,159 @@
+"""From a composed game to the typed IR: declarations, then the map, then everything that reads them.
+
+Composition -> ir.Game, with every mistake of the game reported at once
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.checks.placement import check_placing
+from sjdsl.compiler.checks.unused import check_actions, check_events, check_time, check_use
+from sjdsl.compiler.checks.write_conflicts import check_conflicts
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.declaration_labels import with_whereabouts
+from sjdsl.compiler.elaborate.declarations import Declarations, blocks, declare_numbers, declare_world, forbids
+from sjdsl.compiler.elaborate.expressions import number
+from sjdsl.compiler.elaborate.hidden import unseen
+from sjdsl.compiler.elaborate.looks import looks
+from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
+from sjdsl.compiler.elaborate.observations import sights, window
+from sjdsl.compiler.elaborate.schedule import schedule, start
+from sjdsl.compiler.elaborate.scope import Poisoned, Problems, Scope
+from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
+from sjdsl.compiler.ir.names import STATE, state_names
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand."""
+
+    sizes: Mapping[str, Any] | None = None
+    num_agents: int | None = None
+    rows: tuple[str, ...] | None = None
+    row_spans: tuple[Span, ...] = ()
+
+
+def elaborate(game: Composition, overrides: Overrides) -> tuple[ir.Game | None, list[Diagnostic]]:
+    """Returns the typed game (None if there are errors) and all errors and warnings."""
+    problems = Problems()
+    static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
+    made = declare_world(game, static, problems)
+    rows = _map(game, made, overrides, problems)
+    blocks(game, static, problems)
+    built = _rules(game, made, rows, problems)
+    if not any(d.code.severity == "error" for d in problems.found):
+        check_use(game, static, problems)
+        if built is not None:
+            check_actions(built, game, problems)
+            check_events(built, static, problems)
+    failed = any(d.code.severity == "error" for d in problems.found)
+    return (None if failed else built), with_whereabouts(problems.found, game)
+
+
+def _map(game: Composition, made: Declarations, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
+    static = made.static
+    glyphs = glyph_table(static, made.glyphs, problems)
+    if game.map is None and overrides.rows is None:
+        problems.add(errors.MISSING_PART, game.span, what="map", help='`map "maps/name.txt"` or `map { "…" }`')
+        return ()
+    span = game.map.span if game.map is not None else game.span
+    inline = game.map.rows if game.map is not None and overrides.rows is None else ()
+    before = len(problems.found)
+    if overrides.rows is not None:
+        rows, spans = overrides.rows, overrides.row_spans
+    else:
+        rows, spans = read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
+    if len(problems.found) > before or not check_rows((rows, spans), glyphs, span, problems, inline):
+        static.cells = dict.fromkeys(static.kinds, 1)
+        static.map_rows = static.map_cols = 1
+        return ()
+    static.cells = count_cells(rows, glyphs)
+    static.map_rows, static.map_cols = len(rows), len(rows[0])
+    return rows
+
+
+def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
+    static = made.static
+    promised = Scope(static, problems, place="`checks`", events_readable=True)
+    static.requires = requires(game, promised)
+    check_requires(game, promised)
+    scope = Scope(static, problems)
+    agents = made.agents
+    if agents is not None:
+        agents = forbids(game, agents, static, problems)
+    begin = start(game, scope)
+    turns = schedule(game, scope)
+    episode = None
+    with problems.survive():
+        if game.episode is None:
+            raise problems.fail(errors.MISSING_PART, game.span, what="episode", help="`episode 1000`")
+        episode = number(game.episode.steps, scope, ("steps",), "a number of steps")
+    view = window(game, scope)
+    seen = sights(game, static, problems)
+    hidden = unseen(game, static, problems)
+    measured = measures(game, Scope(static, problems, place="`metrics`"))
+    promises = checks(game, promised)
+    drawn = looks(game, static, problems)
+    counted: tuple[ir.Event, ...] = ()
+    with problems.survive():
+        counted = events([p for p in (begin, *turns) if p is not None], scope)
+    if None in (agents, begin, episode) or game.schedule is None:
+        return None
+    built = ir.Game(
+        name=game.name,
+        title=game.title,
+        cites=tuple(game.cites),
+        about=tuple(game.about.items()),
+        variants=tuple(game.variants),
+        sizes=tuple(static.sizes.values()),
+        params=tuple(static.params.values()),
+        episode=episode,
+        kinds=tuple(static.kinds.values()),
+        groups=tuple(static.groups.items()),
+        rows=rows,
+        glyphs=tuple(glyph for _, glyph in made.glyphs),
+        fields=tuple(static.fields.values()),
+        agents=agents,
+        shapes=tuple(static.shapes.values()),
+        start=begin,
+        schedule=turns,
+        window=view,
+        sights=seen,
+        hidden=hidden,
+        events=counted,
+        measures=measured,
+        checks=promises,
+        looks=drawn,
+    )
+    _check_whole(built, game, problems)
+    return built
+
+
+def _check_whole(built: ir.Game, game: Composition, problems: Problems) -> None:
+    """Reports what only the whole game shows."""
+    _check_attributes(built, problems)
+    check_time(built, problems, game)
+    for phase in (built.start, *built.schedule):
+        if isinstance(phase, ir.Phase):
+            check_conflicts(phase, built, problems)
+    if built.rows and not any(d.code.severity == "error" for d in problems.found):
+        check_placing(built, problems, game.sources)
+
+
+def _check_attributes(built: ir.Game, problems: Problems) -> None:
+    """Two names must not become one attribute of the compiled state (`a_b.c` and `a.b_c`)."""
+    seen: dict[str, str] = dict.fromkeys(STATE, "the language")
+    for attribute, node in state_names(built):
+        if attribute in seen and node.origin is not None:
+            problem = f"the compiled state would have `{attribute}` twice (also of {seen[attribute]})"
+            name = getattr(node, "label", None) or getattr(node, "name", attribute)
+            problems.add(errors.BAD_NAME, node.origin, name=name, what="the name of this", problem=problem)
+        seen.setdefault(attribute, f"line {node.origin.line}" if node.origin else "another declaration")
+
+
+__all__ = ["Overrides", "Poisoned", "elaborate"]

@@ -1,0 +1,149 @@
+"""Arithmetic and comparison: units that go together, intervals, constants folded."""
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate.declaration_labels import parameters_read
+from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_units, over_unit, times_unit
+
+VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take the remainder of"}
+
+
+def mismatch(scope: Scope, span: object, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
+    return scope.problems.fail(
+        errors.UNIT_MISMATCH,
+        span,
+        verb=verb,
+        left=describe(left),
+        right=describe(right),
+        help=help,  # type: ignore[arg-type]
+    )
+
+
+def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
+    """Returns `left op right`; two constants become one."""
+    a, b = left.type, right.type
+    if a.by and b.by == a.by and e.op in ("+", "-") and a.kind in ("int", "real"):
+        return _typed(e, left, right, join_units(a.unit, b.unit), scope)
+    if not (is_number(a) and is_number(b)):
+        raise mismatch(scope, e.span, VERBS[e.op], a, b)
+    match e.op:
+        case "*":
+            unit = times_unit(a.unit, b.unit)
+        case "/":
+            if divisor_can_be_zero(right, scope):
+                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span, parameters_read(scope.static, right))
+            unit = "fraction" if is_share(left, right) else over_unit(a.unit, b.unit)
+        case "%":
+            if a.kind != "int" or b.kind != "int":
+                raise mismatch(scope, e.span, VERBS["%"], a, b, "`%` is for whole numbers")
+            if divisor_can_be_zero(right, scope):
+                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span, parameters_read(scope.static, right))
+            unit = join_units(a.unit, b.unit)
+        case _:
+            unit = join_units(a.unit, b.unit)
+    return _typed(e, left, right, unit, scope)
+
+
+def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, scope: Scope) -> ir.Expr:
+    if unit is None:
+        raise mismatch(scope, e.span, VERBS[e.op], left.type, right.type)
+    low, high = interval(e.op, left.type, right.type)
+    if unit == "fraction" and e.op == "/":
+        low, high = 0.0, 1.0
+    kind = "int" if left.type.kind == right.type.kind == "int" and e.op != "/" else "real"
+    if kind == "real" and unit in ("count", "steps", "cells"):
+        unit = "number"
+    if unit == "fraction" and (low < 0 or high > 1):
+        unit = "number"
+    type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=left.type.by)  # type: ignore[arg-type]
+    if isinstance(left, ir.Number) and isinstance(right, ir.Number):
+        value = fold(e.op, left.value, right.value)
+        return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
+    return ir.Arithmetic(type=type_, fn=e.op, args=(left, right), origin=e.span)  # type: ignore[arg-type]
+
+
+def fold(fn: str, a: float, b: float) -> float:
+    """Returns the constant `a fn b`."""
+    match fn:
+        case "+":
+            return a + b
+        case "-":
+            return a - b
+        case "*":
+            return a * b
+        case "/":
+            return a / b
+        case "%":
+            return a % b
+    raise AssertionError(fn)
+
+
+def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
+    """Returns whether neither the interval, a guard nor a `require` excludes 0."""
+    if divisor.type.low > 0 or divisor.type.high < 0:
+        return False
+    if isinstance(divisor, ir.Count) and divisor.domain.place is None and divisor.domain.where is None and divisor.domain.on is None:
+        if divisor.domain.var.who == "cell":
+            return not any(scope.static.cells.get(k, 0) for k in divisor.domain.var.kinds)
+    facts = scope.knowing(scope.static.requires).facts
+    return not any(f"({text(divisor)} {test})" in facts for test in ("> 0", ">= 1", "!= 0"))
+
+
+def is_share(left: ir.Expr, right: ir.Expr) -> bool:
+    """Returns whether the quotient is `count(K where …) / count(G)` with K inside G: a fraction."""
+    if not (isinstance(left, ir.Count) and isinstance(right, ir.Count)):
+        return False
+    part, whole = left.domain, right.domain
+    if whole.where is not None or whole.place is not None or whole.on is not None or part.on is not None:
+        return False
+    return part.var.who == whole.var.who and set(part.var.kinds) <= set(whole.var.kinds)
+
+
+def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
+    """Returns `left < right` and its like."""
+    if not (is_number(left.type) and is_number(right.type)):
+        help_ = "words and agents are compared with `is`" if {left.type.kind, right.type.kind} & {"word", "agent"} else ""
+        raise mismatch(scope, e.span, "compare", left.type, right.type, help_)
+    if join_units(left.type.unit, right.type.unit) is None:
+        raise mismatch(scope, e.span, "compare", left.type, right.type)
+    return ir.Compare(fn=e.op, left=left, right=right, origin=e.span)  # type: ignore[arg-type]
+
+
+def extreme(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
+    """Returns `min(...)` or `max(...)`."""
+    type_ = join_types([a.type for a in args], scope, "compare", e)
+    if not is_number(type_):
+        raise scope.problems.fail(errors.WRONG_TYPE, e.span, wanted="a number", given=describe(type_), help="")
+    pick = min if e.name.text == "min" else max
+    low, high = pick(a.type.low for a in args), pick(a.type.high for a in args)
+    type_ = _regain_unit(type_.model_copy(update={"low": low, "high": high}), args)
+    if all(isinstance(a, ir.Number) for a in args):
+        value = pick(a.value for a in args)  # type: ignore[union-attr]
+        return ir.Number(type=type_, value=value, origin=e.span)
+    return ir.Arithmetic(type=type_, fn=e.name.text, args=tuple(args), origin=e.span)  # type: ignore[arg-type]
+
+
+def _regain_unit(type_: ir.Type, args: list[ir.Expr]) -> ir.Type:
+    return type_.model_copy(update={"unit": next((a.type.unit for a in args if a.type.unit != "number"), "number")})
+
+
+def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) -> ir.Type:
+    """Returns the type that holds all the given ones: one unit, the hull of the intervals, the union of the words."""
+    joined = types[0]
+    for other in types[1:]:
+        if joined.by != other.by:
+            raise mismatch(scope, tree.span, verb, joined, other)
+        if {joined.kind, other.kind} <= {"int", "real"}:
+            unit = join_units(joined.unit, other.unit)
+            if unit is None:
+                raise mismatch(scope, tree.span, verb, joined, other)
+            low, high = hull([joined, other])
+            kind = "int" if joined.kind == other.kind == "int" else "real"
+            joined = joined.model_copy(update={"kind": kind, "unit": unit, "low": low, "high": high})
+        elif joined.kind == other.kind == "word":
+            joined = joined.model_copy(update={"words": tuple(dict.fromkeys(joined.words + other.words))})
+        elif joined.kind != other.kind:
+            raise mismatch(scope, tree.span, verb, joined, other)
+    return joined

@@ -1,0 +1,167 @@
+"""`set` and `add`: the value fits the field, and provably stays in its range."""
+
+from math import inf
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate.expressions import as_agent, build, interval_text, wrong_type
+from sjdsl.compiler.elaborate.paths import check_known_word
+from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.implications import narrow_word, narrowed
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.types import describe, is_number, join_units
+
+
+def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
+    """Returns the field (or entry of a row) a sentence writes, and its declaration."""
+    target = build(path, scope)
+    field = target
+    while isinstance(field, ir.At):
+        field = field.row
+    if not isinstance(field, ir.FieldRead):
+        raise scope.problems.fail(
+            errors.WRONG_TYPE,
+            path.span,
+            wanted="a field",
+            given=describe(target.type),
+            help=_written_how(field),
+        )
+    return target, declaration(field, scope)
+
+
+def _written_how(e: ir.Expr) -> str:
+    """Returns how what is no field changes."""
+    match e:
+        case ir.Attribute(name="row" | "col"):
+            return "agents change their places by `move` and by `send agent to KIND`"
+        case ir.Attribute(name="heading"):
+            return "agents turn by their actions, and where they are sent: `send agent to KIND facing north`"
+        case ir.ParamRef() | ir.Number():
+            return "numbers stay as they are; what changes is a field, such as `field pot : 0 .. 9 = 0`"
+        case _:
+            return "only fields can be written"
+
+
+def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
+    static = scope.static
+    match field.place:
+        case "world":
+            return static.fields[field.name]
+        case "agent":
+            return static.agent_fields[field.name]
+        case "cell":
+            return next(f for f in static.kinds[field.kinds[0]].fields if f.name == field.name)
+
+
+def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
+    """Returns `set target = value`."""
+    target, field = target_of(s.target, scope)
+    if target.type.kind == "word":
+        check_known_word(s.value, text(target), target.type.words, scope)
+    value = narrow_word(build(s.value, scope), scope.fact_nodes)
+    type_ = target.type
+    if value.type.by and value.type.by != type_.by:
+        raise wrong_type(scope, s.value, describe(type_), value.type)
+    match type_.kind:
+        case "word":
+            _check_words(s, type_, target, value, scope)
+        case "int" | "real":
+            _check_number(s, field, target, value, scope)
+        case "agent":
+            if not as_agent(value):
+                raise wrong_type(scope, s.value, "an agent or nobody", value.type)
+        case "agents":
+            if not isinstance(value, ir.Nobody) and value.type.kind != "agents":
+                raise wrong_type(scope, s.value, "a set of agents or nobody", value.type)
+        case _:
+            raise AssertionError(type_)
+    return ir.Set(target=target, value=value, origin=s.span)
+
+
+def _check_words(s: ast.Set, type_: ir.Type, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
+    if value.type.kind != "word":
+        raise wrong_type(scope, s.value, describe(type_), value.type)
+    for word in value.type.words:
+        if word not in type_.words:
+            raise scope.problems.not_a_word(s.value.span, word, text(target), type_.words)
+
+
+def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
+    _check_unit(s.value, target, value, scope)
+    if target.type.kind == "int" and value.type.kind != "int":
+        raise wrong_type(scope, s.value, "a whole number", value.type)
+    low, high = narrowed(value, scope.fact_nodes)
+    limit = inf if field.timer else target.type.high
+    if target.type.kind == "int" and (low < target.type.low or high > limit):
+        reached = interval_text(value.type.model_copy(update={"low": low, "high": high}))
+        raise scope.problems.fail(
+            errors.FIELD_RANGE,
+            s.value.span,
+            name=text(target),
+            low=f"{target.type.low:g}",
+            high=f"{target.type.high:g}",
+            reached=reached,
+            help=_instead_of_set(s, field, target, scope),
+        )
+
+
+def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scope) -> str:
+    """Returns what to write where a `set` is to stop at the end of a range that is `capped`: only `add` does."""
+    if not field.capped:
+        return ""
+    match s.value:
+        case ast.Binary(op="+", left=ast.Path() as left, right=right) if text(build(left, scope)) == text(target):
+            added = scope.static.sources[right.span.file].text[right.span.start : right.span.end]
+            return f"only `add` stops at the end of a range that is `capped`: write `add {added} to {text(target)}`"
+    return "only `add` stops at the end of a range that is `capped`: guard the change with `when`, or bound it with `min` and `max`"
+
+
+def _check_unit(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
+    if value.type.kind not in ("int", "real"):
+        raise wrong_type(scope, tree, describe(target.type), value.type)
+    if join_units(target.type.unit, value.type.unit) is None:
+        raise scope.problems.fail(
+            errors.UNIT_MISMATCH,
+            tree.span,
+            verb="put into one field",
+            left=describe(target.type),
+            right=describe(value.type),
+            help="",
+        )
+
+
+def add(s: ast.Add, scope: Scope) -> ir.Stmt:
+    """Returns `add value to target`: a number, a row to a row, an agent to a set."""
+    target, field = target_of(s.target, scope)
+    value = build(s.value, scope)
+    if target.type.kind == "agents":
+        if not as_agent(value):
+            raise wrong_type(scope, s.value, "an agent", value.type)
+        return ir.Add(target=target, value=value, origin=s.span)
+    if target.type.kind not in ("int", "real") or field.timer:
+        help_ = "a timer is `set`; it falls at `tick`" if field.timer else ""
+        raise wrong_type(scope, s.target, "a number, a row of numbers or a set of agents", target.type, help_)
+    if value.type.by != target.type.by:
+        raise wrong_type(scope, s.value, describe(target.type), value.type)
+    _check_unit(s.value, target, value, scope)
+    if target.type.kind == "int" and value.type.kind != "int":
+        raise wrong_type(scope, s.value, "a whole number", value.type)
+    if target.type.kind == "int" and not field.capped:
+        _check_added(s, target, value, scope)
+    return ir.Add(target=target, value=value, origin=s.span)
+
+
+def _check_added(s: ast.Add, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
+    """Without `capped` an add must stay in range by what the guards say, and be the only one that reaches its target."""
+    low, high = narrowed(target, scope.fact_nodes) if is_number(target.type) else (target.type.low, target.type.high)
+    reached = (low + value.type.low, high + value.type.high)
+    inside = target.type.low <= reached[0] and reached[1] <= target.type.high
+    if not inside:
+        raise scope.problems.fail(
+            errors.FIELD_RANGE,
+            s.span,
+            name=text(target),
+            low=f"{target.type.low:g}",
+            high=f"{target.type.high:g}",
+            reached=interval_text(value.type.model_copy(update={"low": reached[0], "high": reached[1]})),
+        )

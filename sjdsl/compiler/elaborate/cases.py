@@ -1,0 +1,144 @@
+"""`case`: every value of the subject has exactly one arm."""
+
+from collections.abc import Callable
+from math import inf
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate.arithmetic import join_types
+from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.ir.implications import narrow_word, narrowed
+from sjdsl.compiler.ir.types import describe
+
+Build = Callable[[ast.Expr, Scope], ir.Expr]
+
+
+def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
+    """Returns a `case` whose arms cover the subject without gap or overlap; `otherwise` is spelt out."""
+    subject = narrow_word(build(e.subject, scope), scope.fact_nodes)
+    if isinstance(subject, ir.Word):
+        return _known_word(e, subject, scope, build)
+    if subject.type.kind in ("word", "condition") and not subject.type.by:
+        keys = _word_keys(e, subject, scope)
+    elif subject.type.kind == "int" and not subject.type.by:
+        keys = _number_keys(e, subject, scope)
+    else:
+        raise scope.problems.fail(
+            errors.WRONG_TYPE,
+            e.subject.span,
+            wanted="a whole number, a word or a condition",
+            given=describe(subject.type),
+            help="",
+        )
+    arms, poisoned = [], False
+    for arm, key in zip(e.arms, keys, strict=True):
+        try:
+            value = build(arm.value, scope.knowing(_known(subject, key)))
+            arms += [ir.Arm(low=low, high=high, words=words, value=value, origin=arm.span) for low, high, words in key]
+        except Poisoned:
+            poisoned = True
+    if poisoned:
+        raise Poisoned
+    type_ = join_types([a.value.type for a in arms], scope, "choose between", e)
+    return ir.Case(type=type_, subject=subject, arms=tuple(arms), origin=e.span)
+
+
+def _known_word(e: ast.Case, subject: ir.Word, scope: Scope, build: Build) -> ir.Expr:
+    """The subject is a word known when compiled (what a phase is used with): its arm is the value, the others are only checked."""
+    chosen: ir.Expr | None = None
+    rest: ir.Expr | None = None
+    for arm in e.arms:
+        if arm.word is not None and not scope.static.is_word(arm.word.text):
+            raise scope.problems.not_a_word(arm.word.span, arm.word.text, "this case", (subject.value,))
+        value = build(arm.value, scope)
+        if arm.word is None:
+            rest = value
+        elif arm.word.text == subject.value:
+            chosen = value
+    found = chosen or rest
+    if found is None:
+        raise scope.problems.fail(errors.TABLE_GAP, e.span, problem=f"`case` lacks `{subject.value}`")
+    return found
+
+
+Key = list[tuple[int | None, int | None, tuple[str, ...]]]
+
+
+def _known(subject: ir.Expr, key: Key) -> list[ir.Expr]:
+    """What an arm may rely on."""
+    if subject.type.kind != "condition" or len(key) != 1:
+        return []
+    return [subject] if key[0][2] == ("yes",) else [ir.Not(value=subject)]
+
+
+def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
+    names = ("yes", "no") if subject.type.kind == "condition" else subject.type.words
+    seen: set[str] = set()
+    keys: list[Key] = []
+    for arm in e.arms:
+        if arm.low is not None:
+            raise scope.problems.fail(errors.TABLE_GAP, arm.span, problem="a number cannot be the case of a word")
+        if arm.word is None:
+            keys.append([])
+            continue
+        if arm.word.text not in names:
+            raise scope.problems.not_a_word(arm.word.span, arm.word.text, "this case", names)
+        if arm.word.text in seen:
+            raise scope.problems.fail(errors.TABLE_GAP, arm.word.span, problem=f"`case` has `{arm.word.text}` twice")
+        seen.add(arm.word.text)
+        keys.append([(None, None, (arm.word.text,))])
+    rest = tuple(n for n in names if n not in seen)
+    _close(e, keys, [(None, None, rest)] if rest else [], f"`case` lacks `{'`, `'.join(rest)}`", scope)
+    return keys
+
+
+def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
+    low, high = narrowed(subject, scope.fact_nodes)
+    taken: list[tuple[float, float]] = []
+    keys: list[Key] = []
+    for arm in e.arms:
+        if arm.word is not None:
+            raise scope.problems.fail(errors.TABLE_GAP, arm.span, problem=f"`{arm.word.text}` cannot be the case of a number")
+        if arm.low is None:
+            keys.append([])
+            continue
+        first, last = float(arm.low), inf if arm.open else float(arm.high if arm.high is not None else arm.low)
+        if last < first or any(first <= b and a <= last for a, b in taken):
+            raise scope.problems.fail(errors.TABLE_GAP, arm.span, problem="this case overlaps one before it, or is empty")
+        taken.append((first, last))
+        keys.append([(arm.low, None if arm.open else int(last), ())])
+    gaps = _gaps(sorted(taken), low, high)
+    first_gap = "" if not gaps else f"`case` leaves {_gap_text(gaps[0])} open"
+    _close(e, keys, [(int(a) if a > -inf else None, int(b) if b < inf else None, ()) for a, b in gaps], first_gap, scope)
+    return keys
+
+
+def _gaps(taken: list[tuple[float, float]], low: float, high: float) -> list[tuple[float, float]]:
+    gaps, reached = [], low
+    for a, b in taken:
+        if a > reached:
+            gaps.append((reached, min(a - 1, high)))
+        reached = max(reached, b + 1)
+    if reached <= high and reached < inf:
+        gaps.append((reached, high))
+    return [(a, b) for a, b in gaps if a <= b]
+
+
+def _gap_text(gap: tuple[float, float]) -> str:
+    low, high = gap
+    if low == high:
+        return f"{low:g}"
+    return f"{'' if low == -inf else f'{low:g}'}..{'' if high == inf else f'{high:g}'}"
+
+
+def _close(e: ast.Case, keys: list[Key], rest: Key, problem: str, scope: Scope) -> None:
+    """Gives what is left to `otherwise`, which must stand last and have something to do."""
+    holes = [i for i, key in enumerate(keys) if not key]
+    if not holes and rest:
+        raise scope.problems.fail(errors.TABLE_GAP, e.span, problem=problem)
+    if holes and (len(holes) > 1 or holes[0] != len(keys) - 1):
+        raise scope.problems.fail(errors.TABLE_GAP, e.arms[holes[0]].span, problem="`otherwise` stands once, and last")
+    if holes and not rest:
+        raise scope.problems.fail(errors.TABLE_GAP, e.arms[-1].span, problem="nothing is left for `otherwise`")
+    if holes:
+        keys[-1] = rest

@@ -1,0 +1,212 @@
+"""`size` and `param`: units, values, tables and limits."""
+
+from collections.abc import Mapping
+from itertools import product
+from math import inf, isfinite
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.expressions import build, fixed
+from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
+from sjdsl.near_names import nearest
+
+UNITS = (*UNIT_LIMITS, "word")
+
+
+def constant(declared: ast.Constant, scope: Scope, override: object = None) -> None:
+    """Adds one `size` or `param` to the static tables; a size may take another value than the written one."""
+    unit = declared.unit.text
+    if unit not in UNITS:
+        raise scope.problems.unknown(declared.unit, UNITS, "the units", guesses.UNITS)
+    if unit == "word":
+        _word(declared, scope)
+        return
+    low, high = _limits(declared, unit, scope)
+    by, value = _value(declared.value, unit, scope)
+    if override is not None and declared.is_size:
+        value = _overridden(declared, override, by, scope)
+    outside = [(keys, n) for keys, n in zip(product(*by), _flat(value), strict=True) if not low - 1e-9 <= n <= high + 1e-9]
+    if outside:
+        _report_outside(declared, outside, (low, high), scope)
+        if not by:
+            value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
+    kind = "int" if unit in INTEGER_UNITS else "real"
+    type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
+    name = declared.name.text
+    if declared.is_size:
+        if not by:
+            type_ = type_.model_copy(update={"low": value, "high": value})
+        scope.static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
+    else:
+        scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+
+
+def _report_outside(
+    declared: ast.Constant, outside: list[tuple[tuple[str, ...], float]], limits: tuple[float, float], scope: Scope
+) -> None:
+    """Reports the numbers of one declaration that are outside its limits, as one mistake."""
+    spans = [_entry(declared.value, keys).span for keys, _ in outside]
+    labels = (*_where_limits(declared, spans[0]), *(Label(span, "and this") for span in spans[1:]))
+    low, high = (f"{limit:g}" for limit in limits)
+    facts = {"value": f"{outside[0][1]:g}", "low": low, "high": high, "reason": _reason(declared, scope)}
+    scope.problems.add(errors.OUT_OF_LIMITS, spans[0], labels, name=f"`{declared.name.text}`", **facts)
+
+
+def _where_limits(declared: ast.Constant, span: Span) -> tuple[Label, ...]:
+    """Returns where the limits are written, if that is in another line than the number (a variant's, an entry's)."""
+    if declared.low is None or (declared.low.span.file, declared.low.span.line) == (span.file, span.line):
+        return ()
+    return (Label(declared.low.span, "its limits are here"),)
+
+
+def _reason(declared: ast.Constant, scope: Scope) -> str:
+    """Returns why the limits are as they are: what the comment beside a number says after its source, as in `# paper: why`."""
+    text = scope.static.sources[declared.span.file].text
+    _, _, comment = text[declared.span.end :].partition("\n")[0].partition("#")
+    _, _, reason = comment.partition(": ")
+    return f" ({reason.strip()})" if reason and declared.low is not None else ""
+
+
+def _overridden(declared: ast.Constant, override: object, by: tuple, scope: Scope) -> int | float:
+    whole = declared.unit.text in INTEGER_UNITS
+    if by or isinstance(override, bool) or not isinstance(override, int | float) or (whole and override != int(override)):
+        wanted = "a whole number" if whole else "a number"
+        raise scope.problems.fail(
+            errors.WRONG_TYPE,
+            declared.span,
+            wanted=f"{wanted} for `{declared.name.text}`",
+            given=repr(override),
+            help="",
+        )
+    return int(override) if whole else float(override)
+
+
+def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, float]:
+    low, high = UNIT_LIMITS[unit]
+    if declared.low is None or declared.high is None:
+        return low, high
+    own_low, own_high = (fixed(e, scope, "the limits of a number") for e in (declared.low, declared.high))
+    if own_low > own_high or own_low < low or own_high > high:
+        raise scope.problems.fail(
+            errors.OUT_OF_LIMITS,
+            declared.low.span,
+            name=f"the limits of `{declared.name.text}`",
+            value=f"{own_low:g} .. {own_high:g}",
+            low=f"{low:g}",
+            high=f"{high:g}",
+            reason="",
+        )
+    for tree, value in ((declared.low, own_low), (declared.high, own_high)):
+        if unit in INTEGER_UNITS and value != int(value):
+            raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a whole number", given=f"{value:g}", help="")
+    return own_low, own_high
+
+
+def _value(tree: ast.Expr | ast.Table, unit: str, scope: Scope) -> tuple[tuple[tuple[str, ...], ...], int | float | tuple]:
+    """Returns the levels of words and the value (nested as the levels) of a number or table."""
+    if not isinstance(tree, ast.Table):
+        return (), _number(tree, unit, scope)
+    names = tuple(e.key.text for e in tree.entries)
+    for i, entry in enumerate(tree.entries):
+        if entry.key.text in names[:i]:
+            raise scope.problems.fail(errors.TABLE_GAP, entry.key.span, problem=f"the table has `{entry.key.text}` twice")
+    words = _table_words(tree, names, scope)
+    inner = [_value(e.value, unit, scope) for e in tree.entries]
+    if any(i[0] != inner[0][0] for i in inner):
+        raise scope.problems.fail(errors.TABLE_GAP, tree.span, problem="the rows of this table differ in their words")
+    order = [names.index(w) for w in words]
+    return (words, *inner[0][0]), tuple(inner[i][1] for i in order)
+
+
+def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
+    """Returns the declared set of words a table is over; every word of it exactly once."""
+    sets = scope.static.word_sets
+    exact = next((s for s in sets if set(s) == set(names)), None)
+    if exact is not None:
+        return exact
+    closest = max(sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=())
+    unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
+    if unknown is not None and set(names) & set(closest):
+        raise scope.problems.not_a_word(unknown.span, unknown.text, "this table", closest)
+    if unknown is not None:
+        near = nearest(unknown.text, [w for s in sets for w in s])
+        listed = ", ".join(dict.fromkeys(names))
+        help_ = (
+            f"the words of a table are those of a field, a row (`by`) or an event: declare one, `field NAME : {{ {listed} }} = {names[0]}`"
+        )
+        raise scope.problems.fail(errors.UNKNOWN_NAME, unknown.span, name=unknown.text, nearest=near, help="" if near else help_)
+    if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
+        return tuple(w for w in closest if w in names)
+    missing = [w for w in closest if w not in names]
+    problem = f"the table lacks `{'`, `'.join(missing)}`" if missing else "no set of words has just these words"
+    raise scope.problems.fail(errors.TABLE_GAP, table.span, problem=problem)
+
+
+def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
+    built = build(tree, scope)
+    if not isinstance(built, ir.Number):
+        fixed(tree, scope, "the value of a number")
+        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a number", given=describe(built.type), help="")
+    value = built.value
+    whole = unit in INTEGER_UNITS
+    if not isfinite(value) or abs(value) > 2**30 or (whole and value != int(value)):
+        wanted = "a whole number" if whole else "a number of reasonable size"
+        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted=wanted, given=f"{value:g}", help="")
+    if built.type.unit not in ("number", unit) and not (unit == "reward" and built.type.unit == "count"):
+        raise scope.problems.fail(
+            errors.UNIT_MISMATCH, tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`", help=""
+        )
+    return int(value) if whole else float(value)
+
+
+def _word(declared: ast.Constant, scope: Scope) -> None:
+    """A parameter whose entries are words: over the table's own words if they serve, else the first set that has them all."""
+    if declared.is_size:
+        raise scope.problems.fail(errors.WRONG_TYPE, declared.span, wanted="a number for a `size`", given="a word", help="")
+    by: tuple[tuple[str, ...], ...] = ()
+    entries: list[ast.Expr | ast.Table] = [declared.value]
+    if isinstance(declared.value, ast.Table):
+        names = tuple(e.key.text for e in declared.value.entries)
+        if len(set(names)) != len(names):
+            raise scope.problems.fail(errors.TABLE_GAP, declared.value.span, problem="the table has a word twice")
+        by = (_table_words(declared.value, names, scope),)
+        order = {e.key.text: e.value for e in declared.value.entries}
+        entries = [order[w] for w in by[0]]
+    values = [_one_word(e, scope) for e in entries]
+    sets = [*by, *scope.static.word_sets]
+    words = next((s for s in sets if set(values) <= set(s)), None)
+    if words is None:
+        raise scope.problems.fail(errors.NEVER_EQUAL, declared.value.span)
+    type_ = ir.Type(kind="word", words=words, by=by)
+    value = tuple(values) if by else values[0]
+    name = declared.name.text
+    scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+
+
+def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
+    built = None if isinstance(tree, ast.Table) else build(tree, scope)
+    if not isinstance(built, ir.Word):
+        given = "a table" if built is None else describe(built.type)
+        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a word", given=given, help="")
+    return built.value
+
+
+def _entry(value: ast.Expr | ast.Table, keys: tuple[str, ...]) -> ast.Expr | ast.Table:
+    """Returns the entry of a table that was read without mistakes, or the number itself."""
+    for key in keys:
+        assert isinstance(value, ast.Table)
+        value = next(e.value for e in value.entries if e.key.text == key)
+    return value
+
+
+def _flat(value: object) -> list[float]:
+    if isinstance(value, tuple):
+        return [x for v in value for x in _flat(v)]
+    assert isinstance(value, int | float)
+    return [value]
+
+
+__all__: list[str] = ["Mapping", "constant", "inf"]

@@ -1,0 +1,116 @@
+"""Where what a message speaks of is declared: a second place for messages about a name, a word or a number from elsewhere.
+
+Often the mistake is there: the declaration is misspelt, and the use is right.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.scope import Static
+
+MANY = 4  # numbers shown beside a requirement
+
+
+def with_whereabouts(found: list[Diagnostic], game: Composition) -> list[Diagnostic]:
+    """Returns the diagnostics, those about a name or a word from another line with the place where it is declared."""
+    named = {name.text: name.span for name in reversed(list(_names(game)))}
+    types = dict(_types(game))
+    return [d if d.labels else replace(d, labels=_labels(d, named, types, game)) for d in found]
+
+
+def _labels(d: Diagnostic, named: dict[str, Span], types: dict[str, Span], game: Composition) -> tuple[Label, ...]:
+    near = str(d.facts.get("nearest", ""))
+    if d.code in (errors.WORD_OUTSIDE, errors.FIELD_RANGE):
+        what = "words are" if d.code is errors.WORD_OUTSIDE else "range is"
+        span, text = types.get(str(d.facts["name"]).strip("`").split("[")[0].split(".")[-1]), f"its {what} declared here"
+    elif d.code in (errors.TOO_FEW_CELLS, errors.NO_FREE_CELL):
+        span, text = _number_of_agents(game), "so many agents"
+    else:
+        span, text = named.get(near), f"`{near}` is declared here"
+    if span is None or (span.file, span.line) == (d.span.file, d.span.line):
+        return ()
+    return (Label(span, text),)
+
+
+def _number_of_agents(game: Composition) -> Span | None:
+    """Returns where the number of agents is written: the value of the size that `agents` names, or the number itself."""
+    number = game.number
+    if isinstance(number, ast.Path) and number.name.text in game.constants:
+        return game.constants[number.name.text].value.span
+    return None if number is None else number.span
+
+
+def _attributes(game: Composition) -> Iterator[ast.Field | ast.Timer]:
+    """Yields every field and timer."""
+    for kind in game.kinds.values():
+        yield from (a for a in kind.attributes if isinstance(a, ast.Field | ast.Timer))
+    yield from game.agent_fields.values()
+    yield from game.fields.values()
+
+
+def _names(game: Composition) -> Iterator[ast.Name]:
+    """Yields the names of all declarations, and the words and actions they declare."""
+    tables = (game.constants, game.kinds, game.groups, game.shapes, game.defines, game.phases, game.metrics)
+    yield from (node.name for table in tables for node in table.values())  # type: ignore[attr-defined]
+    for declared in _attributes(game):
+        yield declared.name
+    yield from game.acts.actions if game.acts is not None else ()
+    for declared in _attributes(game):
+        if isinstance(declared, ast.Field) and isinstance(declared.type, ast.Words):
+            yield from declared.type.names
+
+
+def _types(game: Composition) -> Iterator[tuple[str, Span]]:
+    """Yields the fields, and the events that declare words, with the place of the words or the range."""
+    for declared in _attributes(game):
+        if isinstance(declared, ast.Field):
+            yield declared.name.text, declared.type.span
+    for metric in game.metrics.values():
+        if isinstance(metric, ast.Event) and metric.by is not None:
+            yield metric.name.text, metric.by.names[0].span
+
+
+def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:
+    """Returns the places where the parameters are declared that values are made of; none if there are too many."""
+    names = dict.fromkeys(n.name for value in values for n in ir.walk(value) if isinstance(n, ir.ParamRef))
+    places = {name: static.params[name].origin for name in names}
+    labels = tuple(Label(span, f"`{name}`") for name, span in places.items() if span is not None)
+    return labels if len(labels) <= MANY else ()
+
+
+def numbers_read(test: ir.Expr, game: Composition) -> tuple[Label, ...]:
+    """Returns the places of the parameters that a condition reads, of a table the entries; none if there are too many."""
+    places: dict[Span, str] = {}
+    for node in _reads(test):
+        name, keys = _entry(node)
+        value: ast.Expr | ast.Table = game.constants[name].value
+        for key in keys:
+            value = next((e.value for e in value.entries if e.key.text == key), value) if isinstance(value, ast.Table) else value
+        places.setdefault(value.span, "".join([name, *(f"[{key}]" for key in keys)]))
+    return tuple(Label(span, f"`{name}`") for span, name in places.items()) if len(places) <= MANY else ()
+
+
+def _reads(e: ir.Node) -> Iterator[ir.ParamRef | ir.At]:
+    """Yields the numbers a condition reads: parameters, and entries of tables by words."""
+    if isinstance(e, ir.ParamRef) or (isinstance(e, ir.At) and _entry(e)[0]):
+        yield e
+        return
+    for child in ir.children(e):
+        yield from _reads(child)
+
+
+def _entry(e: ir.Expr) -> tuple[str, tuple[str, ...]]:
+    """Returns the table and the keys of `table[word][word]`; no name for anything else."""
+    match e:
+        case ir.ParamRef():
+            return e.name, ()
+        case ir.At(key=ir.Word(value=word)):
+            name, keys = _entry(e.row)
+            return name, (*keys, word)
+        case _:
+            return "", ()

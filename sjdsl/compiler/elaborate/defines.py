@@ -1,0 +1,39 @@
+"""Defines: a name for an expression, written out where it is used."""
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.elaborate.expressions import build, build_all
+from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+
+
+def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
+    """Writes a `define` out where it is used: its own names and its arguments, none of the variables around."""
+    define = scope.static.defines[name.text]
+    scope.static.used.add(name.text)
+    if name.text in scope.defining:
+        raise scope.problems.fail(errors.DEFINE_CYCLE, name.span, name=name.text)
+    if len(arguments) != len(define.parameters):
+        wanted = f"{len(define.parameters)} argument{'s' * (len(define.parameters) != 1)}"
+        raise scope.problems.fail(errors.ARGUMENTS, name.span, name=name.text, wanted=wanted, given=len(arguments), help="")
+    scope.static.expansions += 1
+    if len(scope.defining) >= limits.MAX_DEFINES_DEEP or scope.static.expansions > limits.MAX_EXPANSIONS:
+        what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP
+        if scope.static.expansions > limits.MAX_EXPANSIONS:
+            what, limit = "uses of defines, once those inside them are written out", limits.MAX_EXPANSIONS
+        if not any(d.code is errors.TOO_MUCH for d in scope.problems.found):
+            scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
+        raise Poisoned
+    values = build_all(arguments, scope)
+    variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
+    inner = Scope(
+        scope.static,
+        scope.problems,
+        variables,
+        scope.facts,
+        scope.fact_nodes,
+        scope.place,
+        scope.events_readable,
+        (*scope.defining, name.text),
+    )
+    value = build(define.value, inner)
+    return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

@@ -1,0 +1,150 @@
+"""Domains: who a sentence is about, the variables that binds, and what is then known."""
+
+from dataclasses import replace
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate import shapes
+from sjdsl.compiler.elaborate.expressions import as_agent, build, condition, kinds_named, wrong_type
+from sjdsl.compiler.elaborate.scope import START, Poisoned, Scope
+
+
+def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
+    """Returns a domain and the scope inside it."""
+    chosen = d.bind or d.kind
+    if d.kind.text == "agent":
+        var = ir.Member(name=_own_name(chosen, scope), who="agent", origin=d.kind.span)
+    else:
+        kinds = kinds_named(d.kind, scope)
+        var = ir.Member(name=_own_name(chosen, scope), who="cell", kinds=kinds, origin=d.kind.span)
+    check_free(chosen, scope, d.bind is not None)
+    place = None if d.place is None else _place(d.place, var, scope)
+    inner = scope.bind(chosen.text, var)
+    on = None
+    if d.on is not None:
+        on, inner = _on(d, var, inner)
+    where = None
+    if d.where is not None:
+        where = condition(d.where, inner)
+        inner = inner.knowing([where])
+    return ir.Domain(var=var, on=on, place=place, where=where, origin=d.span), inner
+
+
+def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
+    """Says so if a variable's name is in use already (`chosen`: written after `as`, `let` or `draw`)."""
+    static = scope.static
+    what = ""
+    if name.text in scope.variables:
+        what = "a variable around this sentence"
+    elif chosen:
+        tables = {
+            "a size": static.sizes,
+            "a parameter": static.params,
+            "a define": static.defines,
+            "a field of the world": static.fields,
+            "a kind": static.kinds,
+            "a group": static.groups,
+        }
+        what = next((w for w, table in tables.items() if name.text in table), "")
+        what = what or ("a word" if static.is_word(name.text) else "")
+        what = what or ("the agents' own name" if name.text == "agent" else "a number of the language" if name.text == "step" else "")
+    if what:
+        raise scope.problems.fail(errors.NAME_TAKEN, name.span, name=name.text, what=what)
+
+
+def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
+    assert d.on is not None
+    if var.who != "agent":
+        raise scope.problems.fail(
+            errors.NOT_A,
+            d.kind.span,
+            name=d.kind.text,
+            what="a kind of cell",
+            wanted="an agent (`agent on KIND`)",
+        )
+    name = d.on.bind or d.on.kind
+    check_free(name, scope, d.on.bind is not None)
+    on = ir.Member(name=_own_name(name, scope), who="cell", kinds=kinds_named(d.on.kind, scope), origin=d.on.span)
+    return on, scope.bind(name.text, on)
+
+
+def _own_name(name: ast.Name, scope: Scope) -> str:
+    """Returns what a variable is called in the IR: in a define, never like one of those who use it, which the define does not see."""
+    if not scope.defining:
+        return name.text
+    around = [v for v in scope.variables.values() if isinstance(v, ir.Node)]
+    unseen: set[str] = set().union(*map(_free_names, (*around, *scope.fact_nodes)))
+    found = name.text
+    while found in unseen:
+        found += "_"
+    return found
+
+
+def without_variables(scope: Scope, instead: str) -> Scope:
+    """Returns a scope that sees neither agents, cells and values of the sentences around nor what is known of them."""
+    fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
+    facts = [f for f in scope.fact_nodes if not _free_names(f)]
+    withheld = {n: instead for n in scope.variables if n not in fixed}
+    return replace(scope, variables=fixed, facts=frozenset(), fact_nodes=(), withheld=withheld).knowing(facts)
+
+
+def _free_names(e: ir.Node) -> set[str]:
+    """Returns the variables that an expression takes from its surroundings."""
+    nodes = list(ir.walk(e))
+    bound = {m.name for n in nodes if isinstance(n, ir.Domain) for m in (n.var, n.on) if m is not None}
+    return {n.name for n in nodes if isinstance(n, ir.Member | ir.Local)} - bound
+
+
+def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Place:
+    match place:
+        case ast.Near():
+            return near(place.shape, place.anchor, scope)
+        case ast.Members():
+            members = tuple(_variable(name, scope) for name in place.names)
+            if any(m.who != var.who for m in members):
+                raise scope.problems.fail(errors.WRONG_TYPE, place.span, wanted="variables of the same sort", given="a mixture", help="")
+            return ir.Among(members=members, origin=place.span)
+        case ast.Path():
+            value = build(place, scope)
+            if var.who != "agent" or (value.type.kind != "agents" and not as_agent(value)):
+                raise wrong_type(scope, place, "a shape of something, or a field that holds agents", value.type)
+            return ir.InAgents(value=value, origin=place.span)
+
+
+def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
+    """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
+    shape = shapes.used(ref, scope)
+    member = _variable(anchor, scope)
+    if member.who == "agent" and scope.place == START:
+        raise scope.problems.fail(errors.NO_PLACE_YET, ref.span, what=f"{shape.name} of {anchor.text}")
+    if shape.directed and member.who == "cell":
+        raise scope.problems.fail(errors.DIRECTED_SHAPE, ref.span, name=shape.name, anchor=anchor.text)
+    return ir.Near(shape=shape.name, anchor=member, origin=ref.span)
+
+
+def _variable(name: ast.Name, scope: Scope) -> ir.Member:
+    if name.text in scope.variables:
+        bound = scope.variables[name.text]
+        if bound is None:
+            raise Poisoned
+        if isinstance(bound, ir.Member):
+            return bound.model_copy(update={"origin": name.span})
+        raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell")
+    from sjdsl.compiler.elaborate.paths import unknown
+
+    raise unknown(name, scope)
+
+
+def most_members(d: ir.Domain, scope: Scope) -> int:
+    """Returns the most members a domain can have."""
+    static = scope.static
+    everywhere = static.num_agents if d.var.who == "agent" else sum(static.cells.get(k, 0) for k in d.var.kinds)
+    match d.place:
+        case ir.Near():
+            return min(everywhere, sum(map(len, static.shapes[d.place.shape].lanes)))
+        case ir.Among():
+            return min(everywhere, len(d.place.members))
+        case ir.InAgents() if d.place.value.type.kind == "agent":
+            return 1
+        case _:
+            return everywhere

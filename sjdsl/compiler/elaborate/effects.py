@@ -1,0 +1,137 @@
+"""Effects: `give`, `tally`, `send`, and whom they reach."""
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate.domains import domain, without_variables
+from sjdsl.compiler.elaborate.expressions import as_agent, build, number, wrong_type
+from sjdsl.compiler.elaborate.paths import check_known_word
+from sjdsl.compiler.elaborate.phase_use import PhaseUse
+from sjdsl.compiler.elaborate.scope import START, Scope
+from sjdsl.compiler.ir.implications import narrow_word
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.types import integer
+from sjdsl.near_names import nearest
+
+FACINGS = ("north", "east", "south", "west", "same")
+
+
+def agent(e: ast.Path, scope: Scope) -> ir.Expr:
+    """Returns one agent."""
+    built = build(e, scope)
+    if not as_agent(built):
+        raise wrong_type(scope, e, "an agent", built.type)
+    check_somebody(e, built, scope)
+    return built
+
+
+def check_somebody(e: ast.Expr, built: ir.Expr, scope: Scope) -> None:
+    if not isinstance(built, ir.Member) and f"(not ({text(built)} is nobody))" not in scope.facts:
+        raise scope.problems.fail(errors.CAN_BE_NOBODY, e.span, path=text(built))
+
+
+def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
+    """Returns one agent or a set of agents."""
+    built = build(e, scope)
+    if built.type.kind == "agents" and not built.type.by:
+        return built
+    if not as_agent(built):
+        raise wrong_type(scope, e, "an agent or a set of agents", built.type)
+    check_somebody(e, built, scope)
+    return built
+
+
+def give(s: ast.Give, scope: Scope) -> ir.Stmt:
+    value = number(s.value, scope, ("reward",), "a reward")
+    if isinstance(s.receiver, ast.All):
+        but = None
+        if s.receiver.but is not None:
+            member = build(ast.Path(s.receiver.but.span, s.receiver.but, ()), scope)
+            if not (isinstance(member, ir.Member) and member.who == "agent"):
+                raise wrong_type(scope, ast.Path(s.receiver.but.span, s.receiver.but, ()), "an agent", member.type)
+            but = member
+        return ir.Give(value=value, receiver=None, but=but, origin=s.span)
+    return ir.Give(value=value, receiver=receiver(s.receiver, scope), origin=s.span)
+
+
+def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
+    static = scope.static
+    name = s.event.name
+    event = static.events.get(name.text)
+    if event is None:
+        raise scope.problems.fail(errors.NO_EVENT, name.span, name=name.text, nearest=nearest(name.text, static.events))
+    word = None
+    row = ir.EventTotal(type=integer(0, float("inf")), name=name.text)
+    if event.by is not None:
+        row = row.model_copy(update={"type": row.type.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})})
+        if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
+            raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted=f"`{name.text}[word]`", given="the whole row", help="")
+        check_known_word(s.event.steps[0].key, name.text, row.type.by[0], scope)
+        key = narrow_word(build(s.event.steps[0].key, scope), scope.fact_nodes)
+        if key.type.kind != "word":
+            raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
+        outside = [w for w in key.type.words if w not in row.type.by[0]]
+        if outside:
+            raise scope.problems.not_a_word(s.event.span, outside[0], name.text, row.type.by[0])
+        word = key
+    elif s.event.steps:
+        raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
+    amount = None if s.by is None else number(s.by, scope, ("count",), "a count")
+    if amount is not None and amount.type.low < 0:
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.by.span, name="what is counted", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
+    for_ = None if s.receiver is None else receiver(s.receiver, scope)
+    return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
+
+
+def _instead_of_variables(s: ast.Send, scope: Scope) -> str:
+    """Returns what to write where a destination should depend on who is sent."""
+    shared = "all who are sent to one place in a phase draw lots for its cells"
+    if scope.place == START:
+        return f"{shared}: give the places kinds of their own, and choose between them with `when`"
+    asked = "agent.team is p"
+    place = f"{s.domain.kind.text}.team is p"
+    match s.domain.where:
+        case ast.Binary(op="is" | "==" as op, left=ast.Path() as left, right=ast.Path() as right):
+            own = (s.domain.bind or s.domain.kind).text
+            mine, theirs = (left, right) if left.name.text == own else (right, left)
+            text = scope.static.sources[s.span.file].text
+            asked, place = (f"{text[e.span.start : e.span.end]} {op} p" for e in (theirs, mine))
+    return f"{shared}: write a phase with a parameter p, scheduled once for each value; ask in it `when {asked}`, and send `where {place}`"
+
+
+def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    who = agent(s.who, scope)
+    # one set of free cells serves all who are sent: the destination cannot depend on who that is
+    destination, _ = domain(s.domain, without_variables(scope, _instead_of_variables(s, scope)))
+    if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
+        raise scope.problems.fail(
+            errors.WRONG_TYPE,
+            s.domain.span,
+            wanted="a kind of cell, perhaps with `where`",
+            given="another domain",
+            help="",
+        )
+    after = None if s.after is None else number(s.after, scope, ("steps",), "a number of steps")
+    if after is not None and after.type.low < 0:
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.after.span, name="the delay", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
+    if isinstance(after, ir.Number) and after.value == 0:
+        after = None
+    facing = None if s.facing is None else s.facing.text
+    if facing is not None and facing not in FACINGS:
+        raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")  # type: ignore[arg-type]
+    if s.stay is not None and s.stay.text != "stay":
+        raise scope.problems.fail(
+            errors.UNKNOWN_NAME, s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"
+        )
+    place = use.streams.header(s.domain.span, s.domain.span.end)
+    pool = use.pools.setdefault(place, len(use.pools))
+    return ir.Send(
+        who=who,
+        domain=destination,
+        after=after,
+        facing=facing,  # type: ignore[arg-type]
+        stay=s.stay is not None,
+        pool=pool,
+        order_stream=use.streams.shared("send to", place),
+        heading_stream=use.streams.shared("heading of those sent to", place),
+        origin=s.span,
+    )

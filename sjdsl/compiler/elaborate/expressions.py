@@ -1,0 +1,388 @@
+"""Expressions: from the tree as written to typed IR, with units, intervals and guards checked.
+
+Every function takes the tree and the scope and returns IR, or reports what is wrong and raises `Poisoned`.
+"""
+
+from collections.abc import Sequence
+from math import inf
+from typing import assert_never
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.elaborate.arithmetic import arithmetic, compare, extreme, join_types
+from sjdsl.compiler.elaborate.cases import case
+from sjdsl.compiler.elaborate.declaration_labels import parameters_read
+from sjdsl.compiler.elaborate.paths import check_known_word, index, member, path
+from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.ir.implications import at_least
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.types import describe, hull, integer, is_number, real, times
+
+ROW_FUNCTIONS = ("lowest", "highest", "mix")
+MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
+BETWEEN_STEPS = ("`observe`", "`metrics`", "`checks`")  # places that speak of a state, not of a step
+
+
+def build(e: ast.Expr, scope: Scope) -> ir.Expr:
+    """Returns the typed form of any expression."""
+    match e:
+        case ast.Int():
+            return ir.Number(type=integer(e.value, e.value, "number"), value=e.value, origin=e.span)
+        case ast.Decimal():
+            return ir.Number(type=real(e.value, e.value), value=e.value, origin=e.span)
+        case ast.Nobody():
+            return ir.Nobody(origin=e.span)
+        case ast.Path():
+            return path(e, scope, build)
+        case ast.Call():
+            return call(e, scope)
+        case ast.Count():
+            return count(e, scope)
+        case ast.Total():
+            return total(e, scope)
+        case ast.Case():
+            return case(e, scope, build)
+        case ast.Unary():
+            return unary(e, scope)
+        case ast.Binary():
+            return binary(e, scope)
+        case ast.Chose():
+            return chose(e, scope)
+        case ast.Standing():
+            return standing(e, scope)
+        case ast.Within():
+            return within(e, scope)
+        case _:
+            assert_never(e)
+
+
+def build_all(trees: Sequence[ast.Expr], scope: Scope) -> list[ir.Expr]:
+    """Returns the typed forms; reports the mistakes of all before giving up."""
+    built, poisoned = [], False
+    for tree in trees:
+        try:
+            built.append(build(tree, scope))
+        except Poisoned:
+            poisoned = True
+    if poisoned:
+        raise Poisoned
+    return built
+
+
+def condition(e: ast.Expr, scope: Scope) -> ir.Expr:
+    """Returns a condition, or says that one is wanted."""
+    built = build(e, scope)
+    if built.type.kind != "condition" or built.type.by:
+        raise wrong_type(scope, e, "a condition", built.type)
+    return built
+
+
+def number(e: ast.Expr, scope: Scope, units: tuple[ir.Unit, ...], wanted: str) -> ir.Expr:
+    """Returns a number of one of the units (a bare number takes the first), or says that `wanted` is wanted."""
+    built = build(e, scope)
+    if not is_number(built.type) or built.type.unit not in (*units, "number"):
+        raise wrong_type(scope, e, wanted, built.type)
+    if units[0] in ("count", "steps", "cells") and built.type.kind != "int":
+        raise wrong_type(scope, e, wanted, built.type)
+    return built
+
+
+def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "") -> Poisoned:
+    return scope.problems.fail(errors.WRONG_TYPE, e.span, wanted=wanted, given=describe(given), help=help)
+
+
+def fixed(e: ast.Expr, scope: Scope, what: str) -> int | float:
+    """Returns the value of an expression known when compiled: numbers and sizes only."""
+    built = build(e, scope)
+    if isinstance(built, ir.Number):
+        return built.value
+    for node in ir.walk(built):
+        if isinstance(node, ir.ParamRef):
+            raise scope.problems.fail(errors.SHAPE_PARAM, e.span, name=node.name, what=what)
+    raise scope.problems.fail(errors.NOT_FIXED, e.span, what=what)
+
+
+def unary(e: ast.Unary, scope: Scope) -> ir.Expr:
+    if e.op == "not":
+        return ir.Not(value=condition(e.operand, scope), origin=e.span)
+    operand = build(e.operand, scope)
+    if not is_number(operand.type):
+        raise wrong_type(scope, e.operand, "a number", operand.type)
+    if e.op == "+":
+        return operand
+    type_ = operand.type.model_copy(update={"low": -operand.type.high, "high": -operand.type.low})
+    if isinstance(operand, ir.Number):
+        return ir.Number(type=type_, value=-operand.value, origin=e.span)
+    return ir.Arithmetic(type=type_, fn="neg", args=(operand,), origin=e.span)
+
+
+def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
+    if e.op in ("and", "or"):
+        return logic(e, scope)
+    if e.op in ("is", "is not"):
+        left, right = compared(e, scope)
+        same = identity(e, left, right, scope)
+        return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
+    left, right = build_all((e.left, e.right), scope)
+    if e.op in ("<", "<=", ">", ">=", "==", "!="):
+        return compare(e, left, right, scope)
+    return arithmetic(e, left, right, scope)
+
+
+def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
+    """`a and b`: b is read knowing a; `a or b`: b is read knowing not a."""
+    left = condition(e.left, scope)
+    known = left if e.op == "and" else ir.Not(value=left)
+    right = condition(e.right, scope.knowing([known]))
+    args = tuple(part for side in (left, right) for part in (side.args if isinstance(side, ir.Logic) and side.fn == e.op else (side,)))
+    return ir.Logic(fn="and" if e.op == "and" else "or", args=args, origin=e.span)
+
+
+def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
+    """Returns both sides of `x is y`; where x is a word, y is not any name."""
+    try:
+        left = build(e.left, scope)
+    except Poisoned:
+        build(e.right, scope)
+        raise
+    if left.type.kind == "word" and not left.type.by:
+        check_known_word(e.right, text(left), left.type.words, scope)
+    return [left, build(e.right, scope)]
+
+
+def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
+    """`x is y` between words, agents, or a set of agents and nobody."""
+    kinds = {left.type.kind, right.type.kind}
+    if left.type.by or right.type.by:
+        raise wrong_type(scope, e.left if left.type.by else e.right, "a single value", left.type if left.type.by else right.type)
+    if isinstance(left, ir.Word) and isinstance(right, ir.Word):  # one of them is what a phase is used with
+        return ir.Truth(value=left.value == right.value, origin=e.span)
+    if kinds == {"word"}:
+        check_words_meet(e, left, right, scope)
+        return ir.Same(left=left, right=right, origin=e.span)
+    if kinds == {"agents", "agent"} and isinstance(right, ir.Nobody):
+        return ir.IsEmpty(container=left, origin=e.span)
+    if all(as_agent(x) for x in (left, right)):
+        return ir.Same(left=left, right=right, origin=e.span)
+    help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
+    wanted = "a word or an agent"
+    bad = (e.left, left) if left.type.kind not in ("word", "agent", "agents") and not as_agent(left) else (e.right, right)
+    raise wrong_type(scope, bad[0], wanted, bad[1].type, help_)
+
+
+def as_agent(e: ir.Expr) -> bool:
+    """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
+    return (isinstance(e, ir.Member) and e.who == "agent") or e.type.kind == "agent"
+
+
+def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
+    for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
+        if isinstance(literal, ir.Word) and literal.value not in other.type.words:
+            raise scope.problems.not_a_word(tree.span, literal.value, text(other), other.type.words)
+    if not set(left.type.words) & set(right.type.words):
+        raise scope.problems.fail(errors.NEVER_EQUAL, e.span)
+
+
+def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
+    agent = build(e.agent, scope)
+    if not (isinstance(agent, ir.Member) and agent.who == "agent"):
+        raise wrong_type(scope, e.agent, "an agent that a sentence around has named", agent.type, _by_name(agent))
+    name = e.action.text
+    bound = scope.variables.get(name)
+    if isinstance(bound, str):
+        name = bound
+    if scope.place in BETWEEN_STEPS:
+        said, what = f"{agent.name} chose {name}", "about what is done in a step"
+        raise scope.problems.fail(errors.NOT_A, e.span, name=said, what=what, wanted="something about a state")
+    return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
+
+
+def _by_name(agent: ir.Expr) -> str:
+    """Returns how to ask about an agent that a field holds."""
+    return f"name it: `each agent as x in {text(agent)}`" if as_agent(agent) else ""
+
+
+def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> int:
+    """Returns the number of an action of the agents."""
+    actions = scope.static.actions
+    wanted = resolved or name.text
+    if "actions" in scope.static.broken:
+        raise Poisoned
+    if wanted not in actions:
+        raise scope.problems.fail(errors.NO_ACTION, name.span, name=wanted, **near_or_all(wanted, actions, "the actions"))
+    scope.static.used.add(f"action {wanted}")
+    return actions.index(wanted)
+
+
+def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
+    """`nobody on soil` asks a cell variable; `x on grass` asks an agent and a kind or group."""
+    if isinstance(e.who, ast.Nobody):
+        cell = scope.variables.get(e.kind.text)
+        if not (isinstance(cell, ir.Member) and cell.who == "cell"):
+            if e.kind.text in scope.variables and cell is None:
+                raise Poisoned
+            what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
+            raise scope.problems.fail(errors.NOT_A, e.kind.span, name=e.kind.text, what=what, wanted="a cell of a sentence around")
+        return ir.Unoccupied(cell=cell, origin=e.span)
+    agent = build(e.who, scope)
+    if not (isinstance(agent, ir.Member) and agent.who == "agent"):
+        raise wrong_type(scope, e.who, "an agent that a sentence around has named", agent.type, _by_name(agent))
+    return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)
+
+
+def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
+    """Returns the kinds a kind or group name stands for."""
+    kinds = scope.static.kinds_of(name.text)
+    if kinds is None and name.text in scope.static.broken:
+        raise Poisoned
+    if kinds is None:
+        raise scope.problems.unknown(name, ["agent", *scope.static.kinds, *scope.static.groups], "the agents and kinds of this game")
+    scope.static.used.update({name.text, *kinds})
+    return kinds
+
+
+def within(e: ast.Within, scope: Scope) -> ir.Expr:
+    value = build(e.value, scope)
+    if isinstance(e.container, ast.Words):
+        if value.type.kind != "word":
+            raise wrong_type(scope, e.value, "a word", value.type)
+        names = tuple(n.text for n in e.container.names)
+        if isinstance(value, ir.Word) and all(map(scope.static.is_word, names)):  # what a phase is used with
+            return ir.Truth(value=value.value in names, origin=e.span)
+        for name in e.container.names:
+            if name.text not in value.type.words:
+                raise scope.problems.not_a_word(name.span, name.text, text(value), value.type.words)
+        return ir.InWords(value=value, words=names, origin=e.span)
+    if e.high is not None:
+        low, high = build_all((e.container, e.high), scope)
+        for bound, tree in ((low, e.container), (high, e.high)):
+            join_types([value.type, bound.type], scope, "compare", tree)
+        return ir.InRange(value=value, low=low, high=high, origin=e.span)
+    container = build(e.container, scope)
+    if not as_agent(value):
+        raise wrong_type(scope, e.value, "an agent", value.type)
+    if container.type.kind != "agents":
+        raise wrong_type(scope, e.container, "a set of agents", container.type)
+    return ir.InSet(value=value, container=container, origin=e.span)
+
+
+def count(e: ast.Count, scope: Scope) -> ir.Expr:
+    from sjdsl.compiler.elaborate.domains import domain, most_members
+
+    built, _ = domain(e.domain, scope)
+    return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=e.span)
+
+
+def total(e: ast.Total, scope: Scope) -> ir.Expr:
+    """`sum(row)` and `sum(e over D)`."""
+    if e.domain is None:
+        row = build(e.value, scope)
+        if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
+            raise wrong_type(scope, e.value, "a row of numbers", row.type, "write `sum(e over D)` to add over a domain")
+        n = len(row.type.by[0])
+        type_ = row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})
+        return ir.SumRow(type=_beyond_one(type_), row=row, origin=e.span)
+    from sjdsl.compiler.elaborate.domains import domain, most_members
+
+    built, inner = domain(e.domain, scope)
+    value = build(e.value, inner)
+    if not is_number(value.type):
+        raise wrong_type(scope, e.value, "a number", value.type)
+    most = most_members(built, scope)
+    low, high = hull([value.type.model_copy(update={"low": 0, "high": 0}), value.type])
+    type_ = value.type.model_copy(update={"low": times(low, most), "high": times(high, most)})
+    return ir.Sum(type=_beyond_one(type_), value=value, domain=built, origin=e.span)
+
+
+def _beyond_one(type_: ir.Type) -> ir.Type:
+    """A sum of shares or chances that can exceed 1 is a bare number."""
+    if type_.unit in ("fraction", "probability") and type_.high > 1:
+        return type_.model_copy(update={"unit": "number"})
+    return type_
+
+
+def call(e: ast.Call, scope: Scope) -> ir.Expr:
+    name = e.name.text
+    if name in ("min", "max"):
+        arity(e, scope, 2, 8)
+        return extreme(e, build_all(e.arguments, scope), scope)
+    if name == "ramp":
+        arity(e, scope, 3)
+        return ramp(e, build_all(e.arguments, scope), scope)
+    if name in ROW_FUNCTIONS:
+        arity(e, scope, 1)
+        return row_function(e, build(e.arguments[0], scope), scope)
+    if name in MATRIX_CLASSES:
+        arity(e, scope, 1)
+        return matrix_class(e, build(e.arguments[0], scope), scope)
+    if name in scope.static.defines:
+        from sjdsl.compiler.elaborate.defines import use
+
+        return use(e.name, e.arguments, scope)
+    classes = MATRIX_CLASSES if scope.place == "`checks`" else ()
+    candidates = ["count", "sum", "min", "max", "ramp", *ROW_FUNCTIONS, *classes, *scope.static.defines]
+    raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
+
+
+def arity(e: ast.Call, scope: Scope, least: int, most: int | None = None) -> None:
+    most = most or least
+    if not least <= len(e.arguments) <= most:
+        wanted = f"{least} arguments" if least != 1 else "1 argument"
+        wanted = wanted if most == least else f"{least} or more arguments"
+        raise scope.problems.fail(errors.ARGUMENTS, e.span, name=e.name.text, wanted=wanted, given=len(e.arguments), help="")
+
+
+def ramp(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
+    for tree, arg in zip(e.arguments, args, strict=True):
+        if not is_number(arg.type):
+            raise wrong_type(scope, tree, "a number", arg.type)
+    join_types([a.type for a in args], scope, "compare", e)
+    value, zero_at, one_at = args
+    if not _apart(zero_at, one_at, scope):
+        raise scope.problems.fail(
+            errors.CROSSED, e.span, parameters_read(scope.static, zero_at, one_at), low=text(zero_at), high=text(one_at)
+        )
+    return ir.Ramp(type=real(0.0, 1.0, "fraction"), value=value, zero_at=zero_at, one_at=one_at, origin=e.span)
+
+
+def _apart(a: ir.Expr, b: ir.Expr, scope: Scope) -> bool:
+    """Returns whether two numbers are provably different: by their intervals, a guard, or a `require`."""
+    if a.type.high < b.type.low or b.type.high < a.type.low:
+        return True
+    if isinstance(a, ir.Number) and isinstance(b, ir.Number):
+        return a.value != b.value
+    facts = scope.knowing(scope.static.requires).facts
+    return any(f"({text(x)} {op} {text(y)})" in facts for x, y in ((a, b), (b, a)) for op in (">", "!="))
+
+
+def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
+    if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
+        raise wrong_type(scope, e.arguments[0], "a row of numbers", row.type)
+    names = row.type.by[0]
+    if e.name.text != "mix":
+        type_ = ir.Type(kind="word", words=names)
+        return ir.Lowest(type=type_, row=row, last=e.name.text == "highest", origin=e.span)
+    if row.type.low < 0:
+        raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
+    total = f"sum({text(row)})"
+    if f"({total} > 0)" not in scope.facts and not at_least(total, scope.fact_nodes) > 0:
+        raise scope.problems.fail(errors.EMPTY_MIX, e.span, row=text(row))
+    return ir.Mix(type=ir.Type(kind="mix", words=names), row=row, origin=e.span)
+
+
+def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
+    if scope.place != "`checks`":
+        raise scope.problems.fail(errors.NOT_A, e.name.span, name=e.name.text, what="a class of games", wanted="a value")
+    if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
+        raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
+    return ir.MatrixClass(name=e.name.text, table=table, origin=e.span)  # type: ignore[arg-type]
+
+
+def interval_text(type_: ir.Type) -> str:
+    """Returns what numbers a value can reach, for messages."""
+    low = "any number" if type_.low == -inf else f"{type_.low:g}"
+    return low if type_.low == type_.high else f"{low} .. {'any number' if type_.high == inf else f'{type_.high:g}'}"
+
+
+__all__ = ["as_agent", "build", "build_all", "condition", "fixed", "index", "member", "number"]

@@ -1,0 +1,52 @@
+"""`hide marks`, `hide marks on water when …`, `hide content on agents`: what of some cells is not seen.
+
+observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="river", kinds=("water", "channel"))
+"""
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate.expressions import condition
+from sjdsl.compiler.elaborate.scope import Problems, Scope, Static
+from sjdsl.near_names import nearest
+
+PLANES = ("marks", "content")
+FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide content on agents`"
+
+
+def is_of_a_plane(hide: ast.Hide, static: Static) -> bool:
+    """Returns whether a `hide` is about marks or content, and not about a field."""
+    name = hide.what.name.text
+    return hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
+
+
+def unseen(game: Composition, static: Static, problems: Problems) -> tuple[ir.Hidden, ...]:
+    """Returns what of some cells is hidden, as written."""
+    found = []
+    for sight in game.sights.values():
+        if isinstance(sight, ast.Hide) and is_of_a_plane(sight, static):
+            with problems.survive():
+                found.append(_hidden(sight, static, problems))
+    return tuple(found)
+
+
+def _hidden(hide: ast.Hide, static: Static, problems: Problems) -> ir.Hidden:
+    what, on = hide.what.name.text, hide.on
+    if hide.what.steps or what not in PLANES:
+        raise problems.fail(errors.WRONG_TYPE, hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}")
+    if what == "content" and (on is None or on.text != "agents"):
+        help = "write `hide content on agents`; `show gate as { floor }` makes cells of one kind look like those of another"
+        raise problems.fail(errors.WRONG_TYPE, hide.span, wanted="`on agents`", given="content of other cells", help=help)
+    if on is None or on.text == "agents":
+        if hide.condition is not None:
+            given = "a condition without a kind of cells"
+            raise problems.fail(errors.WRONG_TYPE, hide.span, wanted="`on KIND` before `when`", given=given, help=f"write {FORMS}")
+        return ir.Hidden(what=what, on="map" if on is None else "agents", origin=hide.span)  # type: ignore[arg-type]
+    kinds = static.kinds_of(on.text)
+    if kinds is None:
+        near = nearest(on.text, [*static.kinds, *static.groups, "agents"])
+        raise problems.fail(errors.UNKNOWN_NAME, on.span, name=on.text, nearest=near)
+    scope = Scope(static, problems, place="`observe`").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = scope.bind(on.text, ir.Member(name=on.text, who="cell", kinds=kinds))
+    test = None if hide.condition is None else condition(hide.condition, scope)
+    return ir.Hidden(what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span)

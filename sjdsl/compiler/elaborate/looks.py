@@ -1,0 +1,105 @@
+"""`look`: how cells and agents are drawn, as colours and sprites that pictures know; no rule depends on it."""
+
+from dataclasses import replace
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate.expressions import condition
+from sjdsl.compiler.elaborate.scope import Problems, Scope, Static
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.near_names import nearest
+
+SPRITES = ("tree", "apple", "water", "mushroom", "ore", "gem", "coin", "wall", "floor", "animal", "raft", "pot")
+
+# The colours a file can name. Those after grey are Okabe and Ito's (2008, "Color universal design"), which people with any kind of
+# colour vision can tell apart, or darker and paler ones between them.
+COLOURS: dict[str, str] = {
+    "white": "#f7f7f5",
+    "grey": "#8b9098",
+    "black": "#33373d",
+    "red": "#c8321e",
+    "orange": "#e69f00",
+    "yellow": "#f0e442",
+    "green": "#009e73",
+    "sky": "#56b4e9",
+    "blue": "#0072b2",
+    "purple": "#6a3d9a",
+    "pink": "#cc79a7",
+    "brown": "#8c5a2b",
+}
+READABLE = (
+    ir.Member,
+    ir.FieldRead,
+    ir.At,
+    ir.Word,
+    ir.Number,
+    ir.Truth,
+    ir.Nobody,
+    ir.Same,
+    ir.Compare,
+    ir.InRange,
+    ir.InWords,
+    ir.IsEmpty,
+    ir.Not,
+    ir.Logic,
+    ir.SumRow,
+    ir.Named,
+    ir.Narrowed,
+)
+
+
+def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Look, ...]:
+    """Returns the looks in the order of the file, those of one kind together; what only they read still counts as unused."""
+    found = []
+    for look in (look for alike in game.looks.values() for look in alike):
+        with problems.survive():
+            found.append(_look(look, Scope(replace(static, used=set()), problems, place="`look`")))
+    return tuple(found)
+
+
+def _look(look: ast.Look, scope: Scope) -> ir.Look:
+    name, static = look.what.text, scope.static
+    kinds = () if name == "agent" else static.kinds_of(name)
+    if kinds is None:
+        near = nearest(name, ["agent", *static.kinds, *static.groups])
+        raise scope.problems.fail(errors.UNKNOWN_NAME, look.what.span, name=name, nearest=near)
+    what = "agent" if name == "agent" else "cell"
+    test = None
+    if look.where is not None:
+        inner = scope.bind(name, ir.Member(name=name, who=what, kinds=kinds))
+        test = condition(look.where, inner)
+        _check_reads(test, look, scope.problems)
+    body, badge = (None if paint is None else _paint(paint, scope.problems) for paint in (look.body, look.badge))
+    return ir.Look(what=what, name=name, kinds=kinds, condition=test, body=body, badge=badge, origin=look.span)
+
+
+def _check_reads(test: ir.Expr, look: ast.Look, problems: Problems) -> None:
+    """A picture is drawn from the fields of a cell or an agent alone."""
+    for node in ir.walk(test):
+        field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
+        between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word)
+        if not isinstance(node, READABLE) or field_of_other or between_cells:
+            raise problems.fail(errors.LOOK_READS, node.origin or look.span, what=f"`{text(node)}`")  # type: ignore[arg-type]
+
+
+def _paint(paint: ast.Paint, problems: Problems) -> ir.Paint:
+    """Returns the colour and the sprite; their names have none in common, so that their order is free."""
+    said: dict[str, str] = {}
+    for word in paint.words:
+        sort = "sprite" if isinstance(word, ast.Name) and word.text in SPRITES else "colour"
+        is_colour = word.text in COLOURS if isinstance(word, ast.Name) else _is_hexadecimal(word.text)
+        if sort == "colour" and not is_colour:
+            known = (*SPRITES, *COLOURS)
+            near = word.text if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
+            lead = f"did you mean `{near}`? The" if near else "the"
+            facts = {"lead": lead, "sprites": ", ".join(SPRITES), "colours": ", ".join(COLOURS)}
+            raise problems.fail(errors.NO_PAINT, word.span, name=word.text, **facts)
+        if sort in said:
+            raise problems.fail(errors.TWICE, word.span, what=f"a {sort} of one look")
+        said[sort] = word.text
+    return ir.Paint(**said, origin=paint.span)
+
+
+def _is_hexadecimal(colour: str) -> bool:
+    return len(colour) == 7 and colour[0] == "#" and all(c in "0123456789abcdefABCDEF" for c in colour[1:])

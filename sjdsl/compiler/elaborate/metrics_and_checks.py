@@ -1,0 +1,156 @@
+"""`metrics` and `checks`: what is counted, measured and promised."""
+
+from collections.abc import Iterable
+from itertools import chain
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.elaborate.declaration_labels import numbers_read
+from sjdsl.compiler.elaborate.defines import use as use_define
+from sjdsl.compiler.elaborate.domains import domain
+from sjdsl.compiler.elaborate.expressions import action_number, build, condition, number
+from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.types import describe, is_number
+
+
+def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
+    """Returns the conditions of all `require`s, about numbers only; proofs elsewhere rely on them."""
+    found = []
+    for check in _written(game):
+        if isinstance(check, ast.Require):
+            with scope.problems.survive():
+                test = condition(check.condition, scope)
+                for node in ir.walk(test):
+                    if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.EventTotal | ir.Step | ir.Member):
+                        raise scope.problems.fail(
+                            errors.NOT_FIXED,
+                            node.origin or check.span,
+                            what="what a `require` reads (numbers, not the state)",  # type: ignore[arg-type]
+                        )
+                found.append(test)
+    return tuple(found)
+
+
+def _written(game: Composition) -> Iterable[ast.Check]:
+    return chain.from_iterable(game.checks.values())
+
+
+def check_requires(game: Composition, scope: Scope) -> None:
+    """Reports every `require` that the file's own numbers break."""
+    values = {p.name: p.value for p in scope.static.params.values()}
+    for test in scope.static.requires:
+        if not holds(test, values):
+            shown = ", ".join(f"{n} is {values[n]}" for n in sorted(_params(test)) if not isinstance(values[n], tuple))
+            problem = text(test) + (f" ({shown})" if shown else "")
+            scope.problems.add(errors.REQUIRE_FALSE, test.origin or game.span, numbers_read(test, game), problem=problem)
+
+
+def _params(test: ir.Expr) -> set[str]:
+    return {n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)}
+
+
+def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
+    """Returns the declared events; each is counted for agents or for the game, not both."""
+    tallies = [n for phase in phases for n in ir.walk(phase) if isinstance(n, ir.Tally)]
+    found = []
+    for event in scope.static.events.values():
+        mine = [t for t in tallies if t.event == event.name.text]
+        per_agent = {t.receiver is not None for t in mine} or {True}
+        if len(per_agent) > 1:
+            raise scope.problems.fail(errors.TWICE, event.span, what=f"event `{event.name.text}` counted with and without `for`, so it")
+        by = () if event.by is None else tuple(n.text for n in event.by.names)
+        found.append(ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span))
+    return tuple(found)
+
+
+def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
+    """Returns the `mean` and `final` metrics, numbers over the state."""
+    found = []
+    for metric in game.metrics.values():
+        if isinstance(metric, ast.Measure):
+            with scope.problems.survive():
+                value = build(metric.value, scope)
+                if not is_number(value.type):
+                    from sjdsl.compiler.elaborate.expressions import wrong_type
+
+                    raise wrong_type(scope, metric.value, "a number", value.type)
+                found.append(ir.Measure(name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span))
+    return tuple(found)
+
+
+def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
+    """Returns the promises of a game, their expressions typed."""
+    found = []
+    for check in _written(game):
+        with scope.problems.survive():
+            found.append(_check(check, scope))
+    return tuple(found)
+
+
+def _check(check: ast.Check, scope: Scope) -> ir.Check:
+    match check:
+        case ast.Require():
+            return ir.Check(sort="require", values=(condition(check.condition, scope),), origin=check.span)
+        case ast.Always():
+            return ir.Check(sort="always", values=(condition(check.condition, scope),), origin=check.span)
+        case ast.Once():
+            values = (condition(check.trigger, scope), condition(check.condition, scope))
+            return ir.Check(sort="once", values=values, origin=check.span)
+        case ast.Conserved():
+            return ir.Check(sort="conserved", values=(_single(check.value, build(check.value, scope), scope),), origin=check.span)
+        case ast.Monotone():
+            return _monotone(check, scope)
+        case ast.Symmetric():
+            if check.what.text not in ("agents", "mirror"):
+                raise scope.problems.unknown(check.what, ("agents", "mirror"), "the symmetries")
+            return ir.Check(sort="symmetric", words=(check.what.text,), origin=check.span)
+        case ast.Expect():
+            return _expect(check, scope)
+
+
+def _single(tree: ast.Expr, value: ir.Expr, scope: Scope) -> ir.Expr:
+    if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
+        from sjdsl.compiler.elaborate.expressions import wrong_type
+
+        raise wrong_type(scope, tree, "one value (a number, a word, a condition)", value.type)
+    return value
+
+
+def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
+    values = []
+    for name in (check.value, check.argument):
+        if name.text not in scope.static.defines:
+            choices = near_or_all(name.text, scope.static.defines, "the defines")
+            raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="no define", wanted="a define", **choices)
+        values.append(use_define(name, (), scope))
+        if not is_number(values[-1].type):
+            raise scope.problems.fail(errors.WRONG_TYPE, name.span, wanted="a number", given=describe(values[-1].type), help="")
+    if check.direction.text not in ("falling", "rising"):
+        raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
+    words = (check.direction.text, check.value.text, check.argument.text)
+    return ir.Check(sort="monotone", values=tuple(values), words=words, origin=check.span)
+
+
+def _expect(check: ast.Expect, scope: Scope) -> ir.Check:
+    test = condition(check.condition, scope)
+    policies = tuple(_policy(p, scope) for p in check.policies)
+    return ir.Check(sort="expect", values=(test,), policies=policies, episodes=check.episodes, origin=check.span)
+
+
+def _policy(policy: ast.Policy, scope: Scope) -> ir.Policy:
+    name = policy.name.text
+    if policy.domain is not None:
+        seeker = scope.bind("agent", ir.Member(name="agent", who="agent"))
+        built, _ = domain(policy.domain, seeker)
+        return ir.Policy(name="seek", domain=built, origin=policy.span)
+    if name not in ("random", "never") or (name == "never") != bool(policy.actions):
+        raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND"), "the policies")
+    actions = tuple(action_number(a, scope) for a in policy.actions)
+    return ir.Policy(name=name, actions=actions, origin=policy.span)  # type: ignore[arg-type]
+
+
+__all__ = ["check_requires", "checks", "events", "measures", "number", "requires"]

@@ -1,0 +1,210 @@
+"""`observe`: what an agent sees, as a list of sights in a fixed order."""
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.elaborate.expressions import condition, fixed
+from sjdsl.compiler.elaborate.hidden import is_of_a_plane
+from sjdsl.compiler.elaborate.observation_help import labels as example_labels
+from sjdsl.compiler.elaborate.observation_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
+from sjdsl.compiler.elaborate.scope import Poisoned, Problems, Scope, Static
+from sjdsl.compiler.ir.types import HEADINGS, element, words
+
+SIDES = ("ahead", "behind", "left", "right")
+OWNERS = {"agent": "own", "other": "other", "everyone": "everyone"}  # how a path to a field of agents begins -> what is seen
+Key = tuple[str, str, str]  # what, kind, field
+
+
+def window(game: Composition, scope: Scope) -> ir.Window:
+    """Returns the window; 9 ahead, 1 behind, 5 to each side unless the game says otherwise."""
+    sides = {"ahead": 9, "behind": 1, "left": 5, "right": 5}
+    if game.window is None:
+        return ir.Window(**sides)
+    for i, (name, tree) in enumerate(game.window.sides):
+        if name.text in [n.text for n, _ in game.window.sides[:i]]:
+            scope.problems.add(errors.TWICE, name.span, what=f"`{name.text}`")
+        if name.text not in SIDES:
+            scope.problems.unknown(name, SIDES, "the sides of a window", guesses.SIDES)
+            continue
+        with scope.problems.survive():
+            value = fixed(tree, scope, "the window")
+            if value != int(value) or not 0 <= value <= limits.MAX_WINDOW:
+                raise scope.problems.fail(
+                    errors.OUT_OF_LIMITS,
+                    tree.span,
+                    name=f"the window {name.text}",
+                    value=value,
+                    low=0,
+                    high=limits.MAX_WINDOW,
+                    reason="",
+                )
+            sides[name.text] = int(value)
+    return ir.Window(**sides, origin=game.window.span)
+
+
+def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Sight, ...]:
+    """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
+    seen: dict[Key, ir.Sight] = {}
+    for kind in static.kinds.values():
+        for field in kind.fields:
+            if field.type.kind == "word" and not field.type.by:
+                key = ("cell", kind.name, field.name)
+                seen[key] = ir.Sight(what="cell", kind=kind.name, field=field.name, type=field.type, origin=field.origin)
+    seen["heading", "", ""] = ir.Sight(what="heading", type=words(HEADINGS))
+    for sight in game.sights.values():
+        with problems.survive():
+            if isinstance(sight, ast.Show):
+                _show(sight, seen, static, problems)
+            elif not is_of_a_plane(sight, static):
+                _hide(sight, seen, static, problems)
+    _put_looks(seen, game, problems)
+    order = ("cell", "heading", "other", "everyone", "own", "world")
+    return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
+
+
+def _put_looks(seen: dict[Key, ir.Sight], game: Composition, problems: Problems) -> None:
+    """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
+    whole = {kind for what, kind, field in seen if what == "cell" and not field}
+    for sight in game.sights.values():
+        kind = sight.what.name.text
+        if kind in whole and sight.what.steps and not (isinstance(sight, ast.Hide) and sight.condition is None):
+            problems.add(errors.TWICE, sight.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)")
+    for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
+        del seen[key]
+    detailed = {kind: field for what, kind, field in seen if what == "cell" and field}
+    for kind in whole:
+        for label in seen["cell", kind, ""].labels:
+            if label.name in detailed:
+                given = f"a kind whose cells do not all look alike: its `{detailed[label.name]}` is seen"
+                help = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
+                problems.add(errors.WRONG_TYPE, label.origin, wanted="one look", given=given, help=help)  # type: ignore[arg-type]
+
+
+def _entries(sight: ir.Sight) -> list[ir.Sight]:
+    """A `by` field is seen entry by entry."""
+    if not sight.type.by:
+        return [sight]
+    one = element(sight.type)
+    return [sight.model_copy(update={"type": one, "word": word}) for word in sight.type.by[0]]
+
+
+def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
+    """Returns which sight a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, or a world field."""
+    path = sight.what
+    head = path.name.text
+    members = [s.name for s in path.steps if isinstance(s, ast.Member)]
+    if len(members) != len(path.steps) or len(members) > 1:
+        raise problems.fail(
+            errors.WRONG_TYPE,
+            path.span,
+            wanted="`agent.field`, `other.field`, `everyone.field` or `kind.field`",
+            given="another path",
+            help="",
+        )
+    if not members:
+        if head in static.kinds:
+            return ("cell", head, ""), None
+        if head not in static.fields:
+            raise without_field(sight, static, problems)
+        static.used.add(f"field {head}")
+        return ("world", "", head), static.fields[head]
+    name = members[0]
+    if ("agent" if head in OWNERS else head) + f".{name.text}" in static.broken:
+        raise Poisoned
+    if head in OWNERS:
+        if head == "other" and name.text == "heading":
+            return ("heading", "", ""), None
+        if name.text not in static.agent_fields:
+            raise no_agent_field(head, name, static, problems)
+        return (OWNERS[head], "", name.text), static.agent_fields[name.text]
+    if head in static.groups:
+        raise of_group(sight, name, static, problems)
+    if head not in static.kinds:
+        raise problems.unknown(path.name, [*OWNERS, *static.kinds], "what has fields")
+    fields = {f.name: f for f in static.kinds[head].fields}
+    if name.text not in fields:
+        raise no_cell_field(head, name, fields, problems)
+    return ("cell", head, name.text), fields[name.text]
+
+
+def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
+    key, field = _resolve(show, static, problems)
+    what, kind, name = key
+    if what == "cell" and not name:
+        seen[key] = _look(show, kind, static, problems)
+        return
+    if field is None:
+        return
+    prefix = "agent." if what in OWNERS.values() else "field " if what == "world" else f"{kind}."
+    static.used.add(prefix + name)
+    labels = _labels(show, what, kind, static, problems)
+    type_ = field.type
+    if not labels and type_.kind in ("agent", "agents"):
+        told = example_labels(path_text(show.what), type_.kind)
+        raise problems.fail(
+            errors.WRONG_TYPE,
+            show.span,
+            wanted="a field with labels",
+            given="a field that holds agents, whose numbers mean nothing to an observer",
+            help=f"write `show {path_text(show.what)}{told}`",
+        )
+    if not labels and type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
+        help_ = f"show it with labels, `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
+        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number that is not a count from 0 to 255", help=help_)
+    if what == "cell" and not labels and type_.kind != "word":
+        help_ = f"write `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
+        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number of a cell without labels", help=help_)
+    seen[key] = ir.Sight(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
+
+
+def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Sight:
+    """Returns how cells of a kind look: like the first label whose condition holds."""
+    if not show.labels:
+        help = of_a_kind(kind, "show", static)
+        raise problems.fail(errors.WRONG_TYPE, show.span, wanted=f"what cells of `{kind}` look like", given="a kind without it", help=help)
+    labels = _labels(show, "cell", kind, static, problems)
+    names = tuple(dict.fromkeys(label.name for label in labels))
+    return ir.Sight(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
+
+
+def path_text(path: ast.Path) -> str:
+    """Returns a path of names as it is written."""
+    return ".".join([path.name.text, *(s.name.text for s in path.steps if isinstance(s, ast.Member))])
+
+
+def _scope(what: str, kind: str, static: Static, problems: Problems) -> Scope:
+    scope = Scope(static, problems, place="`observe`").bind("agent", ir.Member(name="agent", who="agent"))
+    if what == "cell":
+        return scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
+    if what in ("other", "heading"):
+        return scope.bind("other", ir.Member(name="other", who="agent"))
+    if what == "everyone":
+        return scope.bind("everyone", ir.Member(name="everyone", who="agent"))
+    return scope
+
+
+def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Problems) -> tuple[ir.Label, ...]:
+    found = []
+    for i, label in enumerate(show.labels):
+        last = i == len(show.labels) - 1
+        if last != (label.where is None):
+            problem = "the last label has no condition" if last else f"label `{label.label.text}` needs a condition (`where`)"
+            raise problems.fail(errors.TABLE_GAP, label.span, problem=problem)
+        test = None if label.where is None else condition(label.where, _scope(what, kind, static, problems))
+        found.append(ir.Label(name=label.label.text, condition=test, origin=label.span))
+    return tuple(found)
+
+
+def _hide(hide: ast.Hide, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
+    key, _ = _resolve(hide, static, problems)
+    if key[0] == "cell" and not key[2]:
+        help = of_a_kind(key[1], "hide", static)
+        raise problems.fail(errors.WRONG_TYPE, hide.what.span, wanted="something that is seen of cells", given="a kind", help=help)
+    if hide.condition is None:
+        seen.pop(key, None)
+        return
+    test = condition(hide.condition, _scope(key[0], key[1], static, problems))
+    if key not in seen:
+        problems.add(errors.NEVER_HAPPENS, hide.span, problem="it is not seen anyway")
+        return
+    seen[key] = seen[key].model_copy(update={"hidden_when": test})

@@ -1,0 +1,110 @@
+"""The schedule: each use of a phase is built on its own, with its arguments filled in."""
+
+from dataclasses import replace
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.elaborate.expressions import build
+from sjdsl.compiler.elaborate.scope import START, Poisoned, Scope
+from sjdsl.compiler.elaborate.statements import PhaseUse, block
+from sjdsl.compiler.elaborate.streams import Streams
+from sjdsl.compiler.ir.names import Names, phase_function
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.near_names import nearest
+
+
+def start(game: Composition, scope: Scope) -> ir.Phase | None:
+    """Returns the phase that runs at reset."""
+    phase = game.phases.get("start")
+    if phase is None:
+        scope.problems.add(errors.NO_START, game.span, problem="the game has no `phase start`")
+        return None
+    if phase.parameters:
+        scope.problems.add(errors.ARGUMENTS, phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters), help="")
+    return _use(phase, "start", "start", {}, replace(scope, place=START))
+
+
+def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
+    """Returns the turns of a step in order."""
+    if game.schedule is None:
+        scope.problems.add(errors.MISSING_PART, game.span, what="schedule", help="`schedule phase -> phase` with its phases in order")
+        return ()
+    turns: list[ir.Turn] = []
+    labels: list[str] = []
+    functions = Names({"start"})
+    if len(game.schedule.turns) > limits.MAX_TURNS:
+        what = f"a schedule of more than {limits.MAX_TURNS} turns"
+        scope.problems.add(errors.NOT_SUPPORTED, game.schedule.span, what=what)
+        return ()
+    for turn in game.schedule.turns:
+        with scope.problems.survive():
+            made = _turn(turn, game, scope, labels, functions)
+            if made is not None:
+                turns.append(made)
+    scheduled = {t.name.text for t in game.schedule.turns} | {"start"}
+    for phase in game.phases.values():
+        if phase.name.text not in scheduled:
+            scope.problems.add(
+                errors.PHASE_USE,
+                phase.name.span,
+                name=phase.name.text,
+                problem="written but not scheduled",
+                help="add it to the schedule",
+            )
+    return tuple(turns)
+
+
+def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], functions: Names) -> ir.Turn | None:
+    name = turn.name.text
+    if name == "tick":
+        if turn.arguments:
+            scope.problems.add(errors.ARGUMENTS, turn.span, name="tick", wanted="no arguments", given=len(turn.arguments), help="")
+        return ir.Tick(origin=turn.span)
+    phase = game.phases.get(name)
+    if phase is None or name == "start":
+        problem = "scheduled but not written" if phase is None else "run at reset, not in the schedule"
+        near = nearest(name, [*game.phases, "tick"])
+        help_ = f"did you mean `{near}`?" if near and phase is None else ""
+        raise scope.problems.fail(errors.PHASE_USE, turn.name.span, name=name, problem=problem, help=help_)
+    if len(turn.arguments) != len(phase.parameters):
+        wanted = f"{len(phase.parameters)} argument{'s' * (len(phase.parameters) != 1)}"
+        raise scope.problems.fail(errors.ARGUMENTS, turn.span, name=name, wanted=wanted, given=len(turn.arguments), help="")
+    values: dict[str, ir.Expr | str | None] = {}
+    shown = []
+    for parameter, argument in zip(phase.parameters, turn.arguments, strict=True):
+        if parameter.text in scope.static.names() and not scope.static.is_word(parameter.text):
+            scope.problems.add(errors.NAME_TAKEN, parameter.span, name=parameter.text, what="something else")
+        value = _argument(argument, scope)
+        values[parameter.text] = value
+        shown.append(value if isinstance(value, str) else text(value))
+    label = f"{name}({', '.join(shown)})" if shown else name
+    times = labels.count(label)
+    labels.append(label)
+    if times:
+        label = f"{label} #{times + 1}"
+    identifier = "_".join([name, *("".join(c if c.isalnum() else "_" for c in s) for s in shown)])
+    identifier += f"_{times + 1}" if times else ""
+    return _use(phase, label, functions.fresh(phase_function(identifier)), values, scope)
+
+
+def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
+    """Returns a word, a number, or the name of an action."""
+    if isinstance(argument, ast.Path) and not argument.steps and argument.name.text in scope.static.actions:
+        if not scope.static.is_word(argument.name.text):
+            return argument.name.text
+    value = build(argument, scope)
+    if not isinstance(value, ir.Word | ir.Number):
+        raise scope.problems.fail(errors.NOT_FIXED, argument.span, what="what a phase is used with")
+    return value
+
+
+def _use(phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | str | None], scope: Scope) -> ir.Phase:
+    use = PhaseUse(Streams(label, scope.static.sources))
+    inner = replace(scope, variables=values)
+    body = block(phase.block, inner, use)
+    marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
+    return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)
+
+
+__all__ = ["Poisoned", "schedule", "start"]

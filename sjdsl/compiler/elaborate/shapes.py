@@ -1,0 +1,113 @@
+"""Shapes: pictures and built-in forms become lanes of (ahead, right) offsets."""
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.elaborate.expressions import fixed
+from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+
+Offset = tuple[int, int]
+BUILT_IN = {"line": ("n",), "fan": ("length", "radius"), "disc": ("r",), "diamond": ("r",), "square": ("r",)}
+SEE_THROUGH = ("disc", "diamond", "square")
+
+
+def declared(shape: ast.Shape, scope: Scope) -> ir.Shape:
+    """Returns a named shape."""
+    if shape.call is None:
+        return picture(shape, scope)
+    built = built_in(ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments), scope)
+    return built.model_copy(update={"name": shape.name.text, "origin": shape.span})
+
+
+def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
+    """Returns the shape of `in SHAPE of x`: a named one, or a built-in form, kept under its text."""
+    static = scope.static
+    if ref.arguments is None:
+        shape = static.shapes.get(ref.name.text)
+        if shape is None:
+            if f"shape {ref.name.text}" in static.broken:
+                raise Poisoned
+            raise scope.problems.unknown(ref.name, [*static.shapes, *BUILT_IN], "the shapes", guesses.SHAPES)
+        static.used.add(f"shape {ref.name.text}")
+        return shape
+    shape = built_in(ref, scope)
+    static.used.add(f"shape {shape.name}")
+    return static.shapes.setdefault(shape.name, shape)
+
+
+def picture(shape: ast.Shape, scope: Scope) -> ir.Shape:
+    """Returns the shape of a picture: `^` the agent facing up, `x` its cells; a column is a lane."""
+    rows = [row.text for row in shape.rows]
+    problem = _picture_problem(rows)
+    if problem:
+        raise scope.problems.fail(errors.BAD_PICTURE, shape.span, problem=problem)
+    anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
+    anchor_col = rows[anchor_row].index("^")
+    cells = {(anchor_row - r, c - anchor_col) for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "x"}
+    lanes = []
+    for right in sorted({c for _, c in cells}):
+        ahead = sorted(a for a, c in cells if c == right and a >= 0)
+        behind = sorted((a for a, c in cells if c == right and a < 0), reverse=True)
+        lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
+    return ir.Shape(name=shape.name.text, lanes=tuple(lanes), see_through=False, directed=True, origin=shape.span)
+
+
+def _picture_problem(rows: list[str]) -> str:
+    if sum(row.count("^") for row in rows) != 1:
+        return f"this picture has {sum(row.count('^') for row in rows)} `^`, and needs one"
+    if any(set(row) - set("^x.") for row in rows):
+        return "a picture is made of `^`, `x` and `.`"
+    if len({len(row) for row in rows}) != 1:
+        return "the rows of this picture have different lengths"
+    if not any("x" in row for row in rows):
+        return "this picture has no cell `x`"
+    if sum(row.count("x") for row in rows) > limits.MAX_SHAPE_CELLS:
+        return f"this picture has more than {limits.MAX_SHAPE_CELLS} cells"
+    return ""
+
+
+def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
+    """Returns `line(n)`, `fan(length, radius)`, `disc(r)`, `diamond(r)`, `square(r)` (these three also `(r, centre)`)."""
+    name, arguments = ref.name.text, ref.arguments or ()
+    if name not in BUILT_IN:
+        raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes", guesses.SHAPES)
+    centre = False
+    if name in SEE_THROUGH and len(arguments) == 2 and isinstance(arguments[1], ast.Path) and arguments[1].name.text == "centre":
+        arguments, centre = arguments[:1], True
+    if len(arguments) != len(BUILT_IN[name]):
+        wanted = f"{len(BUILT_IN[name])} number{'s' * (len(BUILT_IN[name]) > 1)} ({', '.join(BUILT_IN[name])})"
+        help_ = f"`{name}(r, centre)` includes the middle" if name in SEE_THROUGH else ""
+        raise scope.problems.fail(errors.ARGUMENTS, ref.span, name=name, wanted=wanted, given=len(arguments), help=help_)
+    numbers = [_reach(a, scope) for a in arguments]
+    label = f"{name}({', '.join(map(str, numbers))}{', centre' if centre else ''})"
+    lanes = _round(name, numbers[0], centre) if name in SEE_THROUGH else _directed(name, numbers)
+    if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
+        raise scope.problems.fail(errors.NOT_SUPPORTED, ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells")
+    see_through = name in SEE_THROUGH
+    return ir.Shape(name=label, lanes=lanes, see_through=see_through, directed=not see_through, origin=ref.span)
+
+
+def _reach(e: ast.Expr, scope: Scope) -> int:
+    value = fixed(e, scope, "a shape")
+    if value != int(value) or not 1 <= value <= 64:
+        raise scope.problems.fail(errors.OUT_OF_LIMITS, e.span, name="the reach of a shape", value=value, low=1, high=64, reason="")
+    return int(value)
+
+
+def _round(name: str, r: int, centre: bool) -> tuple[tuple[Offset, ...], ...]:
+    inside = {
+        "disc": lambda a, c: a * a + c * c <= r * r,
+        "diamond": lambda a, c: abs(a) + abs(c) <= r,
+        "square": lambda _a, _c: True,
+    }[name]
+    span = range(-r, r + 1)
+    cells = tuple((a, c) for a in reversed(span) for c in span if inside(a, c) and (centre or (a, c) != (0, 0)))
+    return (cells,)
+
+
+def _directed(name: str, numbers: list[int]) -> tuple[tuple[Offset, ...], ...]:
+    length = numbers[0]
+    lanes = [tuple((a, 0) for a in range(1, length + 1))]
+    if name == "fan":
+        for side in range(1, numbers[1] + 1):
+            lanes += [tuple((a, right) for a in range(length)) for right in (-side, side)]
+    return tuple(lanes)

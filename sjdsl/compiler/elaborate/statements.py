@@ -1,0 +1,355 @@
+"""Sentences: from the tree as written to typed IR."""
+
+from typing import assert_never
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.elaborate.assignments import add, set_
+from sjdsl.compiler.elaborate.declaration_labels import parameters_read
+from sjdsl.compiler.elaborate.domains import check_free, domain, near
+from sjdsl.compiler.elaborate.effects import agent, give, send, tally
+from sjdsl.compiler.elaborate.expressions import build, condition, interval_text, number, wrong_type
+from sjdsl.compiler.elaborate.phase_use import PhaseUse
+from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.ir.implications import contradict, narrow_word, narrowed
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.types import integer, words
+
+
+def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+    """Returns the sentences of a block; `let` and `draw` bind to its end."""
+    built: list[ir.Stmt] = []
+    for statement in b.statements:
+        try:
+            sentence, scope = stmt(statement, scope, use)
+            built.append(sentence)
+        except Poisoned:
+            if isinstance(statement, ast.Let | ast.Draw):
+                scope = scope.bind(statement.name.text, None)
+    return tuple(built)
+
+
+def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
+    """Returns one sentence and the scope after it."""
+    match s:
+        case ast.Let():
+            return let(s, scope)
+        case ast.Draw():
+            return draw(s, scope, use)
+        case ast.Each() | ast.Pick() | ast.First():
+            return quantifier(s, scope, use), scope
+        case ast.Match():
+            return match_(s, scope, use), scope
+        case ast.When():
+            return when(s, scope, use), scope
+        case ast.Chance():
+            return chance(s, scope, use), scope
+        case ast.Set():
+            return set_(s, scope), scope
+        case ast.Add():
+            return add(s, scope), scope
+        case ast.Give():
+            return give(s, scope), scope
+        case ast.Tally():
+            return tally(s, scope), scope
+        case ast.Send():
+            return send(s, scope, use), scope
+        case ast.Remove():
+            return ir.Remove(who=agent(s.who, scope), origin=s.span), scope
+        case ast.Move():
+            return move(s, scope, use), scope
+        case ast.Mark():
+            place = near(s.shape, s.anchor, scope)
+            return ir.Mark(shape=place.shape, anchor=place.anchor, origin=s.span), scope
+        case ast.End():
+            return ir.End(origin=s.span), scope
+        case _:
+            assert_never(s)
+
+
+def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+    """Returns a block inside a sentence; the sentence's text becomes part of the inner streams' names."""
+    use.streams.around.append(header)
+    built = block(b, scope, use)
+    use.streams.around.pop()
+    return built
+
+
+def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
+    value = narrow_word(build(s.value, scope), scope.fact_nodes)
+    check_free(s.name, scope, chosen=True)
+    if isinstance(value, ir.Member):
+        raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
+    local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
+    return ir.Let(name=s.name.text, value=value, origin=s.span), scope.bind(s.name.text, local)
+
+
+def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
+    check_free(s.name, scope, chosen=True)
+    stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
+    name = s.name.text
+    match s.source:
+        case ast.Words():
+            names = tuple(n.text for n in s.source.names)
+            _check_declared(s.source.names, scope)
+            sentence = ir.Draw(name=name, type=words(names), words=names, stream=stream, origin=s.span)
+        case ast.Table():
+            sentence = _weighted(s, s.source, scope, stream)
+        case _:
+            assert s.high is not None
+            low = number(s.source, scope, ("count", "steps", "cells"), "a whole number")
+            high = number(s.high, scope, ("count", "steps", "cells"), "a whole number")
+            type_ = _draw_range(s, low, high, scope)
+            sentence = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
+    local = ir.Local(type=sentence.type, name=name, origin=s.name.span)
+    return sentence, scope.bind(name, local)
+
+
+def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
+    for i, name in enumerate(names):
+        if name.text in [n.text for n in names[:i]]:
+            raise scope.problems.fail(errors.TWICE, name.span, what=f"the word `{name.text}`")
+        if not scope.static.is_word(name.text):
+            known = [w for ws in scope.static.word_sets for w in ws]
+            raise scope.problems.unknown(name, known, "the words of the game")
+
+
+def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
+    unit = low.type.unit if low.type.unit != "number" else high.type.unit
+    if "number" not in (low.type.unit, high.type.unit) and low.type.unit != high.type.unit:
+        raise scope.problems.fail(errors.UNIT_MISMATCH, s.span, verb="draw between", left=low.type.unit, right=high.type.unit, help="")
+    known = scope.knowing(scope.static.requires)
+    if low.type.high > high.type.low and f"({text(high)} >= {text(low)})" not in known.facts | {_strict(low, high, known)}:
+        raise scope.problems.fail(errors.CROSSED, s.span, parameters_read(scope.static, low, high), low=text(low), high=text(high))
+    most = high.type.high - low.type.low + 1
+    if most > limits.MAX_DRAWN:
+        given = f"{most:g}" if most < float("inf") else "endlessly many"
+        problem = f"this draw is from {given} numbers"
+        help_ = "give the parameters limits, `in a .. b`"
+        scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, help_))
+        raise Poisoned
+    return integer(low.type.low, high.type.high, unit)
+
+
+def _strict(low: ir.Expr, high: ir.Expr, known: Scope) -> str:
+    strict = f"({text(high)} > {text(low)})"
+    return f"({text(high)} >= {text(low)})" if strict in known.facts else ""
+
+
+def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:
+    names = tuple(e.key.text for e in table.entries)
+    _check_declared(tuple(e.key for e in table.entries), scope)
+    if len(set(names)) != len(names):
+        raise scope.problems.fail(errors.TABLE_GAP, table.span, problem="a word stands twice in these weights")
+    weights = []
+    for entry in table.entries:
+        if isinstance(entry.value, ast.Table):
+            raise scope.problems.fail(errors.WRONG_TYPE, entry.span, wanted="a probability", given="a table", help="")
+        weights.append(probability(entry.value, scope))
+    if all(isinstance(w, ir.Number) for w in weights):
+        total = sum(w.value for w in weights)  # type: ignore[union-attr]
+        if abs(total - 1) > 1e-6:
+            raise scope.problems.fail(errors.WEIGHTS, table.span, total=f"{total:g}")
+    elif not _required_one(weights, scope):
+        raise scope.problems.fail(errors.WEIGHTS, table.span, total="something known only when it runs")
+    return ir.Draw(name=s.name.text, type=words(names), words=names, weights=tuple(weights), stream=stream, origin=s.span)
+
+
+def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
+    """Weights from parameters need `require a + b + c == 1`, or the form p, q, 1 - p - q."""
+    total = "".join("(" * (len(weights) - 1)) + text(weights[0]) + "".join(f" + {text(w)})" for w in weights[1:])
+    rest = text(weights[-1])
+    spelt = "(" * (len(weights) - 1) + "1" + "".join(f" - {text(w)})" for w in weights[:-1])
+    return f"({total} == 1)" in scope.knowing(scope.static.requires).facts or rest == spelt
+
+
+def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    how_many = number(s.number, scope, ("count",), "a count") if isinstance(s, ast.Pick) else None
+    if how_many is not None and how_many.type.low < 0:
+        raise scope.problems.fail(
+            errors.OUT_OF_LIMITS, s.number.span, name="the number picked", value="negative", low=0, high="any", reason=""
+        )  # type: ignore[union-attr]
+    built, inner = _domain(s, header, scope, use)
+    stream = use.streams.of_sentence(header)
+    if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
+        raise scope.problems.fail(
+            errors.WRONG_TYPE,
+            s.domain.span,
+            wanted="`in SHAPE of x` after `first`",
+            given="a domain without a shape",
+            help="",
+        )
+    body = inside(s.block, header, inner, use)
+    otherwise: tuple[ir.Stmt, ...] = ()
+    if not isinstance(s, ast.Each) and s.otherwise is not None:
+        otherwise = other_branch(s.otherwise, header, scope, use)
+    match s:
+        case ast.Each():
+            return ir.Each(domain=built, body=body, origin=s.span)
+        case ast.First():
+            return ir.First(domain=built, body=body, otherwise=otherwise, origin=s.span)
+        case ast.Pick():
+            assert how_many is not None
+            most = int(min(max(how_many.type.high, 0), limits.MAX_DRAWN))
+            return ir.Pick(number=how_many, most=most, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
+
+
+def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Domain, Scope]:
+    """Returns a domain; if it is wrong, the sentences inside are read all the same, for their own mistakes."""
+    try:
+        return domain(s.domain, scope)
+    except Poisoned:
+        kinds = [s.domain.kind.text] + ([] if s.domain.on is None else [s.domain.on.kind.text])
+        if not all(k == "agent" or scope.static.kinds_of(k) for k in kinds):
+            raise  # a misspelt kind would make every use of its variable one more mistake
+        around = scope if s.domain.where is None else scope.unsure()
+        inner = around.bind((s.domain.bind or s.domain.kind).text, None)
+        if s.domain.on is not None:
+            inner = inner.bind((s.domain.on.bind or s.domain.on.kind).text, None)
+        inside(s.block, header, inner, use)
+        raise
+
+
+def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+    """Returns what happens otherwise: a block, or one more `when` or `chance`."""
+    header = f"{header} otherwise"
+    if isinstance(b, ast.Block):
+        return inside(b, header, scope, use)
+    use.streams.around.append(header)
+    sentence = when(b, scope, use) if isinstance(b, ast.When) else chance(b, scope, use)
+    use.streams.around.pop()
+    return (sentence,)
+
+
+def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    stream = use.streams.of_sentence(header)
+    left, inner = domain(s.left, scope)
+    right, inner = domain(s.right, inner)
+    if s.first and not isinstance(right.place, ir.Near):
+        raise scope.problems.fail(
+            errors.WRONG_TYPE,
+            s.right.span,
+            wanted="`in SHAPE of x` after `with first`",
+            given="a domain without a shape",
+            help="",
+        )
+    body = inside(s.block, header, inner, use)
+    return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
+
+
+def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    branches: list[ir.Branch] = []
+    otherwise: tuple[ir.Stmt, ...] = ()
+    outer, current = scope, s
+    while True:
+        try:
+            test = condition(current.condition, outer)
+            check_possible(test, outer)
+            body = inside(current.block, header, outer.knowing([test]), use)
+            branches.append(ir.Branch(test=test, body=body, origin=current.span))
+            outer = outer.knowing([ir.Not(value=test)])
+        except Poisoned:
+            outer = outer.unsure()
+        header = f"{header} otherwise"
+        if isinstance(current.otherwise, ast.When):
+            current = current.otherwise
+            header = f"{header} {use.streams.header(current.span, current.block.span.start)}"
+            continue
+        if current.otherwise is not None:
+            otherwise = other_branch(current.otherwise, header, outer, use)
+        break
+    if not branches:
+        raise Poisoned
+    return ir.When(branches=tuple(branches), otherwise=otherwise, origin=s.span)
+
+
+def check_possible(test: ir.Expr, scope: Scope) -> None:
+    """Warns if a condition contradicts what is known here, or the numbers it compares."""
+    from sjdsl.compiler.ir.implications import conjuncts
+
+    for part in conjuncts(test):
+        clash = next((f for f in scope.fact_nodes if contradict(part, f)), None)
+        if clash is not None:
+            scope.problems.add(errors.NEVER_HAPPENS, part.origin or test.origin, problem=f"{text(clash)} holds here")  # type: ignore[arg-type]
+            continue
+        match part:
+            case ir.Compare(fn=fn, left=left, right=right):
+                low, high = narrowed(left, scope.fact_nodes)
+                never = {
+                    "<": low >= right.type.high,
+                    "<=": low > right.type.high,
+                    ">": high <= right.type.low,
+                    ">=": high < right.type.low,
+                    "==": low > right.type.high or high < right.type.low,
+                    "!=": False,
+                }[fn]
+                if never:
+                    reach = interval_text(left.type.model_copy(update={"low": low, "high": high}))
+                    scope.problems.add(
+                        errors.NEVER_HAPPENS,
+                        part.origin or test.origin,
+                        problem=f"{text(left)} is {reach}",  # type: ignore[arg-type]
+                    )
+            case _:
+                pass
+
+
+def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    header = use.streams.header(s.span, s.block.span.start)
+    stream = use.streams.of_sentence(header)
+    branches: list[ir.Branch] = []
+    otherwise: tuple[ir.Stmt, ...] = ()
+    current = s
+    while True:
+        try:
+            p = probability(current.probability, scope)
+            if p.type.high <= 0:
+                scope.problems.add(errors.NEVER_HAPPENS, current.probability.span, problem="its probability is 0")
+            body = inside(current.block, header, scope, use)
+            branches.append(ir.Branch(test=p, body=body, origin=current.span))
+        except Poisoned:
+            pass
+        header = f"{header} otherwise"
+        if isinstance(current.otherwise, ast.Chance):
+            current = current.otherwise
+            header = f"{header} {use.streams.header(current.span, current.block.span.start)}"
+            continue
+        if current.otherwise is not None:
+            otherwise = other_branch(current.otherwise, header, scope, use)
+        break
+    if not branches:
+        raise Poisoned
+    return ir.Chance(branches=tuple(branches), otherwise=otherwise, stream=stream, origin=s.span)
+
+
+def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
+    """Returns a probability that provably stays in 0 .. 1."""
+    p = number(e, scope, ("probability",), "a probability")
+    low, high = narrowed(p, (*scope.fact_nodes, *scope.static.requires))
+    labels = parameters_read(scope.static, p)
+    if high > 1 + 1e-9:
+        problem = f"reach {high:g}" if high < float("inf") else "exceed 1"
+        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, labels, problem=problem)
+    if low < -1e-9:
+        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, labels, problem="fall below 0")
+    return p
+
+
+def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    movers, _ = domain(s.domain, scope)
+    if movers.var.who != "agent":
+        raise scope.problems.fail(
+            errors.NOT_A,
+            s.domain.kind.span,
+            name=s.domain.kind.text,
+            what="a kind of cell",
+            wanted="`agent`",
+        )
+    stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
+    return ir.Move(domain=movers, stream=stream, origin=s.span)
+
+
+__all__ = ["PhaseUse", "block"]

@@ -1,0 +1,45 @@
+"""Names of random streams: from the phase use and the text of the sentences, so that no other sentence matters."""
+
+import hashlib
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+
+from sjdsl.compiler.diagnostics.source import Source, Span
+
+RETURN = 0x52455455  # the streams of those who return from being away differ from the send's by this
+_TOKEN = re.compile(r'"(?:\\.|[^"\\\n])*"|[a-z][a-z0-9_]*|\d+\.\d+|\d+|\.\.|->|[<>=!]=|#[^\n]*|\S')
+
+
+def layout_free(source: Source, start: int, end: int) -> str:
+    """Returns the tokens of a part of the text, one space between, comments left out."""
+    return " ".join(t for t in _TOKEN.findall(source.text[start:end]) if not t.startswith("#"))
+
+
+@dataclass
+class Streams:
+    """Hands out stream numbers for one phase use."""
+
+    label: str
+    sources: dict[str, Source]
+    around: list[str] = field(default_factory=list)
+    seen: Counter[str] = field(default_factory=Counter)
+
+    def header(self, span: Span, end: int) -> str:
+        """Returns the text of a sentence up to its block."""
+        return layout_free(self.sources[span.file], span.start, end)
+
+    def of_sentence(self, text: str) -> int:
+        """Returns the stream of a sentence; identical ones in identical surroundings are numbered."""
+        full = "\n".join((*self.around, text))
+        self.seen[full] += 1
+        return number(self.label, f"{full}\n{self.seen[full]}")
+
+    def shared(self, purpose: str, text: str) -> int:
+        """Returns the stream that all sentences of this phase use share for one purpose."""
+        return number(self.label, f"{purpose}\n{text}")
+
+
+def number(label: str, text: str) -> int:
+    """Returns the 32-bit number of a stream."""
+    return int.from_bytes(hashlib.sha256(f"{label}\n{text}".encode()).digest()[:4], "big")

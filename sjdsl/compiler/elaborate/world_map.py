@@ -1,0 +1,172 @@
+"""Maps: text, inline or in a file beside the game, checked against the legend row by row."""
+
+import re
+import unicodedata
+from collections.abc import Iterable
+from pathlib import Path
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.elaborate.scope import Problems, Static
+from sjdsl.near_names import nearest
+
+Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
+
+
+def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
+    """Returns the rows of a map; one that cannot be read has none, and the reason is reported. Rows in the game itself have no spans."""
+    if map_.file is None:
+        return tuple(row.text for row in map_.rows), ()
+    return read_file(map_.file.text, map_.file.span, source, problems)
+
+
+def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows:
+    """Returns the rows of a map file in the game's folder."""
+    path = inside_folder(name, span, source, problems)
+    if path is None:
+        return (), ()
+    if not path.is_file():
+        folder = path.parent
+        beside = [p.name for p in folder.iterdir()] if folder.is_dir() else []
+        near = nearest(path.name, beside)
+        problems.add(errors.NO_FILE, span, name=name, nearest=str(Path(name).with_name(near)) if near else "")
+        return (), ()
+    return parse_rows(path.read_bytes(), (Path(source.name).parent / name).as_posix(), span, problems)
+
+
+def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
+    """Returns the path of a file named by a game; None, and reported, if it leaves the game's folder."""
+    given = Path(name)
+    if source.folder is None:
+        problems.add(errors.NO_FILE, span, name=name, nearest="")
+        return None
+    folder = source.folder.resolve()
+    if not name or "\0" in name or "\\" in name or given.is_absolute():
+        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        return None
+    path = (folder / given).resolve()
+    if not path.is_relative_to(folder):
+        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        return None
+    return path
+
+
+def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
+    """Returns the rows of a map file's bytes. `span`: what names the file, to say there that it cannot be read."""
+    if len(data) > 4 * limits.MAX_MAP_CELLS:
+        problems.add(errors.MAP_FILE, span, name=name, problem=f"it has more than {limits.MAX_MAP_CELLS} cells")
+        return (), ()
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        problems.add(errors.MAP_FILE, span, name=name, problem="it is not text")
+        return (), ()
+    if re.match(r"sj \d", text):
+        problems.add(errors.MAP_FILE, span, name=name, problem="it is a game")
+        return (), ()
+    lines = text.rstrip("\r\n").split("\n") if text.strip() else []
+    return tuple(line.rstrip("\r") for line in lines), row_spans(lines, name)
+
+
+def row_spans(lines: Iterable[str], name: str) -> tuple[Span, ...]:
+    """Returns where each line of a map stands in its file, without the line's end; of a map without lines, the file's beginning."""
+    spans, start = [], 0
+    for number, line in enumerate(lines, 1):
+        spans.append(Span(name, start, start + len(line.rstrip("\r")), number, 1))
+        start += len(line) + 1
+    return tuple(spans) or (Span(name, 0, 0, 1, 1),)
+
+
+def check_glyph(glyph: str) -> str:
+    """Returns what is wrong with a glyph, or nothing."""
+    if len(glyph) != 1:
+        return "it is not one character"
+    if not glyph.isascii() or not glyph.isprintable():
+        return f"it is {unicodedata.name(glyph, 'a control character').lower()}"
+    return "it is a blank" if glyph == " " else ""
+
+
+def check_rows(rows: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems, inline: tuple[ast.String, ...] = ()) -> bool:
+    """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound.
+
+    `span`: the map as a whole; `inline`: the rows as written in the game, to point at the very place.
+    """
+    rows, spans = rows
+    span = spans[0] if spans else span
+    if not rows or not rows[0]:
+        problems.add(errors.EMPTY_MAP, span)
+        return False
+    widths = [len(row) for row in rows]
+    wanted = max(set(widths), key=widths.count)
+    sound = True
+    if len(rows) > limits.MAX_MAP_SIDE or wanted > limits.MAX_MAP_SIDE:
+        what = f"a map of {len(rows)} x {wanted} cells (at most {limits.MAX_MAP_SIDE} x {limits.MAX_MAP_SIDE})"
+        problems.add(errors.NOT_SUPPORTED, span, what=what)
+        return False
+    for number, row in enumerate(rows):
+        if len(row) != wanted:
+            problems.add(errors.RAGGED_MAP, _place(inline, spans, number, None, span), row=number, length=len(row), wanted=wanted)
+            sound = False
+    unknown: dict[str, tuple[int, int]] = {}
+    for number, row in enumerate(rows):
+        for column, glyph in enumerate(row):
+            if glyph not in glyphs:
+                unknown.setdefault(glyph, (number, column))
+    for glyph, (number, column) in list(unknown.items())[:20]:
+        other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
+        shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
+        place = _place(inline, spans, number, column, span)
+        problems.add(errors.UNKNOWN_GLYPH, place, _absent(glyphs, rows), glyph=shown, row=number, column=column, nearest=other_case)
+    return sound and not unknown
+
+
+def _absent(glyphs: dict[str, ir.GlyphMeaning], rows: tuple[str, ...]) -> tuple[Label, ...]:
+    """Returns the place of the one glyph that is declared and nowhere on the map: perhaps it is the one that is misspelt."""
+    found = [m for m in glyphs.values() if m.origin is not None and not any(m.glyph in row for row in rows)]
+    return tuple(Label(m.origin, f"`{m.glyph}` is nowhere on the map") for m in found if len(found) == 1)  # type: ignore[arg-type]
+
+
+def _place(inline: tuple[ast.String, ...], spans: tuple[Span, ...], row: int, column: int | None, span: Span) -> Span:
+    """Returns the span of a row, or of one glyph of it, in the map's own file or in the game's text."""
+    if row < len(spans):
+        line = spans[row]
+        return line if column is None else Span(line.file, line.start + column, line.start + column + 1, line.line, column + 1)
+    if row >= len(inline):
+        return span
+    whole = inline[row].span
+    plain = whole.end - whole.start == len(inline[row].text) + 2  # nothing escaped: characters stand where they seem to
+    if column is None or not plain:
+        return whole
+    return Span(whole.file, whole.start + 1 + column, whole.start + 2 + column, whole.line, whole.column + 1 + column)
+
+
+def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> dict[str, int]:
+    """Returns the number of cells of each kind."""
+    cells: dict[str, int] = {}
+    for row in rows:
+        for glyph in row:
+            if glyph in glyphs:
+                kind = glyphs[glyph].kind
+                cells[kind] = cells.get(kind, 0) + 1
+    return cells
+
+
+def glyph_table(static: Static, meanings: list[tuple[Span, ir.GlyphMeaning]], problems: Problems) -> dict[str, ir.GlyphMeaning]:
+    """Returns the legend; a glyph of two kinds or that is no glyph is reported."""
+    table: dict[str, ir.GlyphMeaning] = {}
+    for span, meaning in meanings:
+        problem = check_glyph(meaning.glyph)
+        if problem:
+            shown = meaning.glyph.encode("unicode_escape").decode()
+            problems.add(errors.BAD_GLYPH, span, glyph=shown, problem=problem)
+        elif meaning.glyph in table:
+            first = table[meaning.glyph].kind
+            there = table[meaning.glyph].origin
+            labels = (Label(there, f"of `{first}` here"),) if there is not None else ()
+            problems.add(errors.GLYPH_TWICE, span, labels, glyph=meaning.glyph, first=first, second=meaning.kind)
+        else:
+            table[meaning.glyph] = meaning
+    assert all(m.kind in static.kinds for m in table.values())
+    return table

@@ -1,0 +1,1 @@
+"""Writes a lowered program as the text of a Python module."""

@@ -1,0 +1,98 @@
+"""A generated module in one file that needs only JAX and NumPy: with the kernels it calls, each in a scope of its own."""
+
+import ast
+from functools import cache
+from importlib.resources import files
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.emit.module import template
+from sjdsl.compiler.ir.names import param_attribute
+
+RUNTIME = "sjdsl.runtime"
+ALWAYS = ("draws", "planes", "resetting", "tokens")  # what the environment at the end of the file calls
+IMPORTED = ("import jax.numpy as jnp", "from flax import struct", "from jax import Array")
+
+
+def standalone(text: str, game: ir.Game) -> str:
+    """Returns the file.
+
+    Args:
+      text: the module that the game compiles to.
+      game: its rules.
+    """
+    lines, called = _without_kernels(text)
+    docstring, rest = _split_docstring(lines)
+    return template("standalone.py.j2").render(
+        docstring=docstring,
+        kernels=[(name, _kernel(name)) for name in _in_order((*called, *ALWAYS))],
+        names=[(module, name) for module, names in called.items() for name in names],
+        module="\n".join(rest).strip("\n"),
+        events=_events(game),
+        window=(game.window.ahead + 1 + game.window.behind, game.window.left + 1 + game.window.right),
+    )
+
+
+def _without_kernels(text: str) -> tuple[list[str], dict[str, list[str]]]:
+    """Returns the lines without the imports, and the names imported from each module of the runtime."""
+    lines, called = text.splitlines(), {}
+    for node in reversed([n for n in ast.parse(text).body if isinstance(n, ast.Import | ast.ImportFrom)]):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{RUNTIME}."):
+            called[(node.module or "").removeprefix(f"{RUNTIME}.")] = [alias.name for alias in node.names]
+        else:
+            assert ast.unparse(node) in IMPORTED, ast.unparse(node)
+        del lines[node.lineno - 1 : node.end_lineno]
+    return lines, dict(sorted(called.items()))
+
+
+def _split_docstring(lines: list[str]) -> tuple[list[str], list[str]]:
+    end = ast.parse("\n".join(lines)).body[0].end_lineno
+    return lines[:end], lines[end:]
+
+
+@cache
+def _source(name: str) -> tuple[str, tuple[str, ...]]:
+    """Returns the text of a module of the runtime, and which others it calls."""
+    text = files(RUNTIME).joinpath(f"{name}.py").read_text(encoding="utf-8")
+    called = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.module == RUNTIME:
+            called += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{RUNTIME}."):
+            called.append((node.module or "").removeprefix(f"{RUNTIME}."))
+    return text, tuple(called)
+
+
+def _in_order(names: tuple[str, ...]) -> list[str]:
+    """Returns the modules and those they call, callees first."""
+    order: list[str] = []
+
+    def visit(name: str) -> None:
+        if name not in order:
+            for called in _source(name)[1]:
+                visit(called)
+            order.append(name)
+
+    for name in sorted(set(names)):
+        visit(name)
+    return order
+
+
+def _kernel(name: str) -> list[str]:
+    """Returns a module of the runtime as the body of a function, where imports of others are looked up in their scopes."""
+    lines = _source(name)[0].splitlines()
+    for node in reversed(ast.parse("\n".join(lines)).body):
+        if isinstance(node, ast.ImportFrom) and node.module == RUNTIME:
+            lines[node.lineno - 1 : node.end_lineno] = [f"{alias.name} = _{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{RUNTIME}."):
+            scope = (node.module or "").removeprefix(f"{RUNTIME}.")
+            lines[node.lineno - 1 : node.end_lineno] = [f"{alias.name} = _{scope}.{alias.name}" for alias in node.names]
+    return [f"    {line}".rstrip() for line in lines]
+
+
+def _events(game: ir.Game) -> list[tuple[str, str, int | None]]:
+    """Returns each count of a step: its name, the attribute of the outcome, and which entry of its last axis."""
+    counts: list[tuple[str, str, int | None]] = []
+    for event in game.events:
+        attribute = f"event_{param_attribute(event.name)}"
+        counts += [(f"{event.name}[{word}]", attribute, i) for i, word in enumerate(event.by)] or [(event.name, attribute, None)]
+    return counts

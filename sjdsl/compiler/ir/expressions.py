@@ -1,0 +1,342 @@
+"""The typed IR: expressions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expr, Expression, Node, Type
+
+if TYPE_CHECKING:
+    from sjdsl.compiler.ir.statements import Domain
+else:  # declared later; its fields are checked when one is built
+    Domain = Annotated[Node, INSTANCE]
+
+
+class Number(Expression):
+    op: Literal["number"] = "number"
+    type: Type
+    value: int | float
+
+
+class Word(Expression):
+    """One of `type.words`."""
+
+    op: Literal["word"] = "word"
+    type: Type
+    value: str
+
+
+class Truth(Expression):
+    op: Literal["truth"] = "truth"
+    type: Type = CONDITION
+    value: bool
+
+
+class Nobody(Expression):
+    op: Literal["nobody"] = "nobody"
+    type: Type = AGENT
+
+
+class ParamRef(Expression):
+    """A run-time parameter; a whole table if `type.by`."""
+
+    op: Literal["param"] = "param"
+    type: Type
+    name: str
+
+
+class Member(Expression):
+    """A variable bound by a domain: an agent (`who` agent) or a cell of one of `kinds`."""
+
+    op: Literal["member"] = "member"
+    type: Type = Type(kind="member")
+    name: str
+    who: Literal["agent", "cell"]
+    kinds: tuple[str, ...] = ()
+
+
+class Local(Expression):
+    """A variable bound by `let` or `draw`."""
+
+    op: Literal["local"] = "local"
+    type: Type
+    name: str
+
+
+class FieldRead(Expression):
+    """A field at the start of the phase. `owner` is a Member, an expression of type agent, or None for a world field.
+
+    `kinds`: the kinds of the owner, for a cell's field. A whole row if `type.by`.
+    """
+
+    op: Literal["field"] = "field"
+    type: Type
+    owner: Expr | None
+    place: Literal["agent", "cell", "world"]
+    kinds: tuple[str, ...] = ()
+    name: str
+
+
+class Attribute(Expression):
+    """Read-only facts: of an agent `index`, `heading` (word), `moved`, `away`; of an agent or cell `row`, `col`."""
+
+    op: Literal["attribute"] = "attribute"
+    type: Type
+    owner: Expr
+    name: Literal["index", "heading", "moved", "away", "row", "col"]
+
+
+class At(Expression):
+    """One entry of a row or table. `key` has type word, or mix: then the entry is the expected one (shares times entries)."""
+
+    op: Literal["at"] = "at"
+    type: Type
+    row: Expr
+    key: Expr
+
+
+class Step(Expression):
+    """The number of finished steps of the episode."""
+
+    op: Literal["step"] = "step"
+    type: Type
+
+
+class Arithmetic(Expression):
+    """`neg` has one argument; `min` and `max` have two or more; `+` `-` `*` `/` `%` have two. Rows go entry by entry.
+
+    `/` of integers is a real; `%` is of integers, with the sign of the divisor.
+    """
+
+    op: Literal["arithmetic"] = "arithmetic"
+    type: Type
+    fn: Literal["+", "-", "*", "/", "%", "neg", "min", "max"]
+    args: tuple[Expr, ...]
+
+
+class Compare(Expression):
+    op: Literal["compare"] = "compare"
+    type: Type = CONDITION
+    fn: Literal["<", "<=", ">", ">=", "==", "!="]
+    left: Expr
+    right: Expr
+
+
+class Same(Expression):
+    """Both are words (perhaps of different sets), both agents, or both members; the same one."""
+
+    op: Literal["same"] = "same"
+    type: Type = CONDITION
+    left: Expr
+    right: Expr
+
+
+class InRange(Expression):
+    op: Literal["in_range"] = "in_range"
+    type: Type = CONDITION
+    value: Expr
+    low: Expr
+    high: Expr
+
+
+class InWords(Expression):
+    op: Literal["in_words"] = "in_words"
+    type: Type = CONDITION
+    value: Expr
+    words: tuple[str, ...]
+
+
+class InSet(Expression):
+    """`value` is an agent, `container` a set of agents."""
+
+    op: Literal["in_set"] = "in_set"
+    type: Type = CONDITION
+    value: Expr
+    container: Expr
+
+
+class IsEmpty(Expression):
+    """A set of agents has nobody in it."""
+
+    op: Literal["is_empty"] = "is_empty"
+    type: Type = CONDITION
+    container: Expr
+
+
+class Chose(Expression):
+    """The agent's action of this step (after `forbid`) is action number `action`."""
+
+    op: Literal["chose"] = "chose"
+    type: Type = CONDITION
+    agent: Expr
+    action: int
+
+
+class Unoccupied(Expression):
+    """`nobody on soil`: no agent is on this cell (a cell Member) at the start of the phase."""
+
+    op: Literal["unoccupied"] = "unoccupied"
+    type: Type = CONDITION
+    cell: Expr
+
+
+class StandsOn(Expression):
+    """`agent on grass`: the agent's cell is of one of `kinds`."""
+
+    op: Literal["stands_on"] = "stands_on"
+    type: Type = CONDITION
+    agent: Expr
+    kinds: tuple[str, ...]
+
+
+class Not(Expression):
+    op: Literal["not"] = "not"
+    type: Type = CONDITION
+    value: Expr
+
+
+class Logic(Expression):
+    """`and` or `or` of two or more conditions. Both sides are read; guards only matter to the checks."""
+
+    op: Literal["logic"] = "logic"
+    type: Type = CONDITION
+    fn: Literal["and", "or"]
+    args: tuple[Expr, ...]
+
+
+class Count(Expression):
+    op: Literal["count"] = "count"
+    type: Type
+    domain: Domain
+
+
+class Sum(Expression):
+    op: Literal["sum"] = "sum"
+    type: Type
+    value: Expr
+    domain: Domain
+
+
+class SumRow(Expression):
+    op: Literal["sum_row"] = "sum_row"
+    type: Type
+    row: Expr
+
+
+class Arm(Node):
+    """Numbers `low` .. `high` (ends included, None: open), or `words` (`yes`, `no` for a condition)."""
+
+    low: int | None = None
+    high: int | None = None
+    words: tuple[str, ...] = ()
+    value: Expr
+
+
+class Case(Expression):
+    """Exactly one arm applies (checked); arms are in the order written, `otherwise` already spelt out."""
+
+    op: Literal["case"] = "case"
+    type: Type
+    subject: Expr
+    arms: tuple[Arm, ...]
+
+
+class Lowest(Expression):
+    """First (`last`: last) word of the row with a positive entry; the first word of all if there is none."""
+
+    op: Literal["lowest"] = "lowest"
+    type: Type
+    row: Expr
+    last: bool = False
+
+
+class Mix(Expression):
+    """Shares of a row's entries: entry / sum, as float32."""
+
+    op: Literal["mix"] = "mix"
+    type: Type
+    row: Expr
+
+
+class Ramp(Expression):
+    """(x - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
+
+    op: Literal["ramp"] = "ramp"
+    type: Type
+    value: Expr
+    zero_at: Expr
+    one_at: Expr
+
+
+class Named(Expression):
+    """A `define`, written out here; the name is kept for the reader."""
+
+    op: Literal["named"] = "named"
+    type: Type
+    name: str
+    value: Expr
+
+
+class Narrowed(Expression):
+    """A word that guards leave fewer words to: `type.words` are those of `value.type.words` that remain."""
+
+    op: Literal["narrowed"] = "narrowed"
+    type: Type
+    value: Expr
+
+
+class EventTotal(Expression):
+    """In `checks`: how often the event was counted so far, over all agents; `word` one entry of a `by` event."""
+
+    op: Literal["event_total"] = "event_total"
+    type: Type
+    name: str
+    word: str | None = None
+
+
+class MatrixClass(Expression):
+    """In `require`: a two-level table belongs to a class of 2 x 2 games (`prisoners_dilemma`, `stag_hunt`, `chicken`)."""
+
+    op: Literal["matrix_class"] = "matrix_class"
+    type: Type = CONDITION
+    name: Literal["prisoners_dilemma", "stag_hunt", "chicken"]
+    table: Expr
+
+
+__all__ = [
+    "Arithmetic",
+    "Arm",
+    "At",
+    "Attribute",
+    "Case",
+    "Chose",
+    "Compare",
+    "Count",
+    "EventTotal",
+    "FieldRead",
+    "InRange",
+    "InSet",
+    "InWords",
+    "IsEmpty",
+    "Local",
+    "Logic",
+    "Lowest",
+    "MatrixClass",
+    "Member",
+    "Mix",
+    "Named",
+    "Narrowed",
+    "Nobody",
+    "Not",
+    "Number",
+    "ParamRef",
+    "Ramp",
+    "Same",
+    "StandsOn",
+    "Step",
+    "Sum",
+    "SumRow",
+    "Truth",
+    "Unoccupied",
+    "Word",
+]

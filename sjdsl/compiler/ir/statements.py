@@ -1,0 +1,235 @@
+"""The typed IR: shapes, domains and sentences."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from sjdsl.compiler.ir.expressions import Member
+from sjdsl.compiler.ir.node import Expr, Node, Place, PlaceNode, Sentence, Stmt, Type
+
+
+class Shape(Node):
+    """Cells in a frame: (ahead, right) of the anchor. Lanes, each nearest first; a see-through shape ends no lane.
+
+    The cells' order, lane by lane, is their number (draws inside `in SHAPE of x` are indexed by it).
+    """
+
+    name: str
+    lanes: tuple[tuple[tuple[int, int], ...], ...]
+    see_through: bool
+    directed: bool
+
+
+class Near(PlaceNode):
+    """The shape's cells around `anchor`, an agent or cell Member; `shape` names one of `Game.shapes`."""
+
+    op: Literal["near"] = "near"
+    shape: str
+    anchor: Member
+
+
+class InAgents(PlaceNode):
+    """The members of a field of type agent or set of agent."""
+
+    op: Literal["in_agents"] = "in_agents"
+    value: Expr
+
+
+class Among(PlaceNode):
+    """One of the named agent variables."""
+
+    op: Literal["among"] = "among"
+    members: tuple[Member, ...]
+
+
+class Domain(Node):
+    """All (present) agents, or all cells of `kinds`, restricted; binds `var`, and `on_var` to the cell under the agent."""
+
+    var: Member
+    on: Member | None = None
+    place: Place | None = None
+    where: Expr | None = None
+
+
+# ---- sentences
+
+
+class Let(Sentence):
+    op: Literal["let"] = "let"
+    name: str
+    value: Expr
+
+
+class Draw(Sentence):
+    """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair."""
+
+    op: Literal["draw"] = "draw"
+    name: str
+    type: Type
+    low: Expr | None = None
+    high: Expr | None = None
+    words: tuple[str, ...] = ()
+    weights: tuple[Expr, ...] = ()
+    stream: int
+
+
+class Each(Sentence):
+    op: Literal["each"] = "each"
+    domain: Domain
+    body: tuple[Stmt, ...]
+
+
+class Pick(Sentence):
+    """`most`: the largest value `number` can have, as written; it fixes how many words of the stream an instance owns."""
+
+    op: Literal["pick"] = "pick"
+    number: Expr
+    most: int
+    domain: Domain
+    body: tuple[Stmt, ...]
+    otherwise: tuple[Stmt, ...] = ()
+    stream: int
+
+
+class First(Sentence):
+    """In each lane of the domain's shape the nearest member, if any; `otherwise` for each lane without one."""
+
+    op: Literal["first"] = "first"
+    domain: Domain
+    body: tuple[Stmt, ...]
+    otherwise: tuple[Stmt, ...] = ()
+
+
+class Match(Sentence):
+    """Greedy pairs in random order; `first`: only pairs that `first RIGHT` would give."""
+
+    op: Literal["match"] = "match"
+    left: Domain
+    right: Domain
+    first: bool
+    body: tuple[Stmt, ...]
+    stream: int
+
+
+class When(Sentence):
+    """The first branch whose condition holds, else `otherwise`."""
+
+    op: Literal["when"] = "when"
+    branches: tuple[Branch, ...]
+    otherwise: tuple[Stmt, ...] = ()
+
+
+class Chance(Sentence):
+    """One draw per instance; branch k has its condition's probability given that none before it came."""
+
+    op: Literal["chance"] = "chance"
+    branches: tuple[Branch, ...]
+    otherwise: tuple[Stmt, ...] = ()
+    stream: int
+
+
+class Branch(Node):
+    """`test` is a condition (When) or a probability (Chance)."""
+
+    test: Expr
+    body: tuple[Stmt, ...]
+
+
+class Set(Sentence):
+    """`target` is a FieldRead, or an At of one; a whole row is set if the target is a row and the value is not."""
+
+    op: Literal["set"] = "set"
+    target: Expr
+    value: Expr
+
+
+class Add(Sentence):
+    """To a number, a row (row value), or an agent to a set."""
+
+    op: Literal["add"] = "add"
+    target: Expr
+    value: Expr
+
+
+class Give(Sentence):
+    """`receiver`: an agent (Member or agent-typed), a set of agents, None for all; `but`: all but this one."""
+
+    op: Literal["give"] = "give"
+    value: Expr
+    receiver: Expr | None
+    but: Member | None = None
+
+
+class Tally(Sentence):
+    """Counts `amount` (1 unless `by`) of an event for an agent, each agent of a set, or the game (`receiver` None).
+
+    `word`: the entry of a `by` event.
+    """
+
+    op: Literal["tally"] = "tally"
+    event: str
+    word: Expr | None = None
+    amount: Expr | None = None
+    receiver: Expr | None = None
+
+
+class Send(Sentence):
+    """To a free cell of `domain`, at once or after n ticks. All sends of one phase use with one `pool` share one order."""
+
+    op: Literal["send"] = "send"
+    who: Expr
+    domain: Domain
+    after: Expr | None = None
+    facing: Literal["north", "east", "south", "west", "same"] | None = None
+    stay: bool = False
+    pool: int
+    order_stream: int
+    heading_stream: int
+
+
+class Remove(Sentence):
+    op: Literal["remove"] = "remove"
+    who: Expr
+
+
+class Move(Sentence):
+    op: Literal["move"] = "move"
+    domain: Domain
+    stream: int
+
+
+class Mark(Sentence):
+    op: Literal["mark"] = "mark"
+    shape: str
+    anchor: Member
+
+
+class End(Sentence):
+    op: Literal["end"] = "end"
+
+
+__all__ = [
+    "Add",
+    "Among",
+    "Branch",
+    "Chance",
+    "Domain",
+    "Draw",
+    "Each",
+    "End",
+    "First",
+    "Give",
+    "InAgents",
+    "Let",
+    "Mark",
+    "Match",
+    "Move",
+    "Near",
+    "Pick",
+    "Remove",
+    "Send",
+    "Set",
+    "Shape",
+    "Tally",
+    "When",
+]

@@ -1,0 +1,217 @@
+"""What a cell can look like: states of kinds as numbers, raw (all that is painted) and as an observer is shown them."""
+
+from dataclasses import dataclass, replace
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower.scope import NotSupported
+from sjdsl.compiler.lower.state_reads import timer_bound
+from sjdsl.runtime.planes import TokenPlane
+
+HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
+
+
+COVERED = "covered"  # how a cell looks on which an agent stands, if agents hide what they stand on
+OUTSIDE = "outside"
+
+
+@dataclass(frozen=True)
+class Look:
+    """One kind: its painted fields with their numbers of values, and its sights in order.
+
+    `raw` and `final` are the first numbers of the kind in the two numberings; a kind that is not on the map has no raw ones. `labels`: the
+    final numbers of the labels of a kind that is shown as a whole. A kind that always looks like another is painted as that, and not
+    `present` as itself.
+    """
+
+    kind: ir.Kind
+    painted: tuple[tuple[ir.VarField, int], ...]
+    sights: tuple[ir.Sight, ...]
+    raw: int
+    final: int
+    present: bool
+    labels: tuple[int, ...] = ()
+
+    @property
+    def raw_values(self) -> int:
+        size = int(self.present)
+        for _, values in self.painted:
+            size *= values
+        return size
+
+    @property
+    def final_words(self) -> tuple[tuple[str, ...], ...]:
+        """The words each sight shows, in order."""
+        return tuple(sight_words(s) for s in self.sights)
+
+    @property
+    def same(self) -> bool:
+        """Whether an observer is shown exactly what is painted."""
+        plain = all(not s.labels and s.hidden_when is None for s in self.sights)
+        return plain and [f.name for f, _ in self.painted] == [s.field for s in self.sights]
+
+
+def sight_words(sight: ir.Sight) -> tuple[str, ...]:
+    """Returns the words or labels a cell sight shows; `hidden` is the last if it can be hidden."""
+    words = tuple(dict.fromkeys(label.name for label in sight.labels)) if sight.labels else sight.type.words
+    return (*words, "hidden") if sight.hidden_when is not None else words
+
+
+def looks(game: ir.Game) -> tuple[Look, ...]:
+    """Returns the looks of all kinds in declaration order."""
+    raw, labels = 1, content_labels(game)
+    glyphs = {g.glyph: g.kind for g in game.glyphs}
+    there = {glyphs[g] for row in game.rows for g in row}
+    found: dict[str, Look] = {}
+    for kind in game.kinds:
+        sights = _sights_of(kind, game)
+        whole = _shown_as(kind, game)
+        numbers = tuple(labels.index(word) for word in sight_words(whole)) if whole is not None else ()
+        final = numbers[0] if numbers else labels.index(_states(kind, game)[0])
+        painted = tuple((f, _values(f, game)) for f in _painted(kind, sights, game))
+        found[kind.name] = Look(kind, painted, sights, raw, final, kind.name in there, numbers)
+        if _as_another(found[kind.name], game) is None:
+            raw += found[kind.name].raw_values
+    if raw > 256 or len(labels) > 256:
+        what = f"{max(raw, len(labels))} different looks of cells (at most 256)"
+        raise NotSupported(what, game.kinds[-1].origin, "`hide` fields of cells that need not be seen, or show them with fewer labels")
+    return tuple(_painted_as(look, found, game) for look in found.values())
+
+
+def _painted_as(look: Look, others: dict[str, Look], game: ir.Game) -> Look:
+    """Returns the look of a kind, of one that always looks like another with the numbers of that."""
+    name = _as_another(look, game)
+    if name is None:
+        return look
+    return replace(look, raw=0 if name == OUTSIDE else others[name].raw, present=False)
+
+
+def _as_another(look: Look, game: ir.Game) -> str | None:
+    """Returns what else, that can be painted, a kind always looks like: another kind on the map, or what is outside."""
+    name = look.sights[0].labels[-1].name if len(look.labels) == 1 else ""
+    if not name or any(kind in hidden.kinds for hidden in game.hidden for kind in (look.kind.name, name)):
+        return None
+    glyphs = {g.glyph: g.kind for g in game.glyphs}
+    there = name in {glyphs[g] for row in game.rows for g in row} and all(s.kind != name for s in game.sights)
+    return name if name == OUTSIDE or there else None
+
+
+def _sights_of(kind: ir.Kind, game: ir.Game) -> tuple[ir.Sight, ...]:
+    return tuple(s for s in game.sights if s.what == "cell" and s.kind == kind.name)
+
+
+def _shown_as(kind: ir.Kind, game: ir.Game) -> ir.Sight | None:
+    """Returns the sight that says how cells of a kind look as a whole, if there is one."""
+    return next((s for s in _sights_of(kind, game) if not s.field), None)
+
+
+def _painted(kind: ir.Kind, sights: tuple[ir.Sight, ...], game: ir.Game) -> list[ir.VarField]:
+    """Returns the fields that decide how a cell looks: those shown as they are, and those that labels and `hide` read."""
+    wanted = {s.field for s in sights if not s.labels}
+    conditions = [c for s in sights for c in (*(label.condition for label in s.labels), s.hidden_when)]
+    conditions += [hidden.when for hidden in game.hidden if kind.name in hidden.kinds]
+    for node in (n for c in conditions if c is not None for n in ir.walk(c)):
+        if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and kind.name in node.owner.kinds:
+            wanted.add(node.name)
+    return [f for f in kind.fields if f.name in wanted]
+
+
+def _values(field: ir.VarField, game: ir.Game) -> int:
+    type_ = field.type
+    match type_.kind:
+        case "word" if not type_.by:
+            return len(type_.words)
+        case "agent" if not type_.by:
+            return game.agents.number + 1
+        case "int" if not type_.by and type_.low >= 0 and _bound(field, game) < 256:
+            return int(_bound(field, game)) + 1
+        case _:
+            what = f"labels that depend on `{field.name}`, which is not a word, an agent or a count up to 255"
+            raise NotSupported(what, field.origin, "keep what the labels ask for in a field of words")
+
+
+def _bound(field: ir.VarField, game: ir.Game) -> float:
+    return timer_bound(field, game) if field.timer else field.type.high
+
+
+def content_labels(game: ir.Game) -> tuple[str, ...]:
+    """Returns the labels of the content plane in the order of its values."""
+    whole = {kind.name: _shown_as(kind, game) for kind in game.kinds}
+    labels = [OUTSIDE, *(state for kind in game.kinds if whole[kind.name] is None for state in _states(kind, game))]
+    labels += [word for sight in whole.values() if sight is not None for word in sight_words(sight)]
+    covered = [COVERED] if any(hidden.what == "content" for hidden in game.hidden) else []
+    return tuple(dict.fromkeys([*labels, *covered]))
+
+
+def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
+    """Returns the labels of all states that are seen of a kind, the first field slowest."""
+    names = [kind.name]
+    for sight in _sights_of(kind, game):
+        names = [f"{n} {sight.field}={w}" for n in names for w in sight_words(sight)]
+    return names
+
+
+def marking_phases(game: ir.Game) -> tuple[ir.Phase, ...]:
+    """Returns the phase uses that mark cells, `start` first, then in schedule order."""
+    return tuple(p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and p.marks)
+
+
+def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
+    """Returns those whose marks are seen: all, or none if marks are hidden everywhere."""
+    return () if any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden) else marking_phases(game)
+
+
+def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
+    """Returns what each plane of a `tokens` observation means, in order."""
+    planes = [TokenPlane("content", "word", content_labels(game), len(content_labels(game)) - 1)]
+    heading = next((s for s in game.sights if s.what == "heading"), None)
+    if heading is None:
+        labels: tuple[str, ...] = ("none", "self", "other")
+    else:
+        labels = HEADING_LABELS if heading.hidden_when is None else (*HEADING_LABELS, "other")
+    planes.append(TokenPlane("agent", "word", labels, len(labels) - 1))
+    marking = seen_marks(game)
+    if marking:
+        planes.append(TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1))
+    everyone = tuple(f"everyone[{agent}]." for agent in range(game.agents.number))
+    for what, prefixes in (("other", ("other.",)), ("everyone", everyone), ("own", ("agent.",)), ("world", ("",))):
+        for sight in game.sights:
+            if sight.what == what:
+                planes += [_field_plane(sight, prefix, game) for prefix in prefixes]
+    return tuple(planes)
+
+
+def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
+    name = f"{prefix}{sight.field}" + (f"[{sight.word}]" if sight.word else "")
+    words = tuple(dict.fromkeys(x.name for x in sight.labels)) if sight.labels else sight.type.words
+    if words:
+        words = ("nobody", *words) if sight.what == "other" else words
+        return TokenPlane(name, "word", words, len(words) - 1)
+    high = number_bound(sight, game)
+    if high == float("inf"):
+        raise NotSupported(f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255", sight.origin)
+    if high > 255:
+        instead = f"show it with labels, such as `show {name} as {{ much where {name} > 99, little }}`"
+        raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", sight.origin, instead)
+    return TokenPlane(name, "number", (), int(high))
+
+
+def number_bound(sight: ir.Sight, game: ir.Game) -> float:
+    """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
+    fields = game.fields if sight.what == "world" else game.agents.fields
+    field = next(f for f in fields if f.name == sight.field)
+    if not field.timer:
+        return field.type.high
+    bound = 0.0
+    for node in ir.walk(game):
+        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead):
+            if node.target.name == field.name and node.target.place == field.place:
+                bound = max(bound, largest(node.value, game))
+    return bound
+
+
+def largest(e: ir.Expr, game: ir.Game) -> float:
+    """Returns an upper bound of a number, whatever the parameters are set to."""
+    if isinstance(e, ir.Local) and e.type.high == float("inf"):
+        drawn = [d for d in ir.walk(game) if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None]
+        return max((largest(d.high, game) for d in drawn), default=e.type.high)  # type: ignore[arg-type]
+    return e.type.high

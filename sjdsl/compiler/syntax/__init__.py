@@ -1,0 +1,1 @@
+"""From characters to the tree of a file: lexer, parser, precedence, and the builders of nodes."""

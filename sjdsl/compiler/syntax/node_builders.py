@@ -1,0 +1,262 @@
+"""Makes the `ast` nodes of the rules whose children are not simply the fields of their class."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics.source import Span
+
+Build = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Part:
+    """The content of an optional clause (`as x`, `where c`), named after its rule, for the rule around it."""
+
+    rule: str
+    content: Any
+
+
+def unquote(text: str) -> str:
+    r"""Returns the inside of a quoted string: `\"` is a quote, `\\` a backslash, any other backslash stands for itself."""
+    return text[1:-1].replace("\\\\", "\0").replace('\\"', '"').replace("\0", "\\")
+
+
+def split(items: tuple[Any, ...]) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Returns the plain children of a rule, and its clauses by name."""
+    plain = tuple(i for i in items if not isinstance(i, Part))
+    return plain, {i.rule: i.content for i in items if isinstance(i, Part)}
+
+
+def optional(node: Build, width: int) -> Build:
+    """A rule whose last children may be missing: `width` children in all, None for those that are not there."""
+    return lambda span, *items: node(span, *items, *[None] * (width - len(items)))
+
+
+def several(node: Build, single: int = 0) -> Build:
+    """A rule with `single` children and then a list."""
+    return lambda span, *items: node(span, *items[:single], items[single:])
+
+
+# ---- the file and its declarations
+
+
+def game(span: Span, *items: Any) -> ast.Game:
+    (name, *sections), clauses = split(items)
+    return ast.Game(span, name, clauses.get("title"), clauses.get("extends"), tuple(sections))
+
+
+def variant(span: Span, *items: Any) -> ast.Variant:
+    (name, *changes), clauses = split(items)
+    return ast.Variant(span, name, clauses.get("title"), tuple(changes))
+
+
+def constant(span: Span, name: ast.Name, unit: ast.Name, value: Any, limits: Any = (None, None)) -> ast.Constant:
+    return ast.Constant(span, False, name, unit, value, *limits)
+
+
+def size(span: Span, constant: ast.Constant) -> ast.Constant:
+    return replace(constant, span=span, is_size=True)
+
+
+def param(span: Span, constant: ast.Constant) -> ast.Constant:
+    return replace(constant, span=span)
+
+
+def glyph(span: Span, glyph: ast.String, *starts: Any) -> ast.Glyph:
+    return ast.Glyph(span, glyph, tuple(zip(starts[::2], starts[1::2], strict=True)))
+
+
+def blocks(span: Span, *items: Any) -> ast.Blocks:
+    what = tuple(i for i in items if isinstance(i, ast.Name))
+    return ast.Blocks(span, what, items[-1] if len(items) > len(what) else None)
+
+
+def field(span: Span, *items: Any) -> ast.Field:
+    (name, type_, *start), clauses = split(items)
+    return ast.Field(span, name, clauses.get("by"), type_, start[0] if start else None)
+
+
+def range_(span: Span, low: ast.Expr, high: ast.Expr, *capped: Part) -> ast.Range:
+    return ast.Range(span, low, high, bool(capped))
+
+
+def agent_type(span: Span, *items: Any) -> ast.NamedType:
+    return ast.NamedType(span, len(items) == 2, items[-1])
+
+
+def map_(span: Span, content: ast.String | tuple[ast.String, ...]) -> ast.Map:
+    return ast.Map(span, content, ()) if isinstance(content, ast.String) else ast.Map(span, None, content)
+
+
+def agents(span: Span, *items: Any) -> ast.Agents:
+    attributes = tuple(i for i in items if isinstance(i, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid))
+    return ast.Agents(span, items[0] if len(items) > len(attributes) else None, attributes)
+
+
+def forbid(span: Span, *items: Any) -> ast.Forbid:
+    *actions, condition = items
+    return ast.Forbid(span, tuple(a for a in actions if isinstance(a, ast.Name)), condition)
+
+
+def shape(span: Span, name: ast.Name, content: ast.Call | tuple[ast.String, ...]) -> ast.Shape:
+    return ast.Shape(span, name, (), content) if isinstance(content, ast.Call) else ast.Shape(span, name, content, None)
+
+
+def define(span: Span, *items: Any) -> ast.Define:
+    (name, value), clauses = split(items)
+    return ast.Define(span, name, clauses.get("names", ()), value)
+
+
+def phase(span: Span, *items: Any) -> ast.Phase:
+    (name, block), clauses = split(items)
+    return ast.Phase(span, name, clauses.get("names", ()), block)
+
+
+def window(span: Span, *items: Any) -> ast.Window:
+    return ast.Window(span, tuple(zip(items[::2], items[1::2], strict=True)))
+
+
+def relabel(span: Span, *items: Any) -> ast.Relabel:
+    (label,), clauses = split(items)
+    return ast.Relabel(span, label, clauses.get("where"))
+
+
+def look(span: Span, *items: Any) -> ast.Look:
+    (what,), clauses = split(items)
+    return ast.Look(span, what, clauses.get("where"), clauses.get("body"), clauses.get("badge"))
+
+
+def hide(span: Span, *items: Any) -> ast.Hide:
+    (what, *condition), clauses = split(items)
+    return ast.Hide(span, what, clauses.get("hidden_on"), condition[0] if condition else None)
+
+
+def event(span: Span, *items: Any) -> ast.Event:
+    (name,), clauses = split(items)
+    return ast.Event(span, name, clauses.get("by"))
+
+
+def checks(span: Span, *items: Any) -> ast.Checks:
+    name = items[0] if items and isinstance(items[0], ast.Name) else None
+    return ast.Checks(span, name, items[1:] if name else items)
+
+
+def symmetric(span: Span, _: ast.Name, what: ast.Name) -> ast.Symmetric:
+    return ast.Symmetric(span, what)
+
+
+def expect(span: Span, condition: ast.Expr, *items: Any) -> ast.Expect:
+    *policies, episodes = items
+    return ast.Expect(span, condition, tuple(policies), int(episodes))
+
+
+def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
+    match first, rest:
+        case Part(rule="seek", content=domain), ():
+            return ast.Policy(span, ast.Name(replace(span, end=span.start + len("seek")), "seek"), (), domain)
+        case ast.Name() as name, (Part(content=actions),):
+            return ast.Policy(span, name, actions, None)
+        case _:
+            return ast.Policy(span, first, (), None)
+
+
+# ---- sentences and who
+
+
+def match_(span: Span, left: ast.Domain, *items: Any) -> ast.Match:
+    (right, block), clauses = split(items)
+    return ast.Match(span, left, "nearest" in clauses, right, block)
+
+
+def tally(span: Span, *items: Any) -> ast.Tally:
+    (event,), clauses = split(items)
+    return ast.Tally(span, event, clauses.get("amount"), clauses.get("gainer"))
+
+
+def send(span: Span, *items: Any) -> ast.Send:
+    (who, domain), clauses = split(items)
+    return ast.Send(span, who, domain, clauses.get("after"), clauses.get("facing"), clauses.get("stay"))
+
+
+def on(span: Span, *items: Any) -> ast.On:
+    (kind,), clauses = split(items)
+    return ast.On(span, kind, clauses.get("bind"))
+
+
+def domain(span: Span, *items: Any) -> ast.Domain:
+    (kind, *on), clauses = split(items)
+    where = clauses.get("where")
+    return ast.Domain(span, kind, clauses.get("bind"), on[0] if on else None, clauses.get("inside"), where)
+
+
+def shape_name(span: Span, name: ast.Name) -> ast.ShapeRef:
+    return ast.ShapeRef(span, name, None)
+
+
+def near(span: Span, shape: ast.ShapeRef | ast.Call, anchor: ast.Name) -> ast.Near:
+    return ast.Near(span, shape_ref(shape), anchor)
+
+
+def mark(span: Span, shape: ast.ShapeRef | ast.Call, anchor: ast.Name) -> ast.Mark:
+    return ast.Mark(span, shape_ref(shape), anchor)
+
+
+def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
+    return ast.ShapeRef(shape.span, shape.name, shape.arguments) if isinstance(shape, ast.Call) else shape
+
+
+# ---- expressions
+
+
+def chain(span: Span, *items: Any) -> ast.Expr:
+    """`a + b - c` becomes `(a + b) - c`."""
+    left, *rest = items
+    for op, right in zip(rest[::2], rest[1::2], strict=True):
+        left = ast.Binary(replace(span, end=right.span.end), op, left, right)
+    return replace(left, span=span)
+
+
+def binary(op: str) -> Build:
+    """A chain of one operator that the tree leaves out, or a single pair."""
+    return lambda span, first, *rest: chain(span, first, *(item for right in rest for item in (op, right)))
+
+
+def compare(span: Span, left: ast.Expr, op: str, right: ast.Expr) -> ast.Binary:
+    return ast.Binary(span, op, left, right)
+
+
+def negate(span: Span, operand: ast.Expr) -> ast.Unary:
+    return ast.Unary(span, "not", operand)
+
+
+def int_(span: Span, digits: str) -> ast.Int:
+    return ast.Int(span, int(digits))
+
+
+def dec(span: Span, digits: str) -> ast.Decimal:
+    return ast.Decimal(span, float(digits))
+
+
+def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
+    match key:
+        case ("otherwise",):
+            return ast.Arm(span, None, None, False, None, value)
+        case (ast.Name() as word,):
+            return ast.Arm(span, None, None, False, word, value)
+        case (low,):
+            return ast.Arm(span, int(low), int(low), False, None, value)
+        case (low, ".."):
+            return ast.Arm(span, int(low), None, True, None, value)
+        case (low, "..", high):
+            return ast.Arm(span, int(low), int(high), False, None, value)
+    raise AssertionError(key)
+
+
+def only(_: Span, item: Any) -> Any:
+    return item
+
+
+def all_of(_: Span, *items: Any) -> tuple[Any, ...]:
+    return items

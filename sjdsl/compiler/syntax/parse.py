@@ -1,0 +1,216 @@
+"""From text to tree: every independent syntax error of the file at once, or the tree of a text without any.
+
+Source -> ast.File
+"""
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
+from importlib.resources import files
+from pathlib import Path
+
+from lark import Lark, Token, Tree, UnexpectedCharacters, UnexpectedToken
+
+from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text, check_tree
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.build_ast import build_ast
+from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton, open_marks, read
+from sjdsl.compiler.syntax.recovery.idioms import Idiom, find_idiom, idiom_error
+from sjdsl.compiler.syntax.recovery.messages import word_error
+from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
+from sjdsl.compiler.syntax.tokens import Scan, scan
+
+HERE = Path(__file__).parent
+VERSION = "1"
+FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
+
+
+@lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
+def parse(source: Source) -> ast.File:
+    """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
+    return build_ast(read_tree(source)[1], source.name)
+
+
+def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
+    """Returns the tokens of one `.sj` text and the grammar's own tree of them. Raises CompileError with every syntax error."""
+    _raise(check_text(source))
+    wrong = _check_version(source)
+    if wrong and wrong[0].code is errors.NEWER_LANGUAGE:
+        raise CompileError(wrong)
+    found = scan(source, parser())
+    if wrong and not _skip_to_game(found):
+        raise CompileError(wrong)
+    tree = None if wrong or found.problems else _tree(found.tokens)
+    if tree is None:
+        raise CompileError(wrong + found.problems + (_find_errors(found, not wrong) if found.complete else []))
+    _raise(check_tree(tree, source))
+    return found.tokens, tree
+
+
+def _raise(problems: list[Diagnostic]) -> None:
+    if problems:
+        raise CompileError(problems)
+
+
+@cache
+def parser() -> Lark:
+    """Returns the parser of the language, made once a process; its tables are kept from one process to the next."""
+    grammar = files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
+    return Lark(grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True, cache=_kept_tables())
+
+
+def _kept_tables() -> str | bool:
+    """Returns where the tables are kept: beside the compiled Python files, nowhere if nothing can be written there."""
+    folder = HERE / "__pycache__"
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError:
+        return False
+    return str(folder / "sj.lark.tables") if os.access(folder, os.W_OK) else False
+
+
+@cache
+def automaton() -> Automaton:
+    """Returns the parser's table, for finding errors."""
+    return make_automaton(parser())
+
+
+def _check_version(source: Source) -> list[Diagnostic]:
+    """Returns what is wrong with the version line; nothing if it is there and for this language."""
+    first = FIRST_LINE.search(source.text)
+    if first is None:
+        but = ": it holds only comments" if "#" in source.text else ": it is empty"
+        return [Diagnostic(errors.NO_VERSION, source.span(0, 0), {"known": VERSION, "but": but})]
+    line, start = first.group(1), first.start(1)
+    number = re.match(r"sj\s+([0-9][0-9._]*)", line)
+    if number and number.group(1) != VERSION:
+        span = source.span(start, start + number.end())
+        return [Diagnostic(errors.NEWER_LANGUAGE, span, {"version": number.group(1)[:20], "known": VERSION})]
+    if number or re.match(r"sj\b", line):
+        return []
+    word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
+    span = source.span(start, start + len(word))
+    return [Diagnostic(errors.NO_VERSION, span, {"known": VERSION, "but": f": it begins with `{word}`"})]
+
+
+def _skip_to_game(found: Scan) -> bool:
+    """Drops what stands in place of the version line; returns whether a game follows at all."""
+    kinds = [token.type for token in found.tokens[:3]]
+    if "GAME" not in kinds:
+        return False
+    dropped = kinds.index("GAME")
+    begin = found.tokens[dropped].start_pos or 0
+    found.problems = [problem for problem in found.problems if problem.span.start >= begin]
+    found.mended = {number - dropped for number in found.mended}
+    del found.tokens[:dropped]
+    return True
+
+
+@dataclass
+class Search:
+    """The errors found so far; those before token `quiet` may follow from the one before, `owed` braces certainly do."""
+
+    problems: dict[tuple[int, object], Diagnostic] = field(default_factory=dict)
+    quiet: int = 0
+    owed: int = 0
+
+
+def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
+    """Runs the table over the tokens; at each error a repair is chosen, and reading goes on behind it."""
+    table = automaton()
+    kinds = [token.type for token in found.tokens] + [END]
+    texts = [str(token) for token in found.tokens] + [""]
+    closing = _closing(kinds)
+    stack, before = _beginning(table, begun), None
+    search, at, repairs = Search(), 0, 0
+    trail: dict[int, Stack] = {}
+    while repairs < MAX_PROBLEMS:
+        after = read(table, stack, kinds[at], at)
+        if after is not None and kinds[at] == END:
+            break
+        if after is not None:
+            trail[at] = stack
+            before, stack, at = stack, after, at + 1
+            continue
+        trouble = Trouble(table, kinds, texts, closing, stack, before, at)
+        idiom = find_idiom(trouble, trail, found.tokens, found.source, _lex) if at >= search.quiet else None
+        repair = find_repair(trouble) if idiom is None else Repair("idiom", at, idiom.stack, idiom.end)
+        _report(search, trouble, repair, idiom, found)
+        if repair is None:
+            break
+        before, stack, at, repairs = None, repair.stack, repair.resume, repairs + 1
+        trail.clear()
+    return list(search.problems.values())
+
+
+def _lex(text: str) -> list[Token]:
+    """Returns the tokens of a text; none if it cannot be read."""
+    try:
+        return list(parser().lex(text))
+    except UnexpectedCharacters:
+        return []
+
+
+def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idiom | None, found: Scan) -> None:
+    """Adds an error, unless it follows from one before."""
+    change = 0 if repair is None else _change_of_braces(repair, trouble.kinds)
+    worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
+    forgiven = (not worse and change * search.owed < 0) or _closes_what_was_put_in(repair, trouble)
+    search.owed += change if worse or forgiven else 0
+    if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
+        problem = word_error(trouble, repair, found.tokens, found.source)
+        problem = problem if idiom is None else idiom_error(idiom, problem, found.tokens, found.source)
+        search.problems.setdefault(_identity(problem), problem)
+    search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
+
+
+def _closes_what_was_put_in(repair: Repair | None, trouble: Trouble) -> bool:
+    """Whether only a bracket is missing whose opening one a repair put in: the author never wrote it."""
+    pairs = {"RPAR": "LPAR", "RSQB": "LSQB"}
+    if repair is None or repair.kind not in pairs or repair.sort not in ("insert", "replace"):
+        return False
+    return open_marks(trouble.automaton, trouble.stack, pairs[repair.kind], repair.kind)[:1] == [-1]
+
+
+def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:
+    """How many more braces are open after a repair than a reader of the text would think."""
+    if repair.sort == "unclose" or (repair.sort == "delete" and kinds[repair.place] == "RBRACE"):
+        return 1
+    return repair.times * ((repair.kind == "LBRACE") - (repair.kind == "RBRACE"))
+
+
+def _identity(problem: Diagnostic) -> tuple[int, object]:
+    """A reserved word used as a name is one mistake, however often the name is used."""
+    return (0, problem.facts["word"]) if problem.code is errors.RESERVED_WORD else (1, problem.span)
+
+
+def _closing(kinds: list[str]) -> list[int]:
+    """Returns for each token how many more `}` than `{` there are from it to the end."""
+    counts = [0]
+    for kind in reversed(kinds):
+        counts.append(counts[-1] + (kind == "RBRACE") - (kind == "LBRACE"))
+    return counts[::-1]
+
+
+def _beginning(table: Automaton, begun: bool) -> Stack:
+    """Returns the stack before the first token, or behind a version line that is not there."""
+    stack = Stack(table.start, None)
+    for kind in () if begun else ("SJ", "INT"):
+        stack = read(table, stack, kind) or stack
+    return stack
+
+
+def _tree(tokens: list[Token]) -> Tree[Token] | None:
+    """Returns the tree of tokens, None if there is an error in them."""
+    reader = parser().parse_interactive("")
+    try:
+        for token in tokens:
+            reader.feed_token(token)
+        return reader.feed_eof(tokens[-1])
+    except UnexpectedToken:
+        return None

@@ -1,0 +1,58 @@
+"""Reads a file from disk into a `Source`, or says in the author's words why it cannot."""
+
+from pathlib import Path
+
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Code, CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.limits import MAX_BYTES
+from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.near_names import nearest
+
+
+def read_source(path: Path | str) -> Source:
+    """Returns the text of `path`, without a byte order mark, line ends as they are.
+
+    Raises CompileError: no such file, a folder, no permission, too large, not UTF-8.
+    """
+    path = Path(path)
+    name = path.as_posix()
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+            size = path.stat().st_size
+    except FileNotFoundError:
+        raise _failure(errors.UNREADABLE, name, name=name, problem="there is no such file", nearest=_neighbour(path)) from None
+    except IsADirectoryError:
+        raise _failure(errors.UNREADABLE, name, name=name, problem="it is a folder", nearest="") from None
+    except (OSError, ValueError) as error:
+        problem = (getattr(error, "strerror", None) or "the name is not one of a file").lower()
+        raise _failure(errors.UNREADABLE, name, name=name, problem=problem, nearest="") from None
+    return decode(data, name, path.parent, max(size, len(data)))
+
+
+def decode(data: bytes, name: str, folder: Path | None = None, size: int | None = None) -> Source:
+    """Returns the text that the bytes of a file are. `size`: of the whole file, where `data` is only its beginning.
+
+    Raises CompileError: too large, not UTF-8.
+    """
+    if len(data) > MAX_BYTES:
+        raise _failure(errors.FILE_TOO_LARGE, name, given=size or len(data), limit=MAX_BYTES)
+    if b"\0" in data:
+        raise _failure(errors.NOT_TEXT, name, problem=f"byte {data.index(0)} is NUL")
+    try:
+        return Source(name, data.decode("utf-8-sig"), folder)
+    except UnicodeDecodeError as error:
+        raise _failure(errors.NOT_TEXT, name, problem=f"byte {error.start} is not UTF-8") from None
+
+
+def _failure(code: Code, file: str, **facts: object) -> CompileError:
+    return CompileError([Diagnostic(code, Span(file, 0, 0, 1, 1), facts)])
+
+
+def _neighbour(path: Path) -> str:
+    """Returns the game beside `path` whose name is nearest, or nothing."""
+    try:
+        names = [p.name for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()]
+    except OSError:
+        return ""
+    return nearest(path.name, names)

@@ -1,0 +1,189 @@
+"""Recognises what is written as in other languages, `agent.bag += 1`, and says how it is written here.
+
+Assumes that the table refused a token; an idiom is believed only if what it stands for can be read in its place.
+"""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from lark import Token
+
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, reach, read
+from sjdsl.compiler.syntax.recovery.phrases import PHRASES, Phrase
+from sjdsl.compiler.syntax.recovery.repair import ENOUGH, ENTRIES, SECTIONS, SENTENCES, Trouble
+from sjdsl.compiler.syntax.tokens import CLOSING, OPENING
+
+FARTHEST = 6  # tokens before the refused one at which an idiom may begin
+BEGINNING = (SENTENCES | SECTIONS | ENTRIES) - {"WHERE", "OTHERWISE"}
+# What a part of a phrase is read behind, and what shows that it is complete.
+READ_BEHIND = {
+    "EXPR": ("sj 1 game x { checks { require", "RBRACE"),
+    "DOMAIN": ("sj 1 game x { checks { require count (", "RPAR"),
+}
+
+Lex = Callable[[str], list[Token]]
+
+
+@dataclass(frozen=True)
+class Idiom:
+    """Tokens `start .. end` are a phrase of elsewhere; `instead` stands for them, `kinds` are its tokens, `stack` is behind them."""
+
+    phrase: Phrase
+    start: int
+    end: int
+    instead: str
+    help: str
+    stack: Stack
+
+
+def find_idiom(trouble: Trouble, trail: Mapping[int, Stack], tokens: Sequence[Token], source: Source, lex: Lex) -> Idiom | None:
+    """Returns the idiom around the refused token; `trail`: the stack before each token that has been read.
+
+    What stands in its place must be readable, and so must what follows. Where several are, the one that begins first.
+    """
+    for start in range(max(0, trouble.at - FARTHEST), trouble.at + 1):
+        stack = trouble.stack if start == trouble.at else trail.get(start)
+        if stack is None:
+            continue
+        for phrase in PHRASES:
+            found = _match(phrase, start, trouble, tokens, source, lex)
+            if found is None or not start <= trouble.at <= found[0]:
+                continue
+            end, parts = found
+            idiom = _believed(phrase, (start, end), parts, stack, trouble, lex)
+            if idiom is not None:
+                return idiom
+    return None
+
+
+def _believed(phrase: Phrase, place: tuple[int, int], parts: Sequence[str], stack: Stack, trouble: Trouble, lex: Lex) -> Idiom | None:
+    start, end = place
+    told = dict(zip(map(str, range(1, len(parts) + 1)), parts, strict=True))
+    told |= {f"minus{number}": negated(part) for number, part in enumerate(parts, 1)}
+    told |= {f"all{number}": bracketed(part) for number, part in enumerate(parts, 1)}
+    told |= {f"and{number}": " and" if " where " in part else " where" for number, part in enumerate(parts, 1)}
+    instead = phrase.write(told)
+    kinds = [token.type for token in lex(instead)]
+    if not kinds or kinds == list(trouble.kinds[start:end]):
+        return None
+    after: Stack | None = stack
+    for kind in kinds:
+        after = None if after is None else read(trouble.automaton, after, kind)
+    needed = min(ENOUGH, len(trouble.kinds) - end)
+    if after is None or reach(trouble.automaton, after, trouble.kinds, end, needed) < needed:
+        return None
+    help_ = phrase.explain(told) if phrase.explanation else f"write `{instead}`"
+    return Idiom(phrase, start, end, instead, help_, after)
+
+
+def _match(phrase: Phrase, start: int, trouble: Trouble, tokens: Sequence[Token], source: Source, lex: Lex) -> tuple[int, list[str]] | None:
+    """Returns where a phrase ends and the texts of its parts; None if it does not stand here."""
+    at, parts = start, []
+    for element in phrase.pattern:
+        if at >= len(tokens):
+            return None
+        if element.isupper():
+            end = _end_of(element, at, trouble, lex)
+            if end == at:
+                return None
+            parts.append(_text(tokens, at, end, source))
+            at = end
+        elif tokens[at] == element:
+            at += 1
+        else:
+            return None
+    return at, parts
+
+
+def _end_of(element: str, at: int, trouble: Trouble, lex: Lex) -> int:
+    """Returns where a part of a phrase ends, `at` if it does not stand there."""
+    kinds = trouble.kinds
+    match element:
+        case "NAME" | "INT" | "STRING":
+            return at + (kinds[at] == element)
+        case "PATH":
+            return _end_of_path(kinds, at)
+        case "TURNS" | "NAMES":
+            return _end_of_list(kinds, trouble.texts, at)
+        case _:
+            return _end_of_read(element, at, trouble, lex)
+
+
+def _end_of_path(kinds: Sequence[str], at: int) -> int:
+    if kinds[at] != "NAME":
+        return at
+    at += 1
+    while kinds[at] == "DOT" and kinds[at + 1] == "NAME":
+        at += 2
+    return at
+
+
+def _end_of_list(kinds: Sequence[str], texts: Sequence[str], at: int) -> int:
+    """Names with brackets behind them or not, and commas, arrows of any kind, `then` or nothing between them."""
+    end = at
+    while kinds[at] == "NAME":
+        at += 1
+        if kinds[at] == "LPAR" and "RPAR" in kinds[at:]:
+            at = at + list(kinds[at:]).index("RPAR") + 1
+        end = at
+        at += 2 if (texts[at], texts[at + 1 : at + 2]) == ("=", [">"]) else kinds[at] in ("COMMA", "ARROW")
+    return end
+
+
+def _end_of_read(element: str, at: int, trouble: Trouble, lex: Lex) -> int:
+    """The longest run of tokens that is an expression or a domain."""
+    automaton, kinds = trouble.automaton, trouble.kinds
+    stack: Stack | None = _stack_behind(automaton, element, lex)
+    _, closing = READ_BEHIND[element]
+    end, depth = at, 0
+    while stack is not None and kinds[at] != END and kinds[at] not in BEGINNING:
+        depth += (kinds[at] in OPENING) - (kinds[at] in CLOSING)
+        if depth < 0:
+            break
+        stack = read(automaton, stack, kinds[at])
+        at += 1
+        if stack is not None and read(automaton, stack, closing) is not None:
+            end = at
+    return end
+
+
+@cache
+def _stack_behind(automaton: Automaton, element: str, lex: Lex) -> Stack:
+    stack: Stack | None = Stack(automaton.start, None)
+    for token in lex(READ_BEHIND[element][0]):
+        stack = None if stack is None else read(automaton, stack, token.type)
+    assert stack is not None
+    return stack
+
+
+def _text(tokens: Sequence[Token], start: int, end: int, source: Source) -> str:
+    """Returns tokens as they are written, on one line and without comments."""
+    text = source.text[tokens[start].start_pos : tokens[end - 1].end_pos]
+    return " ".join(re.sub(r"#[^\n]*", "", text).split())
+
+
+def negated(value: str) -> str:
+    """Returns an expression with the other sign."""
+    if value.startswith("-") and value[1:].replace(".", "").isalnum():
+        return value[1:]
+    return f"-{value}" if re.fullmatch(r"[\w.\[\]]+", value) else f"-({value})"
+
+
+def bracketed(condition: str) -> str:
+    """Returns a condition in brackets, if it has parts that `not` would not reach."""
+    return f"({condition})" if re.search(r"\b(and|or)\b", condition) else condition
+
+
+def idiom_error(idiom: Idiom, diagnostic: Diagnostic, tokens: Sequence[Token], source: Source) -> Diagnostic:
+    """Returns a diagnostic that says how the phrase is written here."""
+    begin, end = tokens[idiom.start].start_pos or 0, tokens[idiom.end - 1].end_pos or 0
+    facts = {**diagnostic.facts, "help": idiom.help}
+    fix = None if idiom.phrase.explanation else Fix(source.span(begin, end), idiom.instead)
+    last = tokens[idiom.end - 1]
+    behind = (last.line or 0) < diagnostic.span.line
+    labels = (Label(source.span(last.start_pos or 0, end), "after this"),) if behind else ()
+    return Diagnostic(diagnostic.code, diagnostic.span, facts, labels, fix)

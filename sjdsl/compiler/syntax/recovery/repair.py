@@ -1,0 +1,201 @@
+"""How reading goes on after a syntax error: the small change that lets most of the text behind it be read.
+
+Assumes that the stack cannot read the next token; guarantees that it can read one after the change.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from sjdsl.compiler.diagnostics.limits import MAX_DEPTH
+from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, accepted, levels, open_braces, reach, read
+from sjdsl.near_names import nearest
+
+AHEAD = 24  # tokens looked at behind an error
+ENOUGH = 3  # tokens that must follow for a change to be believed
+
+SENTENCES = frozenset((
+    "EACH", "PICK", "FIRST", "MATCH", "WHEN", "CHANCE", "LET", "DRAW", "SET", "ADD", "GIVE", "TALLY", "SEND",
+    "REMOVE", "MOVE", "MARK", "END",
+))  # fmt: skip
+SECTIONS = frozenset((
+    "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS", "SHAPE", "DEFINE",
+    "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "VARIANT",
+))  # fmt: skip
+ENTRIES = frozenset((
+    "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN", "FINAL", "REQUIRE",
+    "ALWAYS", "ONCE", "CONSERVED", "MONOTONE", "SYMMETRIC", "EXPECT", "DROP", "OTHERWISE", "WHERE",
+))  # fmt: skip
+RESUMING = SENTENCES | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
+
+# Words and signs of other languages, with ours.
+FOREIGN = {
+    "=": "==", "==": "=", "<>": "!=", "=>": "->",
+    "if": "when", "else": "otherwise", "elif": "otherwise", "foreach": "each", "every": "each", "def": "define",
+    "function": "define", "rule": "phase", "const": "param", "constant": "param", "parameter": "param", "players": "agents",
+    "player": "agents", "agent": "agents", "object": "kind", "random": "chance", "probability": "chance", "var": "let",
+    "assign": "set", "import": "extends", "order": "schedule", "invariant": "always", "assert": "require", "teleport": "send",
+    "counter": "timer", "variable": "field", "stop": "end", "none": "nobody", "null": "nobody",
+}  # fmt: skip
+
+Sort = Literal["near", "name", "insert", "replace", "delete", "close", "unclose", "skip", "idiom"]
+BONUS = {"near": 6.0, "name": 2.0, "insert": 0.0, "close": 0.0, "unclose": 0.0, "delete": -1.0, "replace": -1.25}
+IMBALANCE = 2.0  # what each brace without a partner costs
+EARLIER = 0.5  # what a change before the last good token costs
+COMMITTING = 2.0  # what it costs to put in a word that asks for a bracket or a value behind it
+COMMITTED = frozenset(("CASE", "COUNT", "SUM", "LPAR", "LSQB", "NOT"))
+NAMELIKE = frozenset(("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK"))  # words that may be names put where they can stand
+REPEATED = 1.0  # what speaks for leaving out a token that stands there twice
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """Where the table refused token `at`: `before` is the stack before the token that precedes it."""
+
+    automaton: Automaton
+    kinds: Sequence[str]
+    texts: Sequence[str]
+    closing: Sequence[int]
+    stack: Stack
+    before: Stack | None
+    at: int
+
+    @property
+    def unmatched(self) -> int:
+        """How many of the open braces are not closed further on; below 0: how many are closed that are not open."""
+        return len(open_braces(self.automaton, self.stack)) - self.closing[self.at]
+
+
+@dataclass(frozen=True)
+class Repair:
+    """A change at token `place`: the stack and the token to go on with.
+
+    `kind`: the kind of token put in, `times` so often; `alone`: no other change is as good.
+    """
+
+    sort: Sort
+    place: int
+    stack: Stack
+    resume: int
+    kind: str = ""
+    times: int = 1
+    alone: bool = True
+
+    @property
+    def is_sure(self) -> bool:
+        return self.sort in ("near", "name", "idiom")
+
+
+def find_repair(trouble: Trouble) -> Repair | None:
+    """Returns the change after which most can be read; to the next statement if no small one helps; None at the end."""
+    found = [(_score(trouble, c), c) for c in _candidates(trouble) if _seen(trouble, c) >= _needed(trouble, c)]
+    if not found:
+        return _skip(trouble)
+    score, best = max(found, key=lambda pair: pair[0])
+    rivals = sum(other == score for other, _ in found)
+    return replace(best, alone=rivals == 1)
+
+
+def _needed(trouble: Trouble, repair: Repair) -> int:
+    """How many tokens must be read for a change to be believed: few for a word that is nearly right."""
+    return 1 if repair.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
+
+
+def _seen(trouble: Trouble, repair: Repair) -> int:
+    """How many tokens from the error on can be read after a change."""
+    behind = reach(trouble.automaton, repair.stack, trouble.kinds, repair.resume, AHEAD)
+    return min(AHEAD, behind + repair.resume - trouble.at)
+
+
+def _score(trouble: Trouble, repair: Repair) -> float:
+    unmatched = len(open_braces(trouble.automaton, repair.stack)) - trouble.closing[repair.resume]
+    score = _seen(trouble, repair) + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
+    score -= EARLIER * (repair.place < trouble.at) + COMMITTING * (repair.kind in COMMITTED)
+    repeated = repair.sort == "delete" and trouble.at > 0 and trouble.texts[trouble.at] == trouble.texts[trouble.at - 1]
+    return score + REPEATED * repeated
+
+
+def _candidates(trouble: Trouble) -> Iterator[Repair]:
+    """The small changes: one word read as another, one token more or less, braces closed."""
+    yield from _changes_here(trouble)
+    if trouble.before is not None:
+        yield from _changes_before(trouble, trouble.before)
+    closed, times = read(trouble.automaton, trouble.stack, "RBRACE"), 1
+    while closed is not None and times <= MAX_DEPTH:
+        yield Repair("close", trouble.at, closed, trouble.at, "RBRACE", times)
+        closed, times = read(trouble.automaton, closed, "RBRACE"), times + 1
+
+
+def _changes_here(trouble: Trouble) -> Iterator[Repair]:
+    automaton, stack, at = trouble.automaton, trouble.stack, trouble.at
+    kinds = accepted(automaton, stack)
+    for kind in near_keywords(trouble, at, kinds):
+        yield Repair("near", at, _read(automaton, stack, kind), at + 1, kind)
+    if _is_keyword(trouble, at) and "NAME" in kinds:
+        yield Repair("name", at, _read(automaton, stack, "NAME"), at + 1, "NAME")
+    for kind in kinds:
+        after = _read(automaton, stack, kind)
+        if kind != END:
+            yield Repair("insert", at, after, at, kind)
+        if trouble.kinds[at] != END:
+            yield Repair("replace", at, after, at + 1, kind)
+    if trouble.kinds[at] != END:
+        yield Repair("delete", at, stack, at + 1)
+
+
+def _changes_before(trouble: Trouble, before: Stack) -> Iterator[Repair]:
+    """Changes of the token before the refused one, or in front of it."""
+    automaton, place = trouble.automaton, trouble.at - 1
+    kinds = accepted(automaton, before)
+    for kind in near_keywords(trouble, place, kinds):
+        yield Repair("near", place, _read(automaton, before, kind), trouble.at, kind)
+    if trouble.kinds[place] in NAMELIKE and "NAME" in kinds:
+        yield Repair("name", place, _read(automaton, before, "NAME"), trouble.at, "NAME")
+    if trouble.kinds[place] == "RBRACE":
+        yield Repair("unclose", trouble.at, before, trouble.at)
+    for kind in kinds:
+        after = read(automaton, _read(automaton, before, kind), trouble.kinds[place], place) if kind != END else None
+        if after is not None:
+            yield Repair("insert", place, after, trouble.at, kind)
+
+
+def _is_keyword(trouble: Trouble, at: int) -> bool:
+    return trouble.automaton.words.get(trouble.kinds[at], "").isalpha()
+
+
+def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
+    after = read(automaton, stack, kind)
+    assert after is not None
+    return after
+
+
+def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
+    """Returns the kinds of the keywords, among `kinds`, that a misspelt word may stand for."""
+    text = trouble.texts[at]
+    words = {word: kind for kind, word in trouble.automaton.words.items() if kind in kinds}
+    words |= {"==": "CMP", "!=": "CMP"} if "CMP" in kinds else {}
+    if FOREIGN.get(text) in words:
+        return [words[FOREIGN[text]]]
+    if trouble.kinds[at] != "NAME":
+        return []
+    words = {word: kind for word, kind in words.items() if word.isalpha()}
+    near = []
+    while best := nearest(text, words):
+        near.append(words.pop(best))
+    return near
+
+
+def _skip(trouble: Trouble) -> Repair | None:
+    """Goes to the next statement, brace or end at which some level of the stack can read on."""
+    automaton, depth = trouble.automaton, 0
+    for resume in range(trouble.at, len(trouble.kinds)):
+        kind = trouble.kinds[resume]
+        if kind in RESUMING and depth == 0:
+            needed = 1 if kind in ("RBRACE", END) else ENOUGH
+            for level in levels(trouble.stack):
+                if reach(automaton, level, trouble.kinds, resume, needed) >= needed:
+                    return Repair("skip", trouble.at, level, resume)
+                if level.state in automaton.after["LBRACE"] and kind != "RBRACE":
+                    break
+        depth = max(0, depth + (kind == "LBRACE") - (kind == "RBRACE"))
+    return None

@@ -1,0 +1,104 @@
+"""How an episode on the game's own map breaks a promise: its end in numbers, and the step with which it happens, as small as it can be."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.state import Cell, World
+from sjdsl.interpreter.step import read
+from sjdsl.properties.counterexample import in_short, shown, take_step, when
+from sjdsl.properties.effects import AWAY, HEADING, MOVED, PLACE, Part, reads
+from sjdsl.properties.engines import Episode, Stretch
+from sjdsl.properties.instances import Ground
+from sjdsl.properties.monitors import Break
+from sjdsl.properties.trajectory import params_of, words_of
+from sjdsl.trace.effects import Effect
+from sjdsl.trace.episode import Moment
+from sjdsl.trace.lines import make_teller, turn_lines
+from sjdsl.trace.picture import draw
+from sjdsl.trace.rules import Rules
+
+AROUND = 2  # rows of the map shown above and below what changed
+PLACES = {"place": PLACE, "heading": HEADING, "moved": MOVED, "away": AWAY}
+
+
+def tell_episode(ground: Ground, stretch: Stretch, episode: Episode, policies: Sequence[ir.Policy], number: int, where: Break) -> list[str]:
+    """Returns the end of an episode, and of the step with which a promise breaks in it what the promise speaks of."""
+    check = ground.own.checks[number]
+    names = names_of(ground, policies)
+    totals = ", ".join(f"{name}{f'[{word}]' if word else ''} {count}" for (name, word), count in episode.totals.items())
+    lines = [f"episode {episode.number} on the game's own map, the agents in turn: {names}"]
+    lines += [f"at its end, after {len(episode.actions)} steps: {totals}"] if totals else []
+    if where.at < 1 or (check.sort == "expect" and not any(holds for (holds,) in episode.values[number])):
+        return lines  # there is no step in which it breaks
+    world = stretch.world_before(episode, policies, where.at - 1)
+    moment = _still(ground.own, stretch, episode, world, policies, check, where)
+    lines += list(_step(ground, world, moment, check))
+    since = where.since if where.since is not None and check.sort != "once" else where.at - 1
+    for e, before, after in zip(check.values, episode.values[number][since], episode.values[number][where.at], strict=True):
+        lines.append(f"{ground.text_of(e)}: {shown(before)} {when(since)}, {shown(after)} {when(where.at)}")
+    return lines
+
+
+def names_of(ground: Ground, policies: Sequence[ir.Policy]) -> str:
+    """Returns the policies as they are written."""
+    return ", ".join(dict.fromkeys(ground.text_of(p) if p.origin is not None else p.name for p in policies))
+
+
+def _still(
+    game: ir.Game, stretch: Stretch, episode: Episode, world: World, policies: Sequence[ir.Policy], check: ir.Check, where: Break
+) -> Moment:
+    """Returns the step that breaks a promise, in which all agents stay who need not act for that."""
+    course, params, stay = stretch.course(policies, episode.number), params_of(game, ()), game.agents.actions.index("stay")
+    words = words_of(course, where.at - 1)
+    moment = take_step(game, world, episode.actions[where.at - 1], params, words)
+    if any(isinstance(n, ir.EventTotal) for n in ir.walk(check)):
+        return moment  # totals are those of the episode as it went
+    wrong = [read(game, moment.world, e) for e in check.values]
+    for agent in range(game.agents.number):
+        actions = (*moment.actions[:agent], stay, *moment.actions[agent + 1 :])
+        quieter = take_step(game, world, actions, params, words)
+        if [read(game, quieter.world, e) for e in check.values] == wrong:
+            moment = quieter
+    return moment
+
+
+def _step(ground: Ground, world: World, moment: Moment, check: ir.Check) -> Iterator[str]:
+    """Yields the rules of a step that changed what a promise reads, between the parts of the map where they did."""
+    game, about = ground.own, {part for e in check.values for part in reads(e)}
+    board = board_of(game)
+    teller = make_teller(board, Rules(ground.composition.sources))
+    turns = [replace(turn, effects=tuple(e for e in turn.effects if _part(e, board) in about)) for turn in moment.turns]
+    turns = [turn for turn in turns if turn.effects] or list(moment.turns)
+    rows = _rows([e for turn in turns for e in turn.effects], moment.world, len(game.rows))
+    before, after = draw(teller.looks, board, world), draw(teller.looks, board, moment.world)
+    here = {glyph for row in rows for glyph in (before[row] + after[row])}
+    yield "    ".join(said for said in teller.looks.legend() if said[0] in here)
+    yield from (f"    {before[row]}" for row in rows)
+    acting = [f"{a} {game.agents.actions[x]}" for a, x in enumerate(moment.actions) if game.agents.actions[x] != "stay"]
+    yield f"step {moment.number}: {', '.join(acting) or 'all stay'}{', the others stay' if acting and len(acting) < len(moment.actions) else ''}"
+    for turn in turns:
+        yield from map(in_short, turn_lines(turn, teller))
+    yield from (f"    {after[row]}" for row in rows)
+
+
+def _part(effect: Effect, board: Board) -> Part:
+    """Returns what an effect changes, as `touches` names it."""
+    name = effect.name.partition("[")[0]
+    match effect.sort:
+        case "field" if isinstance(effect.owner, Cell):
+            return ("cell", board.kind_of[effect.owner], name)
+        case "field":
+            return ("world" if effect.owner is None else "agent", name)
+        case "event":
+            return ("event", name)
+        case _:
+            return PLACES.get(effect.sort, ("",))
+
+
+def _rows(effects: Sequence[Effect], world: World, height: int) -> range:
+    """Returns the rows of the map around what changed; all if nothing has a place."""
+    cells = [e.owner if isinstance(e.owner, Cell) else world.position[e.owner] for e in effects if e.owner is not None]
+    rows = [cell.row for cell in cells if cell is not None]
+    return range(max(0, min(rows) - AROUND), min(height, max(rows) + AROUND + 1)) if rows else range(height)

@@ -1,0 +1,118 @@
+"""A game that can be laid out on other maps and for other numbers of agents, as its own text allows."""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from sjdsl.compiler import Build, ir, load_base
+from sjdsl.compiler.compose import compose
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.elaborate import Overrides, elaborate
+from sjdsl.compiler.elaborate.world_map import row_spans
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.interpreter.board import board_of, declared_world
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.state import default_params
+from sjdsl.trace.rules import Rules
+
+if TYPE_CHECKING:
+    from sjdsl.runtime.env import Environment
+
+FEW = range(1, 5)  # numbers of agents on small maps
+KEPT = 512  # layouts remembered
+
+
+class Ground:
+    """A composed game. `own`: as the file has it.
+
+    Raises CompileError with every problem of the file.
+    """
+
+    def __init__(self, source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None):
+        self.source = source
+        self.composition = compose(source, parse(source), tuple(variants), load_base)
+        typed, found = elaborate(self.composition, overrides or Overrides())
+        if typed is None:
+            raise CompileError(found)
+        self.own: ir.Game = typed
+        self.warnings = tuple(found)
+        self._sizes = (overrides or Overrides()).sizes
+        self._laid: dict[tuple[tuple[str, ...], int], ir.Game | None] = {}
+
+    def on(self, rows: tuple[str, ...], agents: int) -> ir.Game | None:
+        """Returns the game on another map with so many agents; None where the compiler refuses that."""
+        if (rows, agents) == (self.own.rows, self.own.agents.number):
+            return self.own
+        if (rows, agents) not in self._laid:
+            if len(self._laid) >= KEPT:
+                self._laid.clear()
+            number = None if agents == self.own.agents.number else agents
+            overrides = Overrides(self._sizes, number, rows, row_spans(rows, "map"))
+            self._laid[rows, agents] = elaborate(self.composition, overrides)[0]
+        return self._laid[rows, agents]
+
+    @cached_property
+    def doubled(self) -> ir.Game:
+        """The game on its own map twice, one under the other: what holds here only by the number of cells does not hold there.
+
+        The game itself if the compiler does not take such a map.
+        """
+        return self.on(self.own.rows * 2, self.own.agents.number) or self.own
+
+    @cached_property
+    def few_agents(self) -> tuple[int, ...]:
+        """Small numbers of agents that the game takes on its own map; its own number if there is none."""
+        own = self.own.agents.number
+        found = tuple(n for n in FEW if n <= own and self.on(self.own.rows, n) is not None)
+        return found or (own,)
+
+    @cached_property
+    def glyphs(self) -> tuple[str, ...]:
+        """The glyphs of the game, those that agents are sent to first."""
+        everything = [g.glyph for g in self.own.glyphs]
+        wanted = [g for _, group in self.destinations for g in group]
+        return tuple(dict.fromkeys([*wanted, *everything]))
+
+    @cached_property
+    def open_glyphs(self) -> tuple[str, ...]:
+        """The glyphs of cells that agents may always enter."""
+        closed = {k.name for k in self.own.kinds if any(b.what == "agents" and b.condition is None for b in k.blocks)}
+        kind_of = {g.glyph: g.kind for g in self.own.glyphs}
+        return tuple(glyph for glyph in self.glyphs if kind_of[glyph] not in closed)
+
+    @cached_property
+    def destinations(self) -> tuple[tuple[ir.Send, tuple[str, ...]], ...]:
+        """Each place agents are sent to, and the glyphs of cells that are free for it at the start."""
+        found: dict[str, tuple[ir.Send, tuple[str, ...]]] = {}
+        for phase in (self.own.start, *self.own.schedule):
+            for node in ir.walk(phase):
+                if isinstance(node, ir.Send):
+                    glyphs = self._free_glyphs(node.domain)
+                    found.setdefault("".join(glyphs), (node, glyphs))
+        return tuple(found.values())
+
+    def _free_glyphs(self, domain: ir.Domain) -> tuple[str, ...]:
+        game = self.own
+        here = Instance(board_of(game), declared_world(board_of(game), default_params(game)))
+        glyphs = [g.glyph for g in game.glyphs if g.kind in domain.var.kinds]
+        if domain.where is None:
+            return tuple(glyphs)
+        fitting = []
+        for cell, kind in here.board.kind_of.items():
+            glyph = game.rows[cell.row][cell.col]
+            if kind in domain.var.kinds and glyph not in fitting and evaluate(domain.where, here.only({domain.var.name: cell})):
+                fitting.append(glyph)
+        return tuple(fitting or glyphs)
+
+    @cached_property
+    def environment(self) -> "Environment":
+        """The compiled game. Raises CompileError for what cannot be compiled exactly."""
+        from sjdsl.factory import environment_of
+
+        return environment_of(Build(self.own, self.warnings, self.composition.sources), self.source, {})
+
+    def text_of(self, node: ir.Node) -> str:
+        """Returns how a node is written, on one line and without comments."""
+        return Rules(self.composition.sources).text(node)

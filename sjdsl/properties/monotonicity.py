@@ -1,0 +1,119 @@
+"""Which way an expression goes when another grows: what decides `monotone` without playing.
+
+Every operation is followed with the ranges of its parts; numbers of the game (`param`) may have any value they can take.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.printer import expression as text
+
+Slope = Literal["level", "rising", "falling"]
+READING = (
+    ir.FieldRead
+    | ir.Count
+    | ir.Sum
+    | ir.Attribute
+    | ir.Step
+    | ir.EventTotal
+    | ir.Unoccupied
+    | ir.StandsOn
+    | ir.Local
+    | ir.Member
+    | ir.InSet
+)
+OPPOSITE: Mapping[Slope, Slope] = {"level": "level", "rising": "falling", "falling": "rising"}
+
+
+def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
+    """Returns whether the ranges alone tell that a `monotone` holds; False: they do not."""
+    value, argument = check.values
+    wanted: Slope = "rising" if check.words[0] == "rising" else "falling"
+    params = {p.name: p.value for p in game.params}
+    if _slope(value, text(argument), game, params) in ("level", wanted):
+        return True
+    atoms = _atoms(value, game) | _atoms(argument, game)
+    if len(atoms) != 1:
+        return False
+    (atom,) = atoms
+    own, other = _slope(value, atom, game, params), _slope(argument, atom, game, params)
+    if own is None or other is None:
+        return False
+    return own == "level" or other == "level" or (own if other == "rising" else OPPOSITE[own]) == wanted
+
+
+def _is_fixed(e: ir.Node, game: ir.Game) -> bool:
+    """Returns whether an expression has one value throughout an episode."""
+    if isinstance(e, ir.Count):
+        d = e.domain
+        return d.var.who == "cell" and d.place is None and d.where is None
+    return not isinstance(e, READING) and all(_is_fixed(child, game) for child in ir.children(e))
+
+
+def _atoms(e: ir.Node, game: ir.Game) -> set[str]:
+    """Returns the parts that read the state, each as a whole."""
+    if _is_fixed(e, game):
+        return set()
+    if isinstance(e, READING) or not isinstance(e, ir.Expression):
+        return {text(e)}  # type: ignore[arg-type]
+    return {atom for child in ir.children(e) for atom in _atoms(child, game)}
+
+
+def _slope(e: ir.Expr, of: str, game: ir.Game, params: Mapping[str, Any]) -> Slope | None:
+    """Returns which way `e` goes when the expression with this text grows and all else stays; None: not known."""
+    if text(e) == of or (isinstance(e, ir.Named) and text(e.value) == of):
+        return "rising"
+    if _is_fixed(e, game):
+        return "level"
+    match e:
+        case ir.Named():
+            return _slope(e.value, of, game, params)
+        case ir.Ramp():
+            return _ramp(e, of, game, params)
+        case ir.Arithmetic():
+            slopes = [_slope(a, of, game, params) for a in e.args]
+            return None if None in slopes else _arithmetic(e, slopes)  # type: ignore[arg-type]
+        case _:
+            return None
+
+
+def _ramp(e: ir.Ramp, of: str, game: ir.Game, params: Mapping[str, Any]) -> Slope | None:
+    """The compiler has proved that the ends of a ramp never cross: their order in the file is their order always."""
+    slope = _slope(e.value, of, game, params)
+    if slope is None or not (_is_fixed(e.zero_at, game) and _is_fixed(e.one_at, game)):
+        return None
+    return slope if holds(ir.Compare(fn="<", left=e.zero_at, right=e.one_at), params) else OPPOSITE[slope]
+
+
+def _arithmetic(e: ir.Arithmetic, slopes: list[Slope]) -> Slope | None:
+    match e.fn:
+        case "neg":
+            return OPPOSITE[slopes[0]]
+        case "+" | "min" | "max":
+            return _together(slopes)
+        case "-":
+            return _together([slopes[0], OPPOSITE[slopes[1]]])
+        case "*":
+            (a, b), (left, right) = e.args, slopes
+            return _together([_scaled(left, b.type), _scaled(right, a.type)])
+        case "/":
+            (a, b), (left, right) = e.args, slopes
+            if b.type.low < 0 < b.type.high:
+                return None
+            return _together([_scaled(left, b.type), _scaled(OPPOSITE[right], a.type)])
+        case _:
+            return None
+
+
+def _scaled(slope: Slope | None, by: ir.Type) -> Slope | None:
+    if slope == "level" or slope is None:
+        return slope
+    return slope if by.low >= 0 else OPPOSITE[slope] if by.high <= 0 else None
+
+
+def _together(slopes: list[Slope | None]) -> Slope | None:
+    """Returns the way a sum goes whose parts go these ways."""
+    moving = set(slopes) - {"level"}
+    return "level" if not moving else next(iter(moving)) if len(moving) == 1 else None

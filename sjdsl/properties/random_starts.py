@@ -1,0 +1,105 @@
+"""Random starts of courses: a small map of the game's glyphs, few agents, numbers within their limits."""
+
+from random import Random
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.interpreter.state import Value
+from sjdsl.properties.instances import Ground
+from sjdsl.properties.trajectory import Course
+
+MOST_ROWS, MOST_COLUMNS = 4, 5
+SMALL = 64  # cells of an own map that courses are also played on
+OWN_MAP = 0.25  # how often
+OF_ALL = 0.5  # how often a map has a cell of every glyph that there is room for
+OTHERS = 0.3  # how often a number is not the file's
+PLAIN = (0, 3, 9, 27)  # how much oftener than all others one glyph is on a map: where little is left to use up, it is used up soon
+WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
+COUNTS = (0, 1, 2, 5)  # of a whole number without limits
+
+
+def random_start(ground: Ground, random: Random) -> Course | None:
+    """Returns a course without a step, from a random start; None if the compiler refuses its map."""
+    agents = min(random.choice(ground.few_agents), random.choice(ground.few_agents))
+    rows = ground.own.rows if _is_small(ground) and random.random() < OWN_MAP else random_map(ground, agents, random)
+    if ground.on(rows, agents) is None:
+        rows += _of_each(ground.glyphs, len(rows[0]))
+    game = ground.on(rows, agents)
+    if game is None:
+        return None
+    params = _required(game, random_numbers(game, random))
+    return Course(rows, agents, params, random.randrange(2**16), (), (), (None,) * agents)
+
+
+def own_start(ground: Ground, random: Random) -> Course:
+    """Returns a course without a step on the game's own map, with all its agents and the numbers of the file."""
+    agents = ground.own.agents.number
+    return Course(ground.own.rows, agents, (), random.randrange(2**16), (), (), (None,) * agents)
+
+
+def random_map(ground: Ground, agents: int, random: Random) -> tuple[str, ...]:
+    """Returns a small map: any glyphs of the game, with enough cells for all the agents wherever they are sent."""
+    needed = agents * len(ground.destinations) + random.randrange(2 * len(ground.glyphs))
+    width = random.randint(2, MOST_COLUMNS)
+    least = max(2, -(-needed // width))
+    height = random.randint(least, max(MOST_ROWS, least))
+    often = (*ground.glyphs, *[random.choice(ground.open_glyphs or ground.glyphs)] * random.choice(PLAIN))
+    cells = [random.choice(often) for _ in range(width * height)]
+    kept: set[int] = set()
+    for _, glyphs in ground.destinations:
+        here = [i for i, glyph in enumerate(cells) if glyph in glyphs and i not in kept][:agents]
+        free = [i for i in range(len(cells)) if i not in kept and i not in here]
+        more = random.sample(free, agents - len(here))
+        for i in more:
+            cells[i] = glyphs[0]
+        kept.update(here, more)
+    if random.random() < OF_ALL:
+        free = [i for i in range(len(cells)) if i not in kept and cells.count(cells[i]) > 1]
+        missing = [glyph for glyph in ground.glyphs if glyph not in cells]
+        for i, glyph in zip(random.sample(free, len(free)), missing, strict=False):
+            cells[i] = glyph
+    return tuple("".join(cells[r * width : (r + 1) * width]) for r in range(height))
+
+
+def _is_small(ground: Ground) -> bool:
+    """Returns whether the game's own map is one on which the interpreter is quick."""
+    return len(ground.own.rows) * len(ground.own.rows[0]) <= SMALL
+
+
+def _of_each(glyphs: tuple[str, ...], width: int) -> tuple[str, ...]:
+    """Returns rows with every glyph: some games need a cell of each kind, to divide by their number, say."""
+    rows = ["".join(glyphs[i : i + width]) for i in range(0, len(glyphs), width)]
+    return tuple(row.ljust(width, glyphs[0]) for row in rows)
+
+
+def random_numbers(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...]:
+    """Returns some numbers that differ from the file's, inside their limits; the length of an episode stays."""
+    fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
+    changed = [p for p in game.params if p.name not in fixed and random.random() < OTHERS]
+    return tuple((p.name, _value(p.value, p.type, random)) for p in changed)
+
+
+def _value(own: Any, type_: ir.Type, random: Random) -> Value:
+    if type_.by:
+        inner = type_.model_copy(update={"by": type_.by[1:]})
+        return tuple(_value(entry, inner, random) for entry in own)
+    if type_.kind == "word":
+        return random.choice(type_.words)
+    ends = [x for x in (type_.low, type_.high) if abs(x) < 2**31]
+    inside = [x for x in (COUNTS if type_.kind == "int" else WORTHS) if type_.low <= x <= type_.high]
+    if len(ends) == 2:
+        inside.append((type_.low + type_.high) // 2 if type_.kind == "int" else random.uniform(type_.low, type_.high))
+    value = random.choice([own, *ends, *inside])
+    return int(value) if type_.kind == "int" else float(value)
+
+
+def _required(game: ir.Game, changed: tuple[tuple[str, Value], ...]) -> tuple[tuple[str, Value], ...]:
+    """Returns the changed numbers, without those of a `require` that they break: the file's keep it."""
+    own = {p.name: p.value for p in game.params}
+    requires = [c for c in game.checks if c.sort == "require"]
+    for check in requires:
+        if not holds(check.values[0], own | dict(changed)):
+            named = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
+            changed = tuple((name, value) for name, value in changed if name not in named)
+    return changed if all(holds(c.values[0], own | dict(changed)) for c in requires) else ()

@@ -1,0 +1,67 @@
+"""How many moves an agent is from where a shape of it reaches a cell, or from a cell itself."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.shapes import cell_at
+from sjdsl.interpreter.state import Cell, World
+from sjdsl.properties.shortest_paths import FAR, moves_of, moves_to
+
+
+def node_of(agent: int, world: World, board: Board) -> int | None:
+    """Returns the cell and heading of an agent as one number, see `ways.Ways`; None for one who is away."""
+    place = world.position[agent]
+    return None if place is None else _number(place, board) * 4 + world.heading[agent]
+
+
+@lru_cache(maxsize=2048)
+def moves_until(board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None) -> np.ndarray:
+    """Returns how many moves it takes from each node to stand on a cell, or to have it in a shape, nothing in between; `ways.FAR` without a way.
+
+    at: where one has to stand; None: anywhere.
+    """
+    nodes = [node for node in _goals(cell, shape, board) if at is None or node // 4 == _number(at, board)]
+    after = moves_of(board.game)[1]
+    return moves_to(nodes, after) if nodes else np.full(after.shape[0], FAR, np.int64)
+
+
+@lru_cache(maxsize=2048)
+def stands(board: Board, cell: Cell, shape: str | None = None) -> tuple[Cell, ...]:
+    """Returns the cells that agents can enter and on which one can stand for that."""
+    width = len(board.game.rows[0])
+    found = dict.fromkeys(Cell(*divmod(node // 4, width)) for node in _goals(cell, shape, board))
+    return tuple(
+        stand for stand in found if not any(b.what == "agents" and b.condition is None for b in board.kinds[board.kind_of[stand]].blocks)
+    )
+
+
+def can_go(node: int | None, board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None) -> bool:
+    """Returns whether there is a way for one at a node, as `moves_until` counts; so it is for one who is away."""
+    return node is None or bool(moves_until(board, cell, shape, at)[node] < FAR)
+
+
+def _goals(cell: Cell, shape: str | None, board: Board) -> list[int]:
+    return _nodes_on(cell, board) if shape is None else _nodes_around(cell, shape, board)
+
+
+def _number(cell: Cell, board: Board) -> int:
+    return cell.row * len(board.game.rows[0]) + cell.col
+
+
+def _nodes_on(cell: Cell, board: Board) -> list[int]:
+    return [_number(cell, board) * 4 + heading for heading in range(4)]
+
+
+def _nodes_around(target: Cell, shape: str, board: Board) -> list[int]:
+    """Returns the nodes from which a shape, nothing in between, reaches a cell."""
+    declared, found = board.shapes[shape], []
+    for lane in declared.lanes:
+        for ahead, right in lane:
+            for heading in range(4):
+                turned = heading if declared.directed else 0
+                origin = cell_at(target, turned, -ahead, -right)
+                if origin in board.kind_of and origin != target:
+                    found.append(_number(origin, board) * 4 + heading)
+    return found

@@ -1,0 +1,163 @@
+"""The rules of a game as they look to agents with other numbers, or in a mirror; equal rules are symmetric, others are played.
+
+Renumbering agents and turning the rules instead come to the same: everything in a game but `agent.index` goes by who and where, never
+by a number, so that a game whose agents swap numbers goes as the game does in which `agent.index` gives the swapped ones. In the same
+way a mirrored map under the rules is the map under mirrored rules.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.optimise.rewrite import rewrite
+from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
+from sjdsl.interpreter.step import action_mask, step
+from sjdsl.interpreter.threefry import Draws
+from sjdsl.properties.biased_words import SameForAll
+
+PAIRS = {"turn_left": "turn_right", "step_left": "step_right"}
+SIDES = {**PAIRS, **{b: a for a, b in PAIRS.items()}}
+MIRRORED = {"east": "west", "west": "east"}
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A game with other rules, and what the difference is, in words."""
+
+    game: ir.Game
+    said: str
+
+
+def turned(check: ir.Check, game: ir.Game) -> list[Turned]:
+    """Returns the games that must go as this one does for it to be symmetric; none if its rules say the same both ways."""
+    if check.words[0] == "mirror":
+        return list(_mirrored(game))
+    return list(_renumbered(game))
+
+
+def lonely_action(check: ir.Check, game: ir.Game) -> str:
+    """Returns what the agents can do to one side only, in words, if the promise is about the mirror; else nothing."""
+    actions = game.agents.actions
+    lonely = [a for a in actions if a in SIDES and SIDES[a] not in actions] if check.words[0] == "mirror" else []
+    return f"the agents can {lonely[0]}, but not {SIDES[lonely[0]]}" if lonely else ""
+
+
+def reason(check: ir.Check, game: ir.Game) -> str:
+    """Returns why a game is symmetric for which `turned` gives nothing."""
+    if check.words[0] == "mirror":
+        return "no rule tells left from right"
+    sends = [n for turn in game.schedule for n in ir.walk(turn) if isinstance(n, ir.Send) and n.stay and n.origin is not None]
+    but = f" (should free cells run out in line {sends[0].origin.line}, lower numbers come first)" if sends and sends[0].origin else ""
+    return f"no rule reads an agent's number{but}"
+
+
+def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
+    """Returns a game with everything but the phase `start` rewritten: the promise is about steps."""
+    return game.model_copy(
+        update={
+            "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
+            "agents": rewrite(game.agents, rule),
+            "kinds": tuple(rewrite(kind, rule) for kind in game.kinds),
+        }
+    )
+
+
+def _renumbered(game: ir.Game) -> Iterator[Turned]:
+    """Yields the game with two neighbouring numbers swapped: these swaps make up all others."""
+    rules = (*game.schedule, game.agents, *game.kinds)
+    if not any(isinstance(n, ir.Attribute) and n.name == "index" for rule in rules for n in ir.walk(rule)):
+        return
+    for first in range(game.agents.number - 1):
+        order = list(range(game.agents.number))
+        order[first : first + 2] = [first + 1, first]
+
+        def rule(node: Any, order: list[int] = order) -> Any:
+            return _numbered(node, order) if isinstance(node, ir.Attribute) and node.name == "index" else node
+
+        yield Turned(_of_rules(game, rule), f"if agents {first} and {first + 1} swapped numbers")
+
+
+def _numbered(index: ir.Attribute, order: list[int]) -> ir.Case:
+    arms = [ir.Arm(low=i, high=i, value=ir.Number(type=index.type, value=number)) for i, number in enumerate(order)]
+    return ir.Case(type=index.type, subject=index, arms=tuple(arms), origin=index.origin)
+
+
+def _mirrored(game: ir.Game) -> Iterator[Turned]:
+    actions, width = game.agents.actions, len(game.rows[0])
+    other = {i: actions.index(SIDES[a]) for i, a in enumerate(actions) if a in SIDES and SIDES[a] in actions}
+    ordered = {n.domain.place.shape for n in ir.walk(game) if isinstance(n, ir.First) and isinstance(n.domain.place, ir.Near)}
+
+    def rule(node: Any) -> Any:
+        match node:
+            case ir.Shape() if not _is_even(node, node.name in ordered):
+                return node.model_copy(update={"lanes": _flipped(node)})
+            case ir.Attribute(name="col"):
+                last = ir.Number(type=node.type, value=width - 1)
+                return ir.Arithmetic(type=node.type, fn="-", args=(last, node), origin=node.origin)
+            case ir.Attribute(name="heading"):
+                arms = [ir.Arm(words=(w,), value=ir.Word(type=node.type, value=MIRRORED.get(w, w))) for w in HEADINGS]
+                return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
+            case ir.Chose(action=action) if action in other:
+                return node.model_copy(update={"action": other[action]})
+            case ir.Forbid() if {other.get(a, a) for a in node.actions} != set(node.actions):
+                return node.model_copy(update={"actions": tuple(other.get(a, a) for a in node.actions)})
+            case ir.Send(facing="east" | "west" as facing):
+                return node.model_copy(update={"facing": MIRRORED[facing]})
+            case _:
+                return node
+
+    changed = _of_rules(game, rule).model_copy(update={"shapes": tuple(rewrite(shape, rule) for shape in game.shapes)})
+    if changed != _of_rules(game, lambda node: node):
+        yield Turned(changed, "if left and right were swapped")
+
+
+def _flipped(shape: ir.Shape) -> tuple[tuple[tuple[int, int], ...], ...]:
+    return tuple(tuple((ahead, -right) for ahead, right in lane) for lane in shape.lanes)
+
+
+def _is_even(shape: ir.Shape, ordered: bool) -> bool:
+    """Returns whether a shape is its own mirror image, lane by lane; where no lane ends and no `first` goes by their order, cell by cell."""
+    if shape.see_through and not ordered:
+        cells = {cell for lane in shape.lanes for cell in lane}
+        return cells == {(ahead, -right) for ahead, right in cells}
+    return sorted(shape.lanes) == sorted(_flipped(shape))
+
+
+def compare_step(
+    game: ir.Game, other: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
+) -> list[str]:
+    """Takes one step under both rules with the same luck and returns what differs afterwards, in words."""
+    same = SameForAll(draws)
+    mine, theirs = step(game, world, actions, params, same), step(other, world, actions, params, same)
+    found = differences(mine, theirs)
+    if action_mask(game, mine[0]) != action_mask(other, theirs[0]):
+        found.append("what the agents may do next")
+    return found
+
+
+def differences(mine: tuple[World, Outcome], theirs: tuple[World, Outcome]) -> list[str]:
+    """Returns in words where two outcomes of a step differ."""
+    (a, outcome), (b, other) = mine, theirs
+    found = []
+    for agent, (r, s) in enumerate(zip(outcome.reward, other.reward, strict=True)):
+        if abs(float(r) - float(s)) > 1e-6 * max(1.0, abs(float(r))):
+            found.append(f"the reward of agent {agent}: {float(r):.7g}, and {float(s):.7g}")
+    for name, count in outcome.events.items():
+        if count != other.events[name]:
+            found.append(f"the event {name}: {count}, and {other.events[name]}")
+    fields = {**{".".join(k): (v, b.cells[k]) for k, v in a.cells.items()}, **{f"agent.{k}": (v, b.agents[k]) for k, v in a.agents.items()}}
+    fields |= {k: (v, b.fields[k]) for k, v in a.fields.items()}
+    fields |= {"where the agents are": (a.position, b.position), "their headings": (a.heading, b.heading), "who is away": (a.away, b.away)}
+    found += [f"{name}: {_few(x)}, and {_few(y)}" for name, (x, y) in fields.items() if x != y]
+    if outcome.terminated != other.terminated:
+        found.append("whether the episode ends")
+    return found
+
+
+def _few(values: Any) -> str:
+    shown = str(values if not isinstance(values, list) else [tuple(v) if isinstance(v, tuple) else v for v in values])
+    return shown if len(shown) <= 60 else f"{shown[:57]}..."
+
+
+__all__ = ["Turned", "compare_step", "lonely_action", "reason", "turned"]

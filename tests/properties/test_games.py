@@ -1,0 +1,120 @@
+"""The promises of all bundled games: each is kept, and each is found broken after a deliberate fault (`mutations.py`).
+
+On few examples, and `expect` over few short episodes on a small map; the whole test is `sjdsl test` on each game. The faults are looked for
+with other courses by `pytest tests/properties/test_games.py -k fault --sj-seed N`.
+"""
+
+import re
+import shutil
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.syntax.read import read_source
+from sjdsl.games_folder import bundled, find_game, games_folder
+from sjdsl.properties import Effort, Ground, examine
+
+from .mutations import MUTATIONS, Mutation
+
+KEPT = Effort(examples=6, episodes=0, tries=0)
+STEPS, EPISODES = 40, 3
+SMALL = {  # a map on which the policies of the expectations have something to do, and how many agents play on it
+    "coins": (("PCCCP", "CCCCC"), 2),
+    "harvest_open": (("QQPP", "AAAA"), 2),
+    "clean_up": (("PPBB", "FHFH", "SBBB"), 2),
+    "coop_mining": (("POOP", "OOOO"), 2),
+    "gift_refinement": (("PTTP", "TTTT"), 2),
+    "mushrooms": (("..RG", "BO..", "...."), 2),
+    "pd_arena": (("PPPP", ".CD.", ".CD."), 2),
+    "stag_hunt": (("PPPP", ".CD.", ".CD."), 2),
+    "chicken": (("PPPP", ".CD.", ".CD."), 2),
+    "allelopathic_harvest": (("...g", "rb.b", "g..."), 2),
+    "predator_prey": (("XXPP", "aagn", "XPPX"), 4),
+    "territory": (("PRPR", "RPRP"), 2),
+}
+OFTEN = {  # what is rare in the file and must happen in a short episode
+    "coins": (("probability = 0.0005", "probability = 0.1"),),
+    "territory": (("probability = 0.01 ", "probability = 0.5 "), ("param drying : steps       = 25", "param drying : steps = 2")),
+}
+
+
+@cache
+def folder_of(game: str, changes: tuple[tuple[str, str], ...], base: Path) -> Path:
+    """Returns a folder with the games, one of them changed."""
+    folder = base / f"{game}_{abs(hash(changes))}"
+    shutil.copytree(games_folder(), folder)
+    path = folder / f"{game}.sj"
+    text = path.read_text(encoding="utf-8")
+    for before, after in changes:
+        assert text.count(before) == 1, f"{game}.sj has {text.count(before)} of `{before}`"
+        text = text.replace(before, after)
+    path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def shortened(folder: Path, game: str) -> Ground:
+    """Returns a game for its expectations: few short episodes, on a small map if one is given."""
+    for path in folder.glob("*.sj"):
+        text = re.sub(r"(param length +: steps +=) \d+", rf"\1 {STEPS}", path.read_text(encoding="utf-8"))
+        text = re.sub(r"episode \d+\b", f"episode {STEPS}", text)
+        for before, after in OFTEN.get(path.stem, ()):
+            text = text.replace(before, after)
+        path.write_text(re.sub(r"over \d+ episodes", f"over {EPISODES} episodes", text), encoding="utf-8")
+    rows, agents = SMALL.get(game, (None, None))
+    return Ground(read_source(folder / f"{game}.sj"), overrides=Overrides(num_agents=agents, rows=rows, row_spans=()))
+
+
+def number_of(ground: Ground, promise: str) -> int:
+    """Returns the place of the promise that begins so."""
+    checks = ground.own.checks
+    found = [
+        i for i, check in enumerate(checks) if ground.text_of(check).startswith(promise) or check.sort == promise.split()[0] == "symmetric"
+    ]
+    assert len(found) == 1, f"{promise}: {len(found)} promises begin so"
+    return found[0]
+
+
+@pytest.mark.parametrize("game", bundled())
+def test_promises_are_kept(game: str) -> None:
+    ground = Ground(read_source(find_game(game)))
+    played = [i for i, check in enumerate(ground.own.checks) if check.sort != "expect"]
+    report = examine(ground, KEPT, played)
+    assert [v.text for v in report.verdicts if not v.kept] == []
+
+
+@pytest.mark.parametrize("game", sorted(SMALL))
+def test_expectations_are_kept_on_the_small_map(game: str, tmp_path: Path) -> None:
+    """What the faults are compared with: without a fault these short episodes keep every expectation."""
+    ground = shortened(folder_of(game, (), tmp_path), game)
+    expects = [i for i, check in enumerate(ground.own.checks) if check.sort == "expect"]
+    assert [v.text for v in examine(ground, KEPT, expects).verdicts if not v.kept] == []
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda m: f"{m.game}: {m.promise}")
+def test_a_fault_breaks_its_promise(mutation: Mutation, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    folder = folder_of(mutation.game, mutation.changes, tmp_path)
+    source = read_source(folder / f"{mutation.game}.sj")
+    if mutation.refused:
+        with pytest.raises(CompileError) as refused:
+            Ground(source)
+        assert "SJ212" in {d.code.code for d in refused.value.diagnostics}
+        return
+    short = mutation.promise.startswith("expect")
+    ground = shortened(folder, mutation.game) if short else Ground(source)
+    effort = Effort(examples=200, episodes=0, tries=0, seed=request.config.getoption("sj_seed"))
+    (verdict,) = examine(ground, effort, [number_of(ground, mutation.promise)]).verdicts
+    assert verdict.kept is False
+    assert verdict.trace
+
+
+def test_every_promise_of_every_game_has_a_fault() -> None:
+    listed = {(m.game, m.promise) for m in MUTATIONS}
+    for game in bundled():
+        ground = Ground(read_source(find_game(game)))
+        for check in ground.own.checks:
+            assert check.origin is not None
+            home, text = Path(check.origin.file).stem, ground.text_of(check)
+            assert any(home == g and text.startswith(p) for g, p in listed), f"{home}.sj: no fault in mutations.py for `{text}`"

@@ -1,0 +1,41 @@
+"""Ten small games, each with a fault that only several agents together bring about, and each without it (`planted/`).
+
+With a fixed seed and few courses; how often other seeds find each fault is in docs/proof.md: `python -m tests.properties.planted_faults`.
+"""
+
+import pytest
+
+from sjdsl.properties import Effort, examine
+
+from .planted_faults import GAMES, courses_until_found, planted
+
+FOUND = {  # seed, and courses within which it finds the fault
+    "bridge": (2, 10),
+    "buckets": (0, 25),
+    "crates": (1, 20),
+    "deer": (2, 6),
+    "freeze": (2, 8),
+    "gate": (1, 5),
+    "market": (2, 5),
+    "raft": (2, 8),
+    "safe": (2, 8),
+    "soup": (1, 70),
+}
+
+
+def test_there_are_ten() -> None:
+    assert len(GAMES) == 10
+    assert set(FOUND) == set(GAMES)
+
+
+@pytest.mark.parametrize("game", sorted(FOUND))
+def test_the_fault_is_found(game: str) -> None:
+    seed, most = FOUND[game]
+    assert courses_until_found(game, seed, most) is not None
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_the_game_without_it_is_not_refuted(game: str) -> None:
+    report = examine(planted(game, None), Effort(examples=10, episodes=0))
+    assert [v.text for v in report.verdicts if not v.kept] == []
+    assert not report.faults

@@ -1,0 +1,82 @@
+"""A promise is kept only if the lines it depends on have run: which lines those are, how they are named, and the exit status."""
+
+from pathlib import Path
+
+import pytest
+
+from sjdsl.cli import run
+from sjdsl.properties import Effort, examine
+from sjdsl.properties.statements import leaves_of, needed_by
+
+from .small_games import ORCHARD, ground
+
+FEW = Effort(examples=25, episodes=0)
+NEVER = "each tree where step > 900 { set tree.fruit = ripe }"  # an episode has 20 steps
+
+
+def lines_needed(checks: str, rule: str) -> set[str]:
+    """Returns the sentences that a promise depends on, as written."""
+    orchard = ground(checks, rule)
+    leaves = leaves_of(orchard.own)
+    needed = needed_by(orchard.own.checks[0], orchard.own, leaves)
+    return {orchard.text_of(leaf.sentence) for leaf in leaves if leaf.place in needed}
+
+
+def test_a_promise_depends_on_what_is_read_by_what_writes_what_it_reads() -> None:
+    """`fruit` is written on trees that somebody is on; who is there is written by `move` and by the phase `start`."""
+    moving = {"set tree.fruit = none", "move each agent", "send agent to grass"}
+    assert lines_needed("once fruit == 0 always fruit == 0", "each agent { add 1 to agent.wealth }") == moving
+    tired = "each agent where agent chose zap { set agent.tired = 2 }"
+    assert lines_needed("always count(agent where agent.tired > 0) == 0", tired) == {"set agent.tired = 2"}
+    through = "each tree where count(agent where agent.tired > 0) > 0 { set tree.fruit = ripe }  each agent { set agent.tired = 1 }"
+    assert lines_needed("once fruit == 0 always fruit == 0", through) == moving | {"set tree.fruit = ripe", "set agent.tired = 1"}
+
+
+def test_a_line_that_never_ran_makes_it_untested() -> None:
+    report = examine(ground("once fruit == 0 always fruit == 0  always eaten <= 99", NEVER), FEW)
+    fruit, eaten = report.verdicts
+    assert fruit.word == "untested"
+    assert fruit.untested == ("orchard.sj:29  set tree.fruit = ripe",)
+    assert eaten.word == "untested"  # what is eaten depends on what is ripe
+    assert "29" in map(str, report.idle)
+
+
+def test_other_promises_are_not_touched_by_it() -> None:
+    (verdict,) = examine(
+        ground("always count(agent on tree) <= count(agent)", f"{NEVER}  each agent {{ tally zaps for agent }}"), FEW
+    ).verdicts
+    assert verdict.word == "kept"
+
+
+def test_a_first_condition_that_never_came_makes_it_untested() -> None:
+    (verdict,) = examine(ground("once step > 900 always fruit == 0"), FEW).verdicts
+    assert verdict.word == "untested"
+    assert "the first condition never held: step > 900" in verdict.untested[-1]
+
+
+def test_an_expectation_depends_on_lines_too() -> None:
+    """Of `zaps == 0 with never(zap)` nothing is known if no course has ever counted a zap."""
+    expects = "expect zaps == 0 with never(zap) over 2 episodes"
+    (good,) = examine(ground(expects), FEW).verdicts
+    assert good.word == "kept"
+    rule = "each agent where agent chose zap and step > 900 { tally zaps for agent }"
+    (dead,) = examine(ground(expects, rule), FEW).verdicts
+    assert dead.word == "untested"
+    assert dead.untested[0].endswith("tally zaps for agent")
+
+
+def test_each_use_of_a_phase_is_a_line_of_its_own() -> None:
+    text = ORCHARD.replace("-> rule", "-> rule(none) -> rule(ripe)").replace("phase rule {{", "phase rule(what) {{")
+    rule = "each tree where tree.fruit is what and what is ripe and nobody on tree { set tree.fruit = none }"
+    (verdict,) = examine(ground("always fruit <= count(tree) and eaten >= 0 and eaten < 99", rule, text=text), FEW).verdicts
+    assert verdict.untested == ("orchard.sj:29  set tree.fruit = none  (in rule(none))",)
+
+
+@pytest.mark.parametrize(("options", "status"), [((), 0), (("--strict",), 1)])
+def test_strict(tmp_path: Path, options: tuple[str, ...], status: int, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "orchard.sj"
+    path.write_text(ORCHARD.format(rule=NEVER, checks="once fruit == 0 always fruit == 0", more=""))
+    assert run(["test", str(path), "--examples", "20", *options]) == status
+    shown = capsys.readouterr().out
+    assert "1 promise, 1 untested" in shown
+    assert "depends on a line that never ran in any course:\n                orchard.sj:29  set tree.fruit = ripe" in shown

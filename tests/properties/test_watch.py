@@ -1,0 +1,47 @@
+"""Where a course of values breaks a promise, written down by hand; and how far what was counted holds."""
+
+from typing import Any
+
+import pytest
+
+from sjdsl.compiler import ir
+from sjdsl.properties.confidence import least_share, mean_and_half
+from sjdsl.properties.monitors import Break, find_break
+
+T, F = True, False
+COURSES: list[tuple[str, tuple[str, ...], list[tuple[Any, ...]], Break | None]] = [
+    ("always", (), [(F,), (T,), (T,)], None),  # the start is no step
+    ("always", (), [(T,), (T,), (F,)], Break(2)),
+    ("once", (), [(T, F), (F, F), (F, F)], None),
+    ("once", (), [(F, F), (T, T), (F, T)], None),
+    ("once", (), [(F, F), (T, T), (F, F)], Break(2, 1)),
+    ("once", (), [(F, F), (T, F), (F, T)], Break(1, 1)),
+    ("conserved", (), [(3,), (3,), (3,)], None),
+    ("conserved", (), [(3,), (4,), (3,)], Break(1, 0)),
+    ("conserved", (), [("red",), ("red",), ("green",)], Break(2, 0)),
+    ("conserved", (), [(1000.0,), (1000.01,)], None),  # what sums of float32 lose
+    ("conserved", (), [(1000.0,), (1001.0,)], Break(1, 0)),
+    ("monotone", ("falling",), [(5, 0), (4, 1), (4, 2), (5, 0)], None),
+    ("monotone", ("falling",), [(5, 1), (4, 0)], Break(1, 0)),
+    ("monotone", ("rising",), [(5, 1), (4, 0), (9, 0.5)], Break(2, 0)),
+    ("monotone", ("rising",), [(5, 1), (4, 1)], None),  # an equal argument says nothing
+]
+
+
+@pytest.mark.parametrize(("sort", "words", "values", "wanted"), COURSES)
+def test_breaks(sort: str, words: tuple[str, ...], values: list[tuple[Any, ...]], wanted: Break | None) -> None:
+    assert find_break(ir.Check(sort=sort, words=words), values) == wanted  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("trials", [1, 3, 30, 1000])
+def test_a_share_that_small_would_have_been_noticed(trials: int) -> None:
+    """With a share just below the bound, all trials succeed in less than one case of twenty; with a larger one in more."""
+    share = least_share(trials)
+    assert (share - 1e-6) ** trials < 0.05 < (share + 1e-6) ** trials
+
+
+def test_means_and_their_intervals() -> None:
+    mean, half = mean_and_half([1.0, 2.0, 3.0, 4.0])
+    assert mean == 2.5
+    assert half == pytest.approx(3.182 * (5 / 3 / 4) ** 0.5)
+    assert mean_and_half([7.0])[1] == float("inf")
