@@ -1,14 +1,9 @@
-"""The tree as written, first half: names, types and expressions."""
+"""The abstract syntax tree: names, types, expressions, and the domains that quantifiers range over."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.diagnostics.source import Span
-
-if TYPE_CHECKING:
-    from sjdsl.compiler.ast.statements import Domain
 
 
 class Name(Node):
@@ -179,30 +174,44 @@ class Entry(Node):
     value: Expr | Table
 
 
-__all__ = [
-    "Arm",
-    "Binary",
-    "Call",
-    "Case",
-    "Chose",
-    "Count",
-    "Decimal",
-    "Entry",
-    "Expr",
-    "Index",
-    "Int",
-    "Member",
-    "Name",
-    "NamedType",
-    "Nobody",
-    "Path",
-    "Range",
-    "Standing",
-    "String",
-    "Table",
-    "Total",
-    "Type",
-    "Unary",
-    "Within",
-    "Words",
-]
+# ---- domains
+
+
+class ShapeRef(Node):
+    """`beam` or `disc(2)`; arguments None for a named shape."""
+
+    span: Span
+    name: Name
+    arguments: tuple[Expr, ...] | None
+
+
+class Near(Node):
+    """`in beam of cleaner`"""
+
+    span: Span
+    shape: ShapeRef
+    anchor: Name
+
+
+class Members(Node):
+    """`in { row, column }`"""
+
+    span: Span
+    names: tuple[Name, ...]
+
+
+class On(Node):
+    span: Span
+    kind: Name
+    bind: Name | None
+
+
+class Domain(Node):
+    """`KIND as x on KIND as y in PLACE where c`"""
+
+    span: Span
+    kind: Name
+    bind: Name | None
+    on: On | None
+    place: Near | Path | Members | None
+    where: Expr | None

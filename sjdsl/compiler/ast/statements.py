@@ -1,53 +1,10 @@
-"""The tree as written, second half: domains and sentences."""
+"""The abstract syntax tree: statements (what a phase does)."""
 
 from __future__ import annotations
 
-from sjdsl.compiler.ast.expressions import Expr, Name, Path, Table, Words
+from sjdsl.compiler.ast.expressions import Domain, Expr, Name, Path, ShapeRef, Table, Words
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.diagnostics.source import Span
-
-
-class ShapeRef(Node):
-    """`beam` or `disc(2)`; arguments None for a named shape."""
-
-    span: Span
-    name: Name
-    arguments: tuple[Expr, ...] | None
-
-
-class Near(Node):
-    """`in beam of cleaner`"""
-
-    span: Span
-    shape: ShapeRef
-    anchor: Name
-
-
-class Members(Node):
-    """`in { row, column }`"""
-
-    span: Span
-    names: tuple[Name, ...]
-
-
-class On(Node):
-    span: Span
-    kind: Name
-    bind: Name | None
-
-
-class Domain(Node):
-    """`KIND as x on KIND as y in PLACE where c`"""
-
-    span: Span
-    kind: Name
-    bind: Name | None
-    on: On | None
-    place: Near | Path | Members | None
-    where: Expr | None
-
-
-# ---- sentences
 
 
 class Block(Node):
@@ -180,33 +137,3 @@ class End(Node):
 
 
 Stmt = Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move | Mark | End
-
-
-__all__ = [
-    "Add",
-    "All",
-    "Block",
-    "Chance",
-    "Domain",
-    "Draw",
-    "Each",
-    "End",
-    "First",
-    "Give",
-    "Let",
-    "Mark",
-    "Match",
-    "Members",
-    "Move",
-    "Near",
-    "On",
-    "Otherwise",
-    "Pick",
-    "Remove",
-    "Send",
-    "Set",
-    "ShapeRef",
-    "Stmt",
-    "Tally",
-    "When",
-]

@@ -1,15 +1,24 @@
-"""The typed IR: expressions."""
+"""The typed IR: expressions, and the domains and shapes that quantifiers range over."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
-from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expr, Expression, Node, Type
+from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expression, Node, PlaceNode, Type
 
+# Pydantic checks that a child is *some* expression; the closed union is for `match` and the type checker. (Discriminated unions
+# would make every model's schema contain every other: half a second at import.)
 if TYPE_CHECKING:
-    from sjdsl.compiler.ir.statements import Domain
-else:  # declared later; its fields are checked when one is built
-    Domain = Annotated[Node, INSTANCE]
+    Expr: TypeAlias = (
+        "Number | Word | Truth | Nobody | ParamRef | Member | Local | FieldRead | Attribute | "
+        "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
+        "Chose | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Case | "
+        "Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
+    )
+    Place: TypeAlias = "Near | InAgents | Among"
+else:
+    Expr = Annotated[Expression, INSTANCE]
+    Place = Annotated[PlaceNode, INSTANCE]
 
 
 class Number(Expression):
@@ -303,40 +312,47 @@ class MatrixClass(Expression):
     table: Expr
 
 
-__all__ = [
-    "Arithmetic",
-    "Arm",
-    "At",
-    "Attribute",
-    "Case",
-    "Chose",
-    "Compare",
-    "Count",
-    "EventTotal",
-    "FieldRead",
-    "InRange",
-    "InSet",
-    "InWords",
-    "IsEmpty",
-    "Local",
-    "Logic",
-    "Lowest",
-    "MatrixClass",
-    "Member",
-    "Mix",
-    "Named",
-    "Narrowed",
-    "Nobody",
-    "Not",
-    "Number",
-    "ParamRef",
-    "Ramp",
-    "Same",
-    "StandsOn",
-    "Step",
-    "Sum",
-    "SumRow",
-    "Truth",
-    "Unoccupied",
-    "Word",
-]
+# ---- domains
+
+
+class Shape(Node):
+    """Cells in a frame: (ahead, right) of the anchor. Lanes, each nearest first; a see-through shape ends no lane.
+
+    The cells' order, lane by lane, is their number (draws inside `in SHAPE of x` are indexed by it).
+    """
+
+    name: str
+    lanes: tuple[tuple[tuple[int, int], ...], ...]
+    see_through: bool
+    directed: bool
+
+
+class Near(PlaceNode):
+    """The shape's cells around `anchor`, an agent or cell Member; `shape` names one of `Game.shapes`."""
+
+    op: Literal["near"] = "near"
+    shape: str
+    anchor: Member
+
+
+class InAgents(PlaceNode):
+    """The members of a field of type agent or set of agent."""
+
+    op: Literal["in_agents"] = "in_agents"
+    value: Expr
+
+
+class Among(PlaceNode):
+    """One of the named agent variables."""
+
+    op: Literal["among"] = "among"
+    members: tuple[Member, ...]
+
+
+class Domain(Node):
+    """All (present) agents, or all cells of `kinds`, restricted; binds `var`, and `on_var` to the cell under the agent."""
+
+    var: Member
+    on: Member | None = None
+    place: Place | None = None
+    where: Expr | None = None

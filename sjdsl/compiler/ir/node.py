@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import CoreSchema, core_schema
@@ -50,76 +50,6 @@ class TurnNode(Node):
     """One place of the schedule."""
 
 
-# Pydantic checks that a child is *some* expression; the closed unions are for `match` and the type checker. (Discriminated
-# unions would make every model's schema contain every other: half a second at import.)
-if TYPE_CHECKING:
-    from sjdsl.compiler import ir
-    from sjdsl.compiler.ir import expressions, statements
-
-    Expr: TypeAlias = (
-        expressions.Number
-        | expressions.Word
-        | expressions.Truth
-        | expressions.Nobody
-        | expressions.ParamRef
-        | expressions.Member
-        | expressions.Local
-        | expressions.FieldRead
-        | expressions.Attribute
-        | expressions.At
-        | expressions.Step
-        | expressions.Arithmetic
-        | expressions.Compare
-        | expressions.Same
-        | expressions.InRange
-        | expressions.InWords
-        | expressions.InSet
-        | expressions.IsEmpty
-        | expressions.Chose
-        | expressions.Unoccupied
-        | expressions.StandsOn
-        | expressions.Not
-        | expressions.Logic
-        | expressions.Count
-        | expressions.Sum
-        | expressions.SumRow
-        | expressions.Case
-        | expressions.Lowest
-        | expressions.Mix
-        | expressions.Ramp
-        | expressions.Named
-        | expressions.Narrowed
-        | expressions.EventTotal
-        | expressions.MatrixClass
-    )
-    Stmt: TypeAlias = (
-        statements.Let
-        | statements.Draw
-        | statements.Each
-        | statements.Pick
-        | statements.First
-        | statements.Match
-        | statements.When
-        | statements.Chance
-        | statements.Set
-        | statements.Add
-        | statements.Give
-        | statements.Tally
-        | statements.Send
-        | statements.Remove
-        | statements.Move
-        | statements.Mark
-        | statements.End
-    )
-    Place: TypeAlias = statements.Near | statements.InAgents | statements.Among
-    Turn: TypeAlias = ir.Phase | ir.Tick
-else:
-    Expr = Annotated[Expression, INSTANCE]
-    Stmt = Annotated[Sentence, INSTANCE]
-    Place = Annotated[PlaceNode, INSTANCE]
-    Turn = Annotated[TurnNode, INSTANCE]
-
-
 class Type(BaseModel):
     """What values an expression has.
 
@@ -140,21 +70,3 @@ class Type(BaseModel):
 CONDITION = Type(kind="condition")
 AGENT = Type(kind="agent")
 AGENTS = Type(kind="agents")
-
-
-__all__ = [
-    "AGENT",
-    "AGENTS",
-    "CONDITION",
-    "Expr",
-    "Expression",
-    "Node",
-    "Place",
-    "PlaceNode",
-    "Sentence",
-    "Stmt",
-    "Turn",
-    "TurnNode",
-    "Type",
-    "Unit",
-]

@@ -1,57 +1,18 @@
-"""The typed IR: shapes, domains and sentences."""
+"""The typed IR: statements, what a phase does."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
-from sjdsl.compiler.ir.expressions import Member
-from sjdsl.compiler.ir.node import Expr, Node, Place, PlaceNode, Sentence, Stmt, Type
+from sjdsl.compiler.ir.expressions import Domain, Expr, Member
+from sjdsl.compiler.ir.node import INSTANCE, Node, Sentence, Type
 
-
-class Shape(Node):
-    """Cells in a frame: (ahead, right) of the anchor. Lanes, each nearest first; a see-through shape ends no lane.
-
-    The cells' order, lane by lane, is their number (draws inside `in SHAPE of x` are indexed by it).
-    """
-
-    name: str
-    lanes: tuple[tuple[tuple[int, int], ...], ...]
-    see_through: bool
-    directed: bool
-
-
-class Near(PlaceNode):
-    """The shape's cells around `anchor`, an agent or cell Member; `shape` names one of `Game.shapes`."""
-
-    op: Literal["near"] = "near"
-    shape: str
-    anchor: Member
-
-
-class InAgents(PlaceNode):
-    """The members of a field of type agent or set of agent."""
-
-    op: Literal["in_agents"] = "in_agents"
-    value: Expr
-
-
-class Among(PlaceNode):
-    """One of the named agent variables."""
-
-    op: Literal["among"] = "among"
-    members: tuple[Member, ...]
-
-
-class Domain(Node):
-    """All (present) agents, or all cells of `kinds`, restricted; binds `var`, and `on_var` to the cell under the agent."""
-
-    var: Member
-    on: Member | None = None
-    place: Place | None = None
-    where: Expr | None = None
-
-
-# ---- sentences
+if TYPE_CHECKING:  # as `Expr` in expressions.py
+    Stmt: TypeAlias = (
+        "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move | Mark | End"
+    )
+else:
+    Stmt = Annotated[Sentence, INSTANCE]
 
 
 class Let(Sentence):
@@ -206,30 +167,3 @@ class Mark(Sentence):
 
 class End(Sentence):
     op: Literal["end"] = "end"
-
-
-__all__ = [
-    "Add",
-    "Among",
-    "Branch",
-    "Chance",
-    "Domain",
-    "Draw",
-    "Each",
-    "End",
-    "First",
-    "Give",
-    "InAgents",
-    "Let",
-    "Mark",
-    "Match",
-    "Move",
-    "Near",
-    "Pick",
-    "Remove",
-    "Send",
-    "Set",
-    "Shape",
-    "Tally",
-    "When",
-]

@@ -1,0 +1,223 @@
+"""The typed IR: declarations, the schedule, and the game they make up."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+
+from sjdsl.compiler.ir.expressions import Domain, Expr, Shape
+from sjdsl.compiler.ir.node import INSTANCE, Node, TurnNode, Type
+from sjdsl.compiler.ir.statements import Stmt
+
+if TYPE_CHECKING:  # as `Expr` in expressions.py
+    Turn: TypeAlias = "Phase | Tick"
+else:
+    Turn = Annotated[TurnNode, INSTANCE]
+
+
+class Size(Node):
+    name: str
+    type: Type
+    value: int | float | tuple
+
+
+class Param(Node):
+    """Default `value` nested as `type.by`; words for a word parameter. `type.low` .. `type.high` are its limits."""
+
+    name: str
+    type: Type
+    value: int | float | str | tuple
+
+
+class VarField(Node):
+    """A variable of each cell of `kind`, each agent (`agents`) or the world. `start`: number, word, or None for nobody."""
+
+    name: str
+    place: Literal["agent", "cell", "world"]
+    kind: str = ""
+    type: Type
+    capped: bool = False
+    timer: bool = False
+    start: int | float | str | None = None
+
+
+class Block(Node):
+    """`what`: `agents` or a shape's name. The condition reads the cell (Member `kind`) and `agent` (mover or anchor)."""
+
+    what: str
+    condition: Expr | None = None
+
+
+class Kind(Node):
+    name: str
+    glyph: str
+    fields: tuple[VarField, ...] = ()
+    blocks: tuple[Block, ...] = ()
+
+
+class GlyphMeaning(Node):
+    """A map character: its kind, and the starting values that differ from the declared ones."""
+
+    glyph: str
+    kind: str
+    starts: tuple[tuple[str, int | float | str], ...] = ()
+
+
+class Forbid(Node):
+    """`actions` are numbers; the condition reads `agent`."""
+
+    actions: tuple[int, ...]
+    condition: Expr
+
+
+class Agents(Node):
+    number: int
+    actions: tuple[str, ...]
+    relative: bool
+    fields: tuple[VarField, ...] = ()
+    forbids: tuple[Forbid, ...] = ()
+
+
+class Phase(TurnNode):
+    """One use of a phase. `label` as in the schedule (`sprout(red)`); `name` a Python identifier, unique in the game.
+
+    `marks`: the shapes it marks as written. What an observation has in it follows from these: no map and no pass changes it.
+    """
+
+    op: Literal["phase"] = "phase"
+    label: str
+    name: str
+    body: tuple[Stmt, ...]
+    marks: tuple[str, ...] = ()
+
+
+class Tick(TurnNode):
+    """All timers fall by one, agents whose time away is over return."""
+
+    op: Literal["tick"] = "tick"
+
+
+class Event(Node):
+    """`per_agent`: every tally of it names a receiver."""
+
+    name: str
+    by: tuple[str, ...] = ()
+    per_agent: bool
+
+
+class Measure(Node):
+    name: str
+    mean: bool
+    value: Expr
+
+
+class Label(Node):
+    """Of `show ... as`: the first whose condition holds; the last has none."""
+
+    name: str
+    condition: Expr | None
+
+
+class Sight(Node):
+    """Something seen. `what`: `cell` (field of `kind` at each cell), `own`, `other`, `everyone`, `world` (fields), `heading` (others').
+
+    A `cell` without a field is the whole look of the kind: its labels are looks, those of other kinds by their names.
+    `everyone`: the field of each agent, one plane an agent in the order of their numbers, the same in the whole window.
+    `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
+    observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading.
+    """
+
+    what: Literal["cell", "own", "other", "everyone", "world", "heading"]
+    kind: str = ""
+    field: str = ""
+    word: str | None = None
+    type: Type
+    labels: tuple[Label, ...] = ()
+    hidden_when: Expr | None = None
+
+
+class Paint(Node):
+    """`colour`: a name of `looks.COLOURS` or `#rrggbb`; `sprite`: one of `looks.SPRITES`; empty for one that is not said."""
+
+    colour: str = ""
+    sprite: str = ""
+
+
+class Look(Node):
+    """How cells of some kinds, or the agents, are drawn where the condition over Member `name` holds; no rule reads it.
+
+    `body`: the cell or the agent itself; `badge`: a small sprite in its corner.
+    """
+
+    what: Literal["cell", "agent"]
+    name: str
+    kinds: tuple[str, ...] = ()
+    condition: Expr | None = None
+    body: Paint | None = None
+    badge: Paint | None = None
+
+
+class Hidden(Node):
+    """What is not seen of some cells: their marks, or what they are (then they look `covered`).
+
+    `on`: on the whole map, on cells of `kinds` (while `when` holds of agent, the observer, and the cell `name`), or where an agent stands.
+    """
+
+    what: Literal["marks", "content"]
+    on: Literal["map", "cells", "agents"]
+    name: str = ""
+    kinds: tuple[str, ...] = ()
+    when: Expr | None = None
+
+
+class Window(Node):
+    ahead: int
+    behind: int
+    left: int
+    right: int
+
+
+class Check(Node):
+    """A promise. `values` are its expressions in the order written."""
+
+    sort: Literal["require", "always", "once", "conserved", "monotone", "symmetric", "expect"]
+    values: tuple[Expr, ...] = ()
+    words: tuple[str, ...] = ()
+    policies: tuple[Policy, ...] = ()
+    episodes: int = 0
+
+
+class Policy(Node):
+    """`random`; `never` the action numbers; `seek` the nearest member of the domain."""
+
+    name: Literal["random", "never", "seek"]
+    actions: tuple[int, ...] = ()
+    domain: Domain | None = None
+
+
+class Game(Node):
+    """A whole game, one variant of it: what the passes rewrite, the interpreter runs and the lowering reads."""
+
+    name: str
+    title: str
+    cites: tuple[str, ...] = ()
+    about: tuple[tuple[str, str], ...] = ()
+    variants: tuple[str, ...] = ()
+    sizes: tuple[Size, ...] = ()
+    params: tuple[Param, ...] = ()
+    episode: Expr
+    kinds: tuple[Kind, ...]
+    groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    rows: tuple[str, ...]
+    glyphs: tuple[GlyphMeaning, ...]
+    fields: tuple[VarField, ...] = ()
+    agents: Agents
+    shapes: tuple[Shape, ...] = ()
+    start: Phase
+    schedule: tuple[Turn, ...]
+    window: Window
+    sights: tuple[Sight, ...] = ()
+    hidden: tuple[Hidden, ...] = ()
+    events: tuple[Event, ...] = ()
+    measures: tuple[Measure, ...] = ()
+    checks: tuple[Check, ...] = ()
+    looks: tuple[Look, ...] = ()

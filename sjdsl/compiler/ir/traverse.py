@@ -1,0 +1,50 @@
+"""Tree walking over the typed IR: the children of a node, and every node below it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Annotated, Literal, get_args, get_origin
+
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.ir.node import Node
+
+
+def children(node: Node) -> list[Node]:
+    """Returns the nodes directly inside `node`, in field order."""
+    found: list[Node] = []
+    for name in inner_fields(type(node)):
+        _gather(getattr(node, name), found)
+    return found
+
+
+def walk(node: Node) -> Iterator[Node]:
+    """Yields `node` and every node below it, outermost first."""
+    waiting = [node]
+    while waiting:
+        following = waiting.pop()
+        yield following
+        waiting += reversed(children(following))
+
+
+def _gather(value: object, found: list[Node]) -> None:
+    if isinstance(value, tuple):
+        for item in value:
+            _gather(item, found)
+    elif isinstance(value, Node):
+        found.append(value)
+
+
+@cache
+def inner_fields(kind: type[Node]) -> tuple[str, ...]:
+    """Returns the fields that can hold nodes: most hold names and numbers, and a game is walked often."""
+    return tuple(name for name, field in kind.model_fields.items() if _can_hold_nodes(field.annotation))
+
+
+def _can_hold_nodes(annotation: object) -> bool:
+    if get_origin(annotation) is Literal:
+        return False
+    if get_origin(annotation) is Annotated:
+        return _can_hold_nodes(get_args(annotation)[0])
+    inside = [a for a in get_args(annotation) if a is not Ellipsis]
+    return any(_can_hold_nodes(a) for a in inside) if inside else annotation not in (str, int, float, bool, type(None), Span)
