@@ -1,0 +1,158 @@
+"""Imports go one way: in the compiler from later stages to earlier ones, nowhere in a circle, and inside functions only to save time."""
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+STAGES = ["diagnostics", "ast", "syntax", "compose", "ir", "elaborate", "checks", "optimise", "program", "lower", "emit"]
+TABLES = {"sjdsl.near_names", "sjdsl.version"}  # what the compiler takes from outside: they import nothing of ours
+# An import inside a function is for one thing: that its module loads without these, which take long to load or need not be installed.
+HEAVY = {
+    *("dm_env", "gymnasium", "jaxmarl", "minari", "pettingzoo"),
+    *("flax", "hypothesis", "jax", "jinja2", "matplotlib", "numpy", "orbax", "PIL", "psutil", "resvg_py", "rich", "textual"),
+}
+
+# Exceptions that still stand: modules whose imports go upwards or out of the compiler, that are in circles, or import inside functions.
+UPWARDS = {
+    "sjdsl.compiler.elaborate",
+    "sjdsl.compiler.emit.module",
+    "sjdsl.compiler.ir.evaluate_constant",
+    "sjdsl.compiler.lower.cell_appearance",
+    "sjdsl.compiler.lower.map_tables",
+    "sjdsl.compiler.lower.observations",
+}
+CIRCLES = {
+    *(f"sjdsl.compiler.elaborate.{name}" for name in ("defines", "domains", "expressions", "paths", "shapes")),
+    *(f"sjdsl.compiler.lower.{name}" for name in ("aggregates", "domains", "expressions", "axes", "scope")),
+    *(f"sjdsl.doc.{name}" for name in ("conditions", "defines", "domains", "expressions")),
+    *(f"sjdsl.interpreter.{name}" for name in ("evaluate", "members", "shapes")),
+    *("sjdsl", "sjdsl.cache", "sjdsl.compiler", "sjdsl.compiler.emit.module", "sjdsl.factory"),
+    *("sjdsl.interop.jaxmarl", "sjdsl.interop.jaxmarl_registry", "sjdsl.cli.environment", "sjdsl.cli.trace"),
+    *("sjdsl.runtime", "sjdsl.runtime.env", "sjdsl.runtime.roles", "sjdsl.testing.scene", "sjdsl.testing.stage"),
+    *(f"sjdsl.trainers.{name}" for name in ["actor_critics", "partners", "policies", "ppo", "program", "rollout", "teams", "vdn"]),
+}
+LOCAL = {
+    "sjdsl.bench.training",
+    "sjdsl.cli.bench",
+    "sjdsl.cli.check",
+    "sjdsl.cli.diagnostics",
+    "sjdsl.cli.doc",
+    "sjdsl.cli.environment",
+    "sjdsl.cli.evaluate",
+    "sjdsl.cli.games_page",
+    "sjdsl.cli.play",
+    "sjdsl.cli.policies",
+    "sjdsl.cli.record",
+    "sjdsl.cli.replay",
+    "sjdsl.cli.test",
+    "sjdsl.cli.trace",
+    "sjdsl.cli.train",
+    "sjdsl.compiler",
+    "sjdsl.compiler.elaborate.domains",
+    "sjdsl.compiler.elaborate.expressions",
+    "sjdsl.compiler.elaborate.metrics_and_checks",
+    "sjdsl.compiler.elaborate.paths",
+    "sjdsl.compiler.elaborate.scope",
+    "sjdsl.compiler.elaborate.statements",
+    "sjdsl.compiler.lower.expressions",
+    "sjdsl.compiler.lower.scope",
+    "sjdsl.doc.expressions",
+    "sjdsl.factory",
+    "sjdsl.runtime.env",
+}
+
+
+def _modules() -> dict[str, Path]:
+    """Returns every file of the package by the name it is imported by."""
+    files = [*(ROOT / "sjdsl").rglob("*.py"), *(path for folder in ("games", "trainers") for path in (ROOT / folder).rglob("*.py"))]
+    named = {".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path for path in files}
+    return {name if name.startswith("sjdsl") else f"sjdsl.{name}": path for name, path in named.items()}
+
+
+MODULES = _modules()
+
+
+@cache
+def homes(package: str) -> dict[str, str]:
+    """Returns the modules that the names of a package are loaded from when they are first used (`lazy_names`)."""
+    tree = ast.parse(MODULES[package].read_text("utf-8") if package in MODULES else "")
+    calls = [n for n in ast.walk(tree) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id == "lazy_names"]
+    return {name: f"{package}.{home}" for call in calls for name, home in ast.literal_eval(call.args[1]).items()}
+
+
+@cache
+def imports(module: str) -> list[tuple[str, str]]:
+    """Returns what a module imports, each with its way: `top`, `typing` (under TYPE_CHECKING) or `local` (inside a function)."""
+    path = MODULES[module]
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+
+    def names(node: ast.AST) -> Iterator[str]:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        if isinstance(node, ast.ImportFrom):
+            around = ".".join(package.split(".")[: len(package.split(".")) + 1 - node.level]) if node.level else ""
+            base = ".".join(part for part in (around, node.module) if part)
+            for name in (alias.name for alias in node.names):
+                yield f"{base}.{name}" if f"{base}.{name}" in MODULES else homes(base).get(name, base)
+
+    def visit(node: ast.AST, way: str) -> Iterator[tuple[str, str]]:
+        for child in (child for child in ast.iter_child_nodes(node) if not isinstance(child, ast.expr)):
+            inner = "local" if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef) else way
+            if isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING":
+                inner = "typing"
+            yield from ((name, way) for name in names(child))
+            yield from visit(child, inner)
+
+    return list(visit(ast.parse(path.read_text("utf-8")), "top"))
+
+
+@cache
+def loaded(module: str) -> frozenset[str]:
+    """Returns all that is loaded with a module of ours: modules of ours, their packages, and libraries by their first name."""
+    found, waiting = set[str](), [module]
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name if name in MODULES else name.split(".")[0])
+            if name in MODULES:
+                waiting += [other for other, way in imports(name) if way == "top"] + [name.rpartition(".")[0]] * ("." in name)
+    return frozenset(found)
+
+
+def _stage(module: str) -> int | None:
+    parts = module.split(".")
+    return None if parts[:2] != ["sjdsl", "compiler"] else STAGES.index(parts[2]) if len(parts) > 2 else len(STAGES)
+
+
+def test_stages_import_earlier_ones() -> None:
+    upwards = []
+    for module in MODULES.keys() - UPWARDS:
+        own = _stage(module)
+        for other in {name for name, _ in imports(module) if own is not None and name.split(".")[0] == "sjdsl"} - TABLES:
+            there = _stage(other)
+            if there is None or there > own:
+                upwards.append(f"{module} -> {other}")
+    assert sorted(upwards) == []
+    assert [table for table in TABLES & MODULES.keys() if any(name.startswith("sjdsl") for name, _ in imports(table))] == []
+
+
+def test_no_imports_go_in_circles() -> None:
+    graph = {module: {name for name, _ in imports(module) if name in MODULES and name != module} for module in MODULES}
+    graph = {module: others if module not in CIRCLES else others - CIRCLES for module, others in graph.items()}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        raise AssertionError(" <- ".join(error.args[1])) from None
+
+
+def test_imports_inside_functions_save_loading_time() -> None:
+    needless = []
+    for module in MODULES.keys() - LOCAL:
+        already = loaded(module) & HEAVY
+        for name in {name for name, way in imports(module) if way == "local" and name in MODULES}:
+            if not loaded(name) & HEAVY - already:
+                needless.append(f"{module} -> {name}")
+    assert sorted(needless) == []
