@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __getattr__ = lazy_names(
     __name__,
     {
-        "CompileError": "compiler.diagnostics",
+        "CompileError": "compiler.diagnostics.diagnostic",
         "Environment": "runtime.env",
         "TokenPlane": "runtime.planes",
         "make": "factory",

@@ -64,7 +64,7 @@ def environment_of(
 
 def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
     """Returns the rows of a map given by its file or by itself, and where they stand; the legend is asked later."""
-    from sjdsl.compiler.elaborate.scope import Problems
+    from sjdsl.compiler.diagnostics.problems import Problems
     from sjdsl.compiler.elaborate.world_map import parse_rows, row_spans
 
     if map is None:

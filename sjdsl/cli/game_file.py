@@ -7,9 +7,9 @@ from typing import Any
 import click
 
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.elaborate.scope import Problems
 from sjdsl.compiler.elaborate.world_map import parse_rows
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game

@@ -12,14 +12,13 @@ from sjdsl.compiler.checks.ways_out import with_ways_out
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides, elaborate
-from sjdsl.compiler.elaborate.scope import Problems
-from sjdsl.compiler.elaborate.world_map import inside_folder
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.program import Program
 from sjdsl.compiler.syntax.parse import parse
-from sjdsl.compiler.syntax.read import read_source
+from sjdsl.compiler.syntax.read import inside_folder, read_source
 
 STAGES = ("ast", "ir", "optimised", "program", "python")
 

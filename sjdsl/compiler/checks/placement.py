@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate.scope import Problems
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import domain as domain_text
 

@@ -3,7 +3,8 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.elaborate.scope import Problems, Static
+from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.elaborate.scope import Static
 
 MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
-from sjdsl.compiler.elaborate.scope import Problems
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.ir.implications import conjuncts, contradict
 from sjdsl.compiler.ir.printer import expression as text
 

@@ -14,6 +14,7 @@ from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declaration_labels import with_whereabouts
 from sjdsl.compiler.elaborate.declarations import Declarations, blocks, declare_numbers, declare_world, forbids
@@ -23,7 +24,7 @@ from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
 from sjdsl.compiler.elaborate.observations import sights, window
 from sjdsl.compiler.elaborate.schedule import schedule, start
-from sjdsl.compiler.elaborate.scope import Poisoned, Problems, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 from sjdsl.compiler.ir.names import STATE, state_names
 

@@ -2,8 +2,10 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_units, over_unit, times_unit
 
@@ -62,22 +64,6 @@ def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, s
         value = fold(e.op, left.value, right.value)
         return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
     return ir.Arithmetic(type=type_, fn=e.op, args=(left, right), origin=e.span)  # type: ignore[arg-type]
-
-
-def fold(fn: str, a: float, b: float) -> float:
-    """Returns the constant `a fn b`."""
-    match fn:
-        case "+":
-            return a + b
-        case "-":
-            return a - b
-        case "*":
-            return a * b
-        case "/":
-            return a / b
-        case "%":
-            return a % b
-    raise AssertionError(fn)
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:

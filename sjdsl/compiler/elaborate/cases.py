@@ -5,8 +5,9 @@ from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.arithmetic import join_types
-from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.types import describe
 

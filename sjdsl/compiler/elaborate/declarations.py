@@ -8,12 +8,13 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import build, condition, fixed, interval_text, wrong_type
 from sjdsl.compiler.elaborate.paths import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word
-from sjdsl.compiler.elaborate.scope import Poisoned, Problems, Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, join_units, words
 

@@ -2,8 +2,9 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.expressions import build, build_all
-from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 
 
 def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:

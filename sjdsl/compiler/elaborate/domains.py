@@ -4,9 +4,10 @@ from dataclasses import replace
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.expressions import as_agent, build, condition, kinds_named, wrong_type
-from sjdsl.compiler.elaborate.scope import START, Poisoned, Scope
+from sjdsl.compiler.elaborate.scope import START, Scope
 
 
 def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:

@@ -10,11 +10,12 @@ from typing import assert_never
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.arithmetic import arithmetic, compare, extreme, join_types
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.paths import check_known_word, index, member, path
-from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.implications import at_least
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, hull, integer, is_number, real, times

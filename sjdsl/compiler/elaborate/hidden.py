@@ -6,8 +6,9 @@ observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="ri
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.expressions import condition
-from sjdsl.compiler.elaborate.scope import Problems, Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.near_names import nearest
 
 PLANES = ("marks", "content")

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.paths import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
-from sjdsl.compiler.elaborate.scope import Poisoned, Problems, Static
+from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.ir.types import HEADINGS
 
 OWNERS = {"agent": "the observer itself", "other": "the other agents", "everyone": "all agents"}

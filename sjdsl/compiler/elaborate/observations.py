@@ -3,11 +3,12 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.expressions import condition, fixed
 from sjdsl.compiler.elaborate.hidden import is_of_a_plane
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.observation_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
-from sjdsl.compiler.elaborate.scope import Poisoned, Problems, Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.types import HEADINGS, element, words
 
 SIDES = ("ahead", "behind", "left", "right")

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import near_or_all
-from sjdsl.compiler.elaborate.scope import START, Poisoned, Problems, Scope, Static
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
+from sjdsl.compiler.elaborate.scope import START, Scope, Static
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import HEADINGS, describe, element, integer, words

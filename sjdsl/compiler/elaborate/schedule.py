@@ -5,8 +5,9 @@ from dataclasses import replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.expressions import build
-from sjdsl.compiler.elaborate.scope import START, Poisoned, Scope
+from sjdsl.compiler.elaborate.scope import START, Scope
 from sjdsl.compiler.elaborate.statements import PhaseUse, block
 from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.ir.names import Names, phase_function

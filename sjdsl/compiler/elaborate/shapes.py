@@ -2,8 +2,9 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.expressions import fixed
-from sjdsl.compiler.elaborate.scope import Poisoned, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 
 Offset = tuple[int, int]
 BUILT_IN = {"line": ("n",), "fan": ("length", "radius"), "disc": ("r",), "diamond": ("r",), "square": ("r",)}

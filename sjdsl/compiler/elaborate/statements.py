@@ -4,14 +4,15 @@ from typing import assert_never
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.assignments import add, set_
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import check_free, domain, near
 from sjdsl.compiler.elaborate.effects import agent, give, send, tally
 from sjdsl.compiler.elaborate.expressions import build, condition, interval_text, number, wrong_type
 from sjdsl.compiler.elaborate.phase_use import PhaseUse
-from sjdsl.compiler.elaborate.scope import Poisoned, Scope
-from sjdsl.compiler.ir.implications import contradict, narrow_word, narrowed
+from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.implications import conjuncts, contradict, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer, words
 
@@ -268,8 +269,6 @@ def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
 
 def check_possible(test: ir.Expr, scope: Scope) -> None:
     """Warns if a condition contradicts what is known here, or the numbers it compares."""
-    from sjdsl.compiler.ir.implications import conjuncts
-
     for part in conjuncts(test):
         clash = next((f for f in scope.fact_nodes if contradict(part, f)), None)
         if clash is not None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from sjdsl.compiler.diagnostics.source import Source, Span
 
-RETURN = 0x52455455  # the streams of those who return from being away differ from the send's by this
 _TOKEN = re.compile(r'"(?:\\.|[^"\\\n])*"|[a-z][a-z0-9_]*|\d+\.\d+|\d+|\.\.|->|[<>=!]=|#[^\n]*|\S')
 
 

@@ -8,8 +8,10 @@ from pathlib import Path
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.elaborate.scope import Problems, Static
+from sjdsl.compiler.elaborate.scope import Static
+from sjdsl.compiler.syntax.read import inside_folder
 from sjdsl.near_names import nearest
 
 Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
@@ -34,23 +36,6 @@ def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows
         problems.add(errors.NO_FILE, span, name=name, nearest=str(Path(name).with_name(near)) if near else "")
         return (), ()
     return parse_rows(path.read_bytes(), (Path(source.name).parent / name).as_posix(), span, problems)
-
-
-def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
-    """Returns the path of a file named by a game; None, and reported, if it leaves the game's folder."""
-    given = Path(name)
-    if source.folder is None:
-        problems.add(errors.NO_FILE, span, name=name, nearest="")
-        return None
-    folder = source.folder.resolve()
-    if not name or "\0" in name or "\\" in name or given.is_absolute():
-        problems.add(errors.FILE_OUTSIDE, span, name=name)
-        return None
-    path = (folder / given).resolve()
-    if not path.is_relative_to(folder):
-        problems.add(errors.FILE_OUTSIDE, span, name=name)
-        return None
-    return path
 
 
 def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:

@@ -1,10 +1,9 @@
-"""Evaluates a `require`: conditions over parameters only, when compiled and whenever a `Params` is built."""
+"""Evaluates what is constant: two numbers (constant folding), and a `require`, when compiled and whenever a `Params` is built."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.elaborate.arithmetic import fold
 
 TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
@@ -48,6 +47,22 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return matrix_class(e.name, _value(e.table, params))
         case _:
             raise AssertionError(e)
+
+
+def fold(fn: str, a: float, b: float) -> float:
+    """Returns the constant `a fn b`."""
+    match fn:
+        case "+":
+            return a + b
+        case "-":
+            return a - b
+        case "*":
+            return a * b
+        case "/":
+            return a / b
+        case "%":
+            return a % b
+    raise AssertionError(fn)
 
 
 def _compare(fn: str, a: float, b: float) -> bool:

@@ -15,6 +15,9 @@ else:
     Stmt = Annotated[Sentence, INSTANCE]
 
 
+RETURN = 0x52455455  # the streams of those who return from being away differ from those of their `Send` by this
+
+
 class Let(Sentence):
     op: Literal["let"] = "let"
     name: str

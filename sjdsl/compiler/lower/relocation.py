@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.elaborate.streams import RETURN
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, both, invert, literal, reduce, select
 from sjdsl.compiler.lower.expressions import lower, owner
@@ -186,9 +185,9 @@ def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
         w.known.clear()
         w.origin = pool.send.origin
         back = w.keep("back", Value(f"due & (state.away_pool == {pool.number})", "bool"))
-        placed = place(pool, back.text, "", w, RETURN)
+        placed = place(pool, back.text, "", w, ir.RETURN)
         facing = w.names.fresh("facing")
-        stream = pool.send.heading_stream ^ RETURN
+        stream = pool.send.heading_stream ^ ir.RETURN
         w.line(f"{facing} = jnp.where(state.away_facing == 4, below(words(key, 0x{stream:08x}, {n}), 4), state.away_facing)")
         w.line(f"{facing} = jnp.where(state.away_facing == 5, state.heading, {facing})")
         w.assign("heading", f"jnp.where({placed}, {facing}, state.heading)")

@@ -6,7 +6,7 @@ when 3 < 5 and agent.index < 2 { … }   ->   when agent.index < 2 { … }
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.elaborate.arithmetic import fold
+from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.optimise.rewrite import rewrite
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Code, CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.limits import MAX_BYTES
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.near_names import nearest
 
@@ -43,6 +44,23 @@ def decode(data: bytes, name: str, folder: Path | None = None, size: int | None 
         return Source(name, data.decode("utf-8-sig"), folder)
     except UnicodeDecodeError as error:
         raise _failure(errors.NOT_TEXT, name, problem=f"byte {error.start} is not UTF-8") from None
+
+
+def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
+    """Returns the path of a file named by a game; None, and reported, if it leaves the game's folder."""
+    given = Path(name)
+    if source.folder is None:
+        problems.add(errors.NO_FILE, span, name=name, nearest="")
+        return None
+    folder = source.folder.resolve()
+    if not name or "\0" in name or "\\" in name or given.is_absolute():
+        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        return None
+    path = (folder / given).resolve()
+    if not path.is_relative_to(folder):
+        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        return None
+    return path
 
 
 def _failure(code: Code, file: str, **facts: object) -> CompileError:

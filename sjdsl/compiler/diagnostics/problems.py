@@ -1,0 +1,69 @@
+"""What a stage has found so far: its diagnostics, each once, and the exception that leaves what cannot be built."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Code, Diagnostic, Fix, Label, near_or_all
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.near_names import nearest
+
+
+class Named(Protocol):
+    """A name in a text: what it is, and where it stands."""
+
+    @property
+    def text(self) -> str: ...
+
+    @property
+    def span(self) -> Span: ...
+
+
+class Poisoned(Exception):
+    """An expression or sentence could not be built; the reason has been reported."""
+
+
+@dataclass
+class Problems:
+    """Collects diagnostics; each mistake once. `unsaid`: codes that are not recorded."""
+
+    found: list[Diagnostic] = field(default_factory=list)
+    unsaid: frozenset[Code] = frozenset()
+
+    @property
+    def failed(self) -> bool:
+        """Whether there are errors, and not only warnings."""
+        return any(d.code.severity == "error" for d in self.found)
+
+    def add(self, code: Code, span: Span, labels: tuple[Label, ...] = (), fix: Fix | None = None, **facts: object) -> None:
+        """Records one diagnostic."""
+        diagnostic = Diagnostic(code, span, facts, labels, fix)
+        if code not in self.unsaid and not any(d.code is code and d.span == span and d.message == diagnostic.message for d in self.found):
+            self.found.append(diagnostic)
+
+    def fail(self, code: Code, span: Span, labels: tuple[Label, ...] = (), **facts: object) -> Poisoned:
+        """Records one diagnostic and returns what to raise: `raise problems.fail(...)`."""
+        self.add(code, span, labels, **facts)
+        return Poisoned()
+
+    def not_a_word(self, span: Span, word: str, owner: str, words: Iterable[str]) -> Poisoned:
+        """Records that a word is none of the words of a field, row, event or `case`."""
+        choices = list(words)
+        owner = owner if owner.startswith("this ") else f"`{owner}`"
+        return self.fail(errors.WORD_OUTSIDE, span, word=word, name=owner, words=", ".join(choices), nearest=nearest(word, choices))
+
+    def unknown(self, name: Named, candidates: Iterable[str], what: str, instead: Mapping[str, str] | None = None) -> Poisoned:
+        """Records that a name is none of the candidates (`what` says what they are); `instead`: what to write for names often tried."""
+        help_ = (instead or {}).get(name.text, "")
+        return self.fail(errors.UNKNOWN_NAME, name.span, name=name.text, help=help_, **near_or_all(name.text, candidates, what))
+
+    @contextmanager
+    def survive(self, broken: set[str] | None = None, name: str = "") -> Iterator[None]:
+        """Goes on after something that could not be built; its name joins `broken`, so that uses of it are not reported too."""
+        try:
+            yield
+        except Poisoned:
+            if broken is not None:
+                broken.add(name)
