@@ -16,6 +16,7 @@ from .compiled import NoMemoryError, compile_train, peak_megabytes
 from .config import Config, make_config
 from .environment import Environment
 from .loggers import LoggerName
+from .metric_rows import mean_row
 from .metrics_files import METRICS_JSONL, Row, read_rows
 from .policy_file import START, copy_policy
 from .processes import any_says, is_first
@@ -23,7 +24,6 @@ from .program import make_train
 from .progress import ProgressStyle, show_progress
 from .recorder import open_recorders
 from .resuming import RunError, check_same_run, extended, restore_last
-from .rows import mean_row
 from .run_files import write_json
 from .run_folder import MANIFEST, describe_run, seed_folders
 from .updates import Callback, Keeping, Progress, diverged_before, make_teller, run_updates

@@ -19,13 +19,13 @@ from .checkpoints import Checkpoints
 from .compiled import Compiled, NoMemoryError
 from .config import Config
 from .environment import Environment
+from .metric_rows import flatten_metrics, mean_row
 from .metrics_files import Row
 from .policies import Policy, trained_policy
 from .processes import any_says
 from .program import TrainState
 from .recorder import Recorder
 from .resuming import RunError
-from .rows import flatten_metrics, mean_row
 
 Show = Callable[[Row], None]  # what is done with a row for people to see
 

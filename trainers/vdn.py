@@ -21,7 +21,7 @@ from .networks import ActionValues
 from .packing import Packing
 from .partners import learning_agents, make_partners
 from .program import Metrics, Train, TrainState, keep_if_finite
-from .replay import Replay, add_entries, draw_entries, empty_replay
+from .replay_buffer import Replay, add_entries, draw_entries, empty_replay
 from .rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
 from .shaping import make_shaping
 

@@ -9,7 +9,7 @@ from sjdsl.compiler.emit.module import template
 from sjdsl.compiler.ir.names import param_attribute
 
 RUNTIME = "sjdsl.runtime"
-ALWAYS = ("draws", "planes", "resetting", "tokens")  # what the environment at the end of the file calls
+ALWAYS = ("auto_reset", "draws", "planes", "tokens")  # what the environment at the end of the file calls
 IMPORTED = ("import jax.numpy as jnp", "from flax import struct", "from jax import Array")
 
 
