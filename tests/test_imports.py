@@ -161,3 +161,8 @@ def test_names_that_packages_load_lazily_are_there() -> None:
     missing = [name for name, home in lazy.items() if not hasattr(import_module(home), name.rpartition(".")[2])]
     assert len(lazy) > 20
     assert missing == []
+
+
+def test_what_is_imported_is_there() -> None:
+    absent = [f"{module} -> {name}" for module in MODULES for name, _ in imports(module) if name.split(".")[0] == "sjdsl"]
+    assert [line for line in absent if line.partition(" -> ")[2] not in MODULES] == []
