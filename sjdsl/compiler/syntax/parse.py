@@ -151,7 +151,7 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
 def _lex(text: str) -> list[Token]:
     """Returns the tokens of a text; none if it cannot be read."""
     try:
-        return list(parser().lex(text))
+        return list(parser().parse_interactive(text).lexer_thread.lex(None))  # type: ignore[arg-type]  # Lark.lex makes a lexer each time
     except UnexpectedCharacters:
         return []
 

@@ -51,28 +51,32 @@ def make_automaton(parser: Lark) -> Automaton:
 
 
 def read(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
-    """Returns the stack after one token of this kind, None if it cannot come here."""
+    """Returns the stack after one token of this kind, None if it cannot come here.
+
+    The uppermost level is held in variables: one word behind an expression reduces it a dozen times, each time replacing only that.
+    """
+    states = automaton.states
+    state, below, last = stack.state, stack.below, stack.token
     while True:
-        action, argument = automaton.states[stack.state].get(kind, (None, None))
+        action, argument = states[state].get(kind, (None, None))
         if action is None:
             return None
         if action == "shift":
-            return Stack(argument, stack, token)
-        if kind == END and _is_start_rule(automaton, stack, argument):
-            return stack
-        stack = _reduce(automaton, stack, argument)
+            return Stack(argument, Stack(state, below, last), token)
+        under = _under(argument, Stack(state, below, last) if not argument.expansion else below)
+        reduced = states[under.state][argument.origin.name][1]
+        if kind == END and reduced == automaton.end:
+            return Stack(state, below, last)
+        state, below = reduced, under
 
 
-def _reduce(automaton: Automaton, stack: Stack, rule: Any) -> Stack:
-    last = stack.token
-    for _ in rule.expansion:
-        assert stack.below is not None
+def _under(rule: Any, stack: Stack | None) -> Stack:
+    """Returns what a rule's symbols stand upon; `stack`: without the uppermost of them."""
+    for _ in rule.expansion[1:]:
+        assert stack is not None
         stack = stack.below
-    return Stack(automaton.states[stack.state][rule.origin.name][1], stack, last)
-
-
-def _is_start_rule(automaton: Automaton, stack: Stack, rule: Any) -> bool:
-    return _reduce(automaton, stack, rule).state == automaton.end
+    assert stack is not None
+    return stack
 
 
 def accepted(automaton: Automaton, stack: Stack) -> list[str]:

@@ -49,7 +49,7 @@ def find_idiom(trouble: Trouble, trail: Mapping[int, Stack], tokens: Sequence[To
         stack = trouble.stack if start == trouble.at else trail.get(start)
         if stack is None:
             continue
-        for phrase in PHRASES:
+        for phrase in _beginning_with(tokens, start):
             found = _match(phrase, start, trouble, tokens, source, lex)
             if found is None or not start <= trouble.at <= found[0]:
                 continue
@@ -58,6 +58,19 @@ def find_idiom(trouble: Trouble, trail: Mapping[int, Stack], tokens: Sequence[To
             if idiom is not None:
                 return idiom
     return None
+
+
+def _beginning_with(tokens: Sequence[Token], at: int) -> tuple[Phrase, ...]:
+    """Returns the phrases that may begin with a token, in the order of the table: hundreds do not."""
+    beginnings = _beginnings()
+    return beginnings.get(str(tokens[at]), beginnings[""]) if at < len(tokens) else ()
+
+
+@cache
+def _beginnings() -> dict[str, tuple[Phrase, ...]]:
+    """For each word with which a phrase begins: those phrases and the ones that begin with a part; for "" the latter alone."""
+    words = {"", *(phrase.pattern[0] for phrase in PHRASES)}
+    return {word: tuple(p for p in PHRASES if p.pattern[0] == word or p.pattern[0].isupper()) for word in words}
 
 
 def _believed(phrase: Phrase, place: tuple[int, int], parts: Sequence[str], stack: Stack, trouble: Trouble, lex: Lex) -> Idiom | None:
