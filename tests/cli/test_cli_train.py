@@ -207,8 +207,10 @@ def test_a_seed_beyond_32_bits_is_refused(sjdsl: Sjdsl, call: list[str]) -> None
 
 def test_a_resumed_run_keeps_its_episodes_and_loggers(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
     from sjdsl.cli import train as module
+    from sjdsl.trainers import recorder
 
     asked: list[object] = []
+    monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
     monkeypatch.setattr(module, "_finish", lambda *given: asked.append(given[-1]))
     assert sjdsl("train", "orchard.sj", *QUICK, "--run", "kept", "--episodes", "7").status == 0
     manifest = json.loads(Path("kept/manifest.json").read_text())
@@ -268,8 +270,11 @@ def watch(update):
 """
 
 
-def test_what_users_bring_along_is_named_on_the_command_line(sjdsl: Sjdsl, folder: Path) -> None:
+def test_what_users_bring_along_is_named_on_the_command_line(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reward, a partner and a callback in a file; the run goes on longer with them, and its policy is found by its name."""
+    from sjdsl.trainers import recorder
+
+    monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
     (folder / "mine.py").write_text(BROUGHT)
     brought = ("--reward", "mine.py:double", "--partners", "1=mine.py:ahead", "--callback", "mine.py:watch")
     shown = sjdsl("train", "orchard.sj", *QUICK, *brought, "--episodes", "0")

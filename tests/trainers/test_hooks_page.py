@@ -9,7 +9,6 @@ import pytest
 from probes import Probe, matching
 
 import sjdsl
-from sjdsl.trainers import recorder
 
 PAGE = Path(__file__).parents[2] / "docs" / "training.md"
 
@@ -38,7 +37,6 @@ def test_the_hooks_do_what_the_page_says(
     assert len(blocks) == 7
     monkeypatch.chdir(tmp_path)
     if game == "stand-in":
-        monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
         monkeypatch.setattr(sjdsl, "make", lambda *_, **__: LikeCoins("coins", reward=matching().reward, show=matching().show))
     names: dict[str, Any] = {"__name__": "hooks"}
     for text in blocks:

@@ -16,7 +16,8 @@ from probes import QUICK, matching
 from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
-from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, resume, run, train
+from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, recorder, resume, run, train
+from sjdsl.trainers.learning_curve import draw_learning_curve
 from sjdsl.trainers.progress import show_progress
 
 CONFIG = make_config({**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_updates": 8, "policy_every": 8, "seed": 5})
@@ -24,7 +25,9 @@ CONFIG = make_config({**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_upda
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory: pytest.TempPathFactory) -> Result:
-    return train(matching(), CONFIG, tmp_path_factory.mktemp("runs") / "first", "none", {"game": "matching"})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recorder, "draw_learning_curve", draw_learning_curve)
+        return train(matching(), CONFIG, tmp_path_factory.mktemp("runs") / "first", "none", {"game": "matching"})
 
 
 def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
