@@ -9,20 +9,47 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, ranks, threshold, words, words_at
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'allelopathic_harvest'
 TITLE = 'Allelopathic Harvest'
+HASH = '1ba3e245d4f2c8df'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap', 'sow_red', 'sow_green', 'sow_blue')
 STAY = 6
 NUM_AGENTS = 16
 PAD = 9
 FRAME = (48, 47)
-AGENT_EVENTS = ('eaten', 'planted', 'banished')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = True
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('eaten[red]', 'event_eaten', 0),
+    ('eaten[green]', 'event_eaten', 1),
+    ('eaten[blue]', 'event_eaten', 2),
+    ('planted[red]', 'event_planted', 0),
+    ('planted[green]', 'event_planted', 1),
+    ('planted[blue]', 'event_planted', 2),
+    ('banished', 'event_banished', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='bush_colour', encoding='word', size=3),
+    StateField(attribute='bush_fruit', encoding='word', size=2),
+    StateField(attribute='bush_young', encoding='number'),
+    StateField(attribute='agent_taste', encoding='word', size=2),
+    StateField(attribute='agent_bag', encoding='word', size=3),
+    StateField(attribute='agent_coat', encoding='word', size=4),
+    StateField(attribute='agent_hits', encoding='number', low=0.0, high=2.0),
+    StateField(attribute='agent_recovering', encoding='number'),
+    StateField(attribute='agent_stunned', encoding='number'),
+    StateField(attribute='agent_hot', encoding='number'),
+    StateField(attribute='agent_empty', encoding='number'),
+)
 MAP = (
     '.bg...g..gb.g..r..r.b...br.g.',
     '..r..g.g..br...b.r..gr..r..r.',

@@ -9,21 +9,35 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied, times_in
 from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import as_bits, ramp
+from sjdsl.runtime.rows import as_bits, entry, ramp
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'clean_up'
 TITLE = 'Clean Up'
+HASH = '32b3f72fba0afb30'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap', 'clean')
 STAY = 6
 NUM_AGENTS = 7
 PAD = 9
 FRAME = (37, 46)
-AGENT_EVENTS = ('eaten', 'cleaned', 'hits')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = False
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('eaten', 'event_eaten', None),
+    ('cleaned', 'event_cleaned', None),
+    ('hits', 'event_hits', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='water_state', encoding='word', size=2),
+    StateField(attribute='water_cleaners', encoding='agents'),
+    StateField(attribute='orchard_fruit', encoding='word', size=2),
+)
 MAP = (
     'FFHFHFHFHFHFHFHFHFHFHFHFHFFF',
     'FHFHFHFHFHFHFHFHFHFHFHFHFHFF',

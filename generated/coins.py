@@ -9,20 +9,33 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'coins'
 TITLE = 'Coins'
+HASH = 'e6eb0d4cc2e0fda5'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay')
 STAY = 6
 NUM_AGENTS = 2
 PAD = 9
 FRAME = (34, 29)
-AGENT_EVENTS = ('own_coins', 'other_coins')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = False
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('own_coins', 'event_own_coins', None),
+    ('other_coins', 'event_other_coins', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='tile_coin', encoding='word', size=3),
+    StateField(attribute='agent_colour', encoding='word', size=2),
+)
 MAP = (
     'CCCCCCCCCCC',
     'CPCCCCCCCCC',

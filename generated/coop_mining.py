@@ -9,20 +9,35 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied, size_of_set, times_in
 from sjdsl.runtime.draws import below, next_threshold, threshold, words
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'coop_mining'
 TITLE = 'Coop Mining'
+HASH = 'a28de6f1cdd26daf'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'mine')
 STAY = 6
 NUM_AGENTS = 6
 PAD = 9
 FRAME = (45, 45)
-AGENT_EVENTS = ('iron_mined', 'gold_mined')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = False
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('iron_mined', 'event_iron_mined', None),
+    ('gold_mined', 'event_gold_mined', None),
+    ('ores_shared', 'event_ores_shared', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='rock_ore', encoding='word', size=4),
+    StateField(attribute='rock_miners', encoding='agents'),
+    StateField(attribute='rock_left', encoding='number'),
+)
 MAP = (
     '###########################',
     '#OOOOOOOOOOOOOOOOOOOOOOOOO#',

@@ -9,6 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
@@ -18,12 +19,27 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'gift_refinement'
 TITLE = 'Gift Refinement'
+HASH = 'e0d74889f2a12658'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'gift', 'consume')
 STAY = 6
 NUM_AGENTS = 5
 PAD = 9
 FRAME = (43, 43)
-AGENT_EVENTS = ('consumed', 'given', 'received')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = False
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('consumed', 'event_consumed', None),
+    ('given', 'event_given', None),
+    ('received[raw]', 'event_received', 0),
+    ('received[cut]', 'event_received', 1),
+    ('received[fine]', 'event_received', 2),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='ground_token', encoding='word', size=2),
+    StateField(attribute='agent_bag', encoding='number', low=0.0, high=15.0),
+    StateField(attribute='agent_post', encoding='number', low=0.0, high=25.0),
+)
 MAP = (
     'TTTTTTTTTTTTTTTTTTTTTTTTT',
     'TTTTTTTPTTTTTTTTTTPTTTTPT',

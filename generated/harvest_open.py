@@ -9,20 +9,32 @@ from jax import Array
 
 from sjdsl.runtime.counting import count_near, occupied
 from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, near_masks, neighbours, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'harvest_open'
 TITLE = 'Commons Harvest: Open'
+HASH = '89bc5e0df43ff176'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap')
 STAY = 6
 NUM_AGENTS = 7
 PAD = 9
 FRAME = (34, 40)
-AGENT_EVENTS = ('eaten', 'hits')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = False
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('eaten', 'event_eaten', None),
+    ('hits', 'event_hits', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='soil_fruit', encoding='word', size=2),
+)
 MAP = (
     'AAA....A......A....AAA',
     'AA....AAA....AAA....AA',

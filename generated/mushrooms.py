@@ -9,20 +9,37 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'mushrooms'
 TITLE = 'Externality Mushrooms'
+HASH = '34c9b372ece8ed37'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap')
 STAY = 6
 NUM_AGENTS = 5
 PAD = 9
 FRAME = (30, 41)
-AGENT_EVENTS = ('eaten', 'hits')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = True
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('eaten[red]', 'event_eaten', 0),
+    ('eaten[green]', 'event_eaten', 1),
+    ('eaten[blue]', 'event_eaten', 2),
+    ('eaten[orange]', 'event_eaten', 3),
+    ('hits', 'event_hits', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='ground_grows', encoding='word', size=5),
+    StateField(attribute='agent_digesting', encoding='number'),
+    StateField(attribute='world_trials', encoding='number', low=0.0, high=20.0),
+)
 MAP = (
     '.......................',
     '...........G...........',

@@ -9,20 +9,39 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, ranks, threshold, words, words_at
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'predator_prey'
 TITLE = 'Predator and Prey: Open'
+HASH = '0d71df7b77592db0'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'bite')
 STAY = 6
 NUM_AGENTS = 13
 PAD = 9
 FRAME = (37, 41)
-AGENT_EVENTS = ('apples_eaten', 'acorns_eaten', 'caught', 'eaten')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = True
+ROLE = 'agent_role'
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('apples_eaten', 'event_apples_eaten', None),
+    ('acorns_eaten', 'event_acorns_eaten', None),
+    ('caught', 'event_caught', None),
+    ('eaten', 'event_eaten', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='tree_fruit', encoding='word', size=2),
+    StateField(attribute='oak_fruit', encoding='word', size=2),
+    StateField(attribute='agent_role', encoding='word', size=2),
+    StateField(attribute='agent_mouth', encoding='word', size=3),
+    StateField(attribute='agent_chews', encoding='number'),
+    StateField(attribute='agent_resting', encoding='number'),
+)
 MAP = (
     '#######################',
     '#PPPPPPPPPPPPPPPPPPPPP#',

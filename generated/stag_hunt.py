@@ -9,21 +9,36 @@ from jax import Array
 
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, ranks, threshold, words, words_at
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import mix
+from sjdsl.runtime.rows import entry, mix
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'stag_hunt'
 TITLE = 'Stag Hunt in the matrix: Arena'
+HASH = '22053fcff21eac8a'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'interact')
 STAY = 6
 NUM_AGENTS = 4
 PAD = 9
 FRAME = (42, 43)
-AGENT_EVENTS = ('collected', 'met')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = True
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('collected[stag]', 'event_collected', 0),
+    ('collected[hare]', 'event_collected', 1),
+    ('met', 'event_met', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='patch_class', encoding='word', size=2),
+    StateField(attribute='patch_stock', encoding='word', size=2),
+    StateField(attribute='agent_bag', encoding='number', low=0.0, high=100.0),
+    StateField(attribute='agent_resting', encoding='number'),
+)
 MAP = (
     '#########################',
     '#PPPP.....#...#.....PPPP#',

@@ -9,21 +9,43 @@ from jax import Array
 
 from sjdsl.runtime.counting import times_in
 from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import blocking, cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import as_bits, reached
+from sjdsl.runtime.rows import as_bits, entry, reached
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = 'territory'
 TITLE = 'Territory: Rooms'
+HASH = '9e1b9746e495c3f8'
 ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap', 'paint')
 STAY = 6
 NUM_AGENTS = 9
 PAD = 9
 FRAME = (37, 37)
-AGENT_EVENTS = ('claimed', 'paid', 'blows', 'gone')
+WINDOW = (11, 11)
+FORBIDS_ACTIONS = True
+ROLE = None
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
+    ('claimed', 'event_claimed', None),
+    ('paid', 'event_paid', None),
+    ('blows', 'event_blows', None),
+    ('gone', 'event_gone', None),
+)
+FIELDS = (  # variables of the game, in State
+    StateField(attribute='brick_paint', encoding='word', size=3),
+    StateField(attribute='brick_damage', encoding='number', low=0.0, high=2.0),
+    StateField(attribute='brick_owner', encoding='agent'),
+    StateField(attribute='brick_rivals', encoding='agents'),
+    StateField(attribute='brick_wetness', encoding='number'),
+    StateField(attribute='brick_dust', encoding='number'),
+    StateField(attribute='agent_hits', encoding='number', low=0.0, high=2.0),
+    StateField(attribute='agent_recovering', encoding='number'),
+    StateField(attribute='agent_stunned', encoding='number'),
+    StateField(attribute='agent_hot', encoding='number'),
+)
 MAP = (
     '#RRRRR#RRRRR#RRRRR#',
     'R.....R.....R.....R',

@@ -41,8 +41,6 @@ def make(
     Raises:
       CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError: the arguments.
     """
-    if observation not in ("tokens", "onehot"):
-        raise ValueError(f"observation is `tokens` or `onehot`, not {observation!r}")
     source = read_source(find_game(game))
     variants = () if not variant else tuple(variant.split("+"))
     sizes, run_time = split_sizes(*number_names(source, variants), dict(params or {}))
@@ -59,7 +57,7 @@ def environment_of(
     key = game_hash(made.game)
     text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))
     module = load_module(text, file, made.game.name)
-    return Environment(made.game, module, build_params(made.game, module, params), key, observation)
+    return Environment(module, build_params(made.game, module, params), observation, made.game)
 
 
 def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:

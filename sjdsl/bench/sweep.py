@@ -131,7 +131,7 @@ def make_sweep_loop(env: Environment, num_envs: int, num_steps: int) -> Callable
 
 def _constant(env: Environment, params: Any, num_envs: int, num_steps: int) -> Callable[[Array], Array]:
     """Returns the loop over environments with one value, a constant of the program; nothing traced for another is found again."""
-    return make_loop(game_task(Environment(env.game, env.module, params, env.hash, env.observation)), num_envs, num_steps)
+    return make_loop(game_task(Environment(env.module, params, env.observation, env.game)), num_envs, num_steps)
 
 
 def _compiled(loop: Callable[..., Array], *arguments: Any) -> tuple[Compiled, float]:

@@ -95,7 +95,7 @@ def compile_game(name: str, variant: str | None, map_file: str | None, output: s
     if path.suffix != ".py":
         path = path / f"{'_'.join((made.game.name, *variants, *['standalone'] * alone))}.py"
     text = compile_build(made, source)
-    return Module(path, standalone(text, made.game) if alone else text)
+    return Module(path, standalone(text) if alone else text)
 
 
 def write_module(module: Module) -> None:

@@ -1,1 +1,5 @@
-"""Kernels that generated code calls, and the environment interface."""
+"""The bottom layer: kernels that generated code calls, and the environment interface.
+
+Nothing here imports another package of sjdsl: a generated module and this package are all that playing needs. The compiler stands
+above and uses what needs no JAX: `geometry` (it computes the same tables), `planes` and `fields` (it writes such descriptions).
+"""

@@ -1,16 +1,16 @@
 """The environment interface: one compiled game, arrays in and arrays out, ready for `jit`, `vmap` and `scan`."""
 
-from types import ModuleType
-from typing import Any, Literal
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.compiler import ir
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.draws import key_words
+from sjdsl.runtime.module import GameModule
 from sjdsl.runtime.planes import TokenPlane, channel_names
+from sjdsl.runtime.roles import lasting_roles
 from sjdsl.runtime.state_vector import state_vector
 from sjdsl.runtime.tokens import to_channels
 
@@ -28,15 +28,18 @@ class Environment:
       observation_shape: `(N, P, rows, cols)` for tokens, `(N, C, rows, cols)` for onehot; observation_dtype: uint8.
       token_planes: what each of the P planes means; channel_names: names of the C one-hot channels.
       params: the run-time parameters, a pytree; the defaults of `reset` and `step`.
-      game: the typed rules; module: the generated code.
+      module: the generated code, or a namespace of its names; game: the typed rules (`sjdsl.compiler.ir.Game`) for tools that
+        read them, None where there is no compiler. Playing reads the module alone.
     """
 
-    def __init__(self, game: ir.Game, module: ModuleType, params: Params, game_hash: str, observation: Literal["tokens", "onehot"]):
-        self.game = game
+    def __init__(self, module: GameModule, params: Params, observation: str = "tokens", game: Any = None) -> None:
+        """Raises ValueError for an observation that is neither `tokens` nor `onehot`."""
+        if observation not in ("tokens", "onehot"):
+            raise ValueError(f"observation is `tokens` or `onehot`, not {observation!r}")
         self.module = module
         self.params = params
-        self.hash = game_hash
         self.observation = observation
+        self.game = game
         self.reset = jax.jit(self._reset)
         self.step = jax.jit(self._step)
         self.step_env = jax.jit(self._step_env)
@@ -45,23 +48,27 @@ class Environment:
 
     @property
     def name(self) -> str:
-        return self.game.name
+        return self.module.NAME
 
     @property
     def title(self) -> str:
-        return self.game.title
+        return self.module.TITLE
+
+    @property
+    def hash(self) -> str:
+        return self.module.HASH
 
     @property
     def num_agents(self) -> int:
-        return self.game.agents.number
+        return self.module.NUM_AGENTS
 
     @property
     def num_actions(self) -> int:
-        return len(self.game.agents.actions)
+        return len(self.module.ACTIONS)
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        return self.game.agents.actions
+        return self.module.ACTIONS
 
     @property
     def token_planes(self) -> tuple[TokenPlane, ...]:
@@ -73,9 +80,8 @@ class Environment:
 
     @property
     def observation_shape(self) -> tuple[int, int, int, int]:
-        window = self.game.window
         depth = len(self.token_planes) if self.observation == "tokens" else len(self.channel_names)
-        return self.num_agents, depth, window.ahead + 1 + window.behind, window.left + 1 + window.right
+        return self.num_agents, depth, *self.module.WINDOW
 
     @property
     def observation_dtype(self) -> jnp.dtype:
@@ -137,16 +143,10 @@ class Environment:
 
     def _events(self, out: Any) -> dict[str, Array]:
         """Returns the counts of a step by event; a `by` event gives `name[word]` for each word."""
-        from sjdsl.compiler.ir.names import param_attribute
-
-        counts = {}
-        for event in self.game.events:
-            value = getattr(out, f"event_{param_attribute(event.name)}")
-            if event.by:
-                counts |= {f"{event.name}[{word}]": value[..., i] for i, word in enumerate(event.by)}
-            else:
-                counts[event.name] = value
-        return counts
+        return {
+            name: getattr(out, attribute) if entry is None else getattr(out, attribute)[..., entry]
+            for name, attribute, entry in self.module.EVENTS
+        }
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
@@ -162,13 +162,13 @@ class Environment:
     @property
     def forbids_actions(self) -> bool:
         """Whether `allowed_actions` is ever false: the game has a `forbid`."""
-        return bool(self.game.agents.forbids)
+        return self.module.FORBIDS_ACTIONS
 
     def state_vector(self, state: State, params: Params | None = None) -> Array:
         """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
         row, col = self.cells(state)
         length = self.module.episode_length(self.params if params is None else params)
-        return state_vector(self.game, state, row, col, length)
+        return state_vector(self.module, state, row, col, length)
 
     @property
     def roles(self) -> tuple[int, ...] | None:
@@ -176,9 +176,9 @@ class Environment:
 
         None if there is no such field, or it changes: by a rule, or from episode to episode.
         """
-        from sjdsl.runtime.roles import lasting_roles
-
-        return lasting_roles(self.game, lambda key: self.reset(key)[1])
+        if self.module.ROLE is None:
+            return None
+        return lasting_roles(self.module.ROLE, lambda key: self.reset(key)[1])
 
     def cells(self, state: State) -> tuple[Array, Array]:
         """Returns the (row, col) of each agent on the map, int32 `[N]` each; negative for those who are away."""

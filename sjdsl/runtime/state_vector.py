@@ -1,19 +1,18 @@
 """The whole state of the world as numbers for a network: what a central critic may see."""
 
-import math
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.compiler import ir
-from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.runtime.fields import StateField
+from sjdsl.runtime.module import GameModule
 
 HEADINGS = 4
 
 
-def state_vector(game: ir.Game, state: Any, row: Array, col: Array, length: Array) -> Array:
+def state_vector(module: GameModule, state: Any, row: Array, col: Array, length: Array) -> Array:
     """Returns the state as one vector, its entries from -1 to 1.
 
     In this order: how much of the episode is over; of each agent its row and column as shares of the map, whether it is on the
@@ -22,7 +21,7 @@ def state_vector(game: ir.Game, state: Any, row: Array, col: Array, length: Arra
     variable that names one agent. Marks, which last one step, are left out.
 
     Args:
-      game: the typed rules.
+      module: the generated code, of which MAP, FIELDS and NUM_AGENTS are read.
       state: of one environment.
       row, col: `[N]` int32 on the map, negative for agents who are away.
       length: steps of the episode.
@@ -30,7 +29,7 @@ def state_vector(game: ir.Game, state: Any, row: Array, col: Array, length: Arra
       `[K]` float32.
     """
     here = row >= 0
-    height, width = len(game.rows), len(game.rows[0])
+    height, width = len(module.MAP), len(module.MAP[0])
     parts = [
         state.step.astype(jnp.float32) / jnp.asarray(length, jnp.float32),
         jnp.where(here, row, 0).astype(jnp.float32) / jnp.float32(max(height - 1, 1)),
@@ -38,16 +37,15 @@ def state_vector(game: ir.Game, state: Any, row: Array, col: Array, length: Arra
         here.astype(jnp.float32),
         jax.nn.one_hot(state.heading, HEADINGS, dtype=jnp.float32),
     ]
-    fields = [*(field for kind in game.kinds for field in kind.fields), *game.agents.fields, *game.fields]
-    parts += [_numbers(getattr(state, attribute_name(field)), field.type, game.agents.number) for field in fields]
+    parts += [_numbers(getattr(state, field.attribute), field, module.NUM_AGENTS) for field in module.FIELDS]
     return jnp.concatenate([part.ravel() for part in parts])
 
 
-def _numbers(stored: Array, type: ir.Type, num_agents: int) -> Array:
+def _numbers(stored: Array, field: StateField, num_agents: int) -> Array:
     """Returns the entries of one variable, float32."""
-    match type.kind:
+    match field.encoding:
         case "word":
-            return jax.nn.one_hot(stored, len(type.words), dtype=jnp.float32)
+            return jax.nn.one_hot(stored, field.size, dtype=jnp.float32)
         case "agent":
             return jax.nn.one_hot(stored, num_agents, dtype=jnp.float32)  # nobody, -1: all zero
         case "agents":
@@ -56,7 +54,8 @@ def _numbers(stored: Array, type: ir.Type, num_agents: int) -> Array:
             return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(jnp.float32)
         case "condition":
             return stored.astype(jnp.float32)
-    value = stored.astype(jnp.float32)
-    if math.isfinite(type.low) and math.isfinite(type.high) and type.high > type.low:
-        return (value - jnp.float32(type.low)) / jnp.float32(type.high - type.low)
-    return value / (1.0 + jnp.abs(value))
+        case "number":
+            value = stored.astype(jnp.float32)
+            if field.low is None or field.high is None:
+                return value / (1.0 + jnp.abs(value))
+            return (value - jnp.float32(field.low)) / jnp.float32(field.high - field.low)

@@ -181,7 +181,7 @@ def _on_jax(made: Build, play: Any, history: Any) -> str:
 def on_jax(game: ir.Game, text: str) -> Environment:
     """Returns the environment of a game with this module."""
     module = load_module(text, f"<{game.name}>", game.name)
-    return Environment(game, module, module.default_params(), "", "tokens")
+    return Environment(module, module.default_params(), game=game)
 
 
 def _told(error: Exception) -> str:

@@ -45,13 +45,14 @@ def render(program: Program, game: ir.Game) -> str:
     """Returns the module's text."""
     used = {word for f in program.functions for line in f.lines for word in _words(line.text)}
     used |= {word for c in program.constants for word in _words(c.text)}
+    used |= {word for _, value in program.facts for word in _words(value)} | {"TokenPlane"}
     imports = [
         f"from {module} import {', '.join(n for n in names if n in used)}"
         for module, names in KERNELS.items()
         if any(n in used for n in names)
     ]
-    imports.append("from sjdsl.runtime.planes import TokenPlane")
     facts = [(name, value) for name, value in program.facts if name != "SCHEDULE"]
+    facts.insert(2, ("HASH", repr(game_hash(game))))
     turns = next(value for name, value in program.facts if name == "SCHEDULE").split(", ")
     marks = [a.name for a in program.state if a.name.startswith("mark_")]
     cleared = [f"state = state.replace({', '.join(f'{m}=jnp.zeros_like(state.{m})' for m in marks)})"] if marks else []

@@ -4,31 +4,22 @@ import ast
 from functools import cache
 from importlib.resources import files
 
-from sjdsl.compiler import ir
 from sjdsl.compiler.emit.module import template
-from sjdsl.compiler.ir.names import param_attribute
 
 RUNTIME = "sjdsl.runtime"
-ALWAYS = ("auto_reset", "draws", "planes", "tokens")  # what the environment at the end of the file calls
+ENVIRONMENT = "env"  # of which the environment at the end of the file is one
 IMPORTED = ("import jax.numpy as jnp", "from flax import struct", "from jax import Array")
 
 
-def standalone(text: str, game: ir.Game) -> str:
-    """Returns the file.
-
-    Args:
-      text: the module that the game compiles to.
-      game: its rules.
-    """
+def standalone(text: str) -> str:
+    """Returns the file. `text`: the module that the game compiles to."""
     lines, called = _without_kernels(text)
     docstring, rest = _split_docstring(lines)
     return template("standalone.py.j2").render(
         docstring=docstring,
-        kernels=[(name, _kernel(name)) for name in _in_order((*called, *ALWAYS))],
+        kernels=[(name, _kernel(name)) for name in _in_order((*called, ENVIRONMENT))],
         names=[(module, name) for module, names in called.items() for name in names],
         module="\n".join(rest).strip("\n"),
-        events=_events(game),
-        window=(game.window.ahead + 1 + game.window.behind, game.window.left + 1 + game.window.right),
     )
 
 
@@ -87,12 +78,3 @@ def _kernel(name: str) -> list[str]:
             scope = (node.module or "").removeprefix(f"{RUNTIME}.")
             lines[node.lineno - 1 : node.end_lineno] = [f"{alias.name} = _{scope}.{alias.name}" for alias in node.names]
     return [f"    {line}".rstrip() for line in lines]
-
-
-def _events(game: ir.Game) -> list[tuple[str, str, int | None]]:
-    """Returns each count of a step: its name, the attribute of the outcome, and which entry of its last axis."""
-    counts: list[tuple[str, str, int | None]] = []
-    for event in game.events:
-        attribute = f"event_{param_attribute(event.name)}"
-        counts += [(f"{event.name}[{word}]", attribute, i) for i, word in enumerate(event.by)] or [(event.name, attribute, None)]
-    return counts

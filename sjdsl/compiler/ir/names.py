@@ -9,6 +9,7 @@ from sjdsl.compiler import ir
 KERNELS = {
     "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
     "sjdsl.runtime.draws": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
+    "sjdsl.runtime.fields": ("StateField",),
     "sjdsl.runtime.geometry": (
         "blocking",
         "cells_of",
@@ -25,6 +26,7 @@ KERNELS = {
     ),
     "sjdsl.runtime.movement": ("resolve",),
     "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place"),
+    "sjdsl.runtime.planes": ("TokenPlane",),
     "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
     "sjdsl.runtime.view": ("fill", "paint", "planes_of", "windows"),
 }

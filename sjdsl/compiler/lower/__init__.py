@@ -5,6 +5,9 @@
 Assumes a verified game; guarantees that every index stays in the padded frame and every draw has its stream.
 """
 
+from collections.abc import Iterable
+from dataclasses import fields
+
 import numpy as np
 
 from sjdsl.compiler import ir
@@ -14,6 +17,7 @@ from sjdsl.compiler.lower.assignments import all_fields
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import marking_phases, token_planes
+from sjdsl.compiler.lower.environment import events, role_attribute, state_fields
 from sjdsl.compiler.lower.expressions import lower as lower_expression
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.movement import stores_moved
@@ -23,6 +27,7 @@ from sjdsl.compiler.lower.relocation import finish as finish_sends
 from sjdsl.compiler.lower.scope import AgentVar, Frame, Module, NotSupported, Writer, iota
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.program import Attribute, Function, Program
+from sjdsl.runtime.fields import StateField
 
 STORED = {"u8": "uint8", "u32": "uint32", "i32": "int32", "f32": "float32", "bool": "bool_"}
 
@@ -56,7 +61,11 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
         ("PAD", str(module.layout.pad)),
         ("FRAME", repr((module.layout.rows, module.layout.cols))),
         ("SCHEDULE", turns),
-        ("AGENT_EVENTS", repr(tuple(e.name for e in game.events if e.per_agent))),
+        ("WINDOW", repr((game.window.ahead + 1 + game.window.behind, game.window.left + 1 + game.window.right))),
+        ("FORBIDS_ACTIONS", repr(bool(game.agents.forbids))),
+        ("ROLE", repr(role_attribute(game))),
+        ("EVENTS", _rows(events(game), "counts of a step: name, attribute of Outcome, entry of its last axis")),
+        ("FIELDS", _rows(map(_described, state_fields(game)), "variables of the game, in State")),
     )
     return Program(
         name=game.name,
@@ -69,6 +78,16 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
         functions=tuple(functions),
         facts=facts,
     )
+
+
+def _rows(rows: Iterable[object], meaning: str) -> str:
+    """Returns a tuple as source, a line an entry."""
+    return "".join([f"(  # {meaning}\n", *(f"    {row},\n" for row in rows), ")"])
+
+
+def _described(field: StateField) -> str:
+    given = {f.name: getattr(field, f.name) for f in fields(field) if getattr(field, f.name) != f.default}
+    return f"StateField({', '.join(f'{name}={value!r}' for name, value in given.items())})"
 
 
 def _state(game: ir.Game, w: Writer) -> list[Attribute]:

@@ -1,0 +1,19 @@
+"""What the variables of a state hold, without JAX."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class StateField:
+    """One attribute of a generated module's State: a variable of agents, of cells of one kind, or of the world.
+
+    encoding `word`: the number of one of `size` words; `agent`: the number of an agent, -1 for nobody; `agents`: bit i for agent i;
+    `condition`: bool; `number`: from `low` to `high`, None where it has no limits.
+    """
+
+    attribute: str
+    encoding: Literal["word", "agent", "agents", "condition", "number"]
+    size: int = 0
+    low: float | None = None
+    high: float | None = None

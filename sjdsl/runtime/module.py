@@ -1,0 +1,36 @@
+"""What a generated module has: all that an environment knows of its game."""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from jax import Array
+
+from sjdsl.runtime.fields import StateField
+from sjdsl.runtime.planes import TokenPlane
+
+
+class GameModule(Protocol):
+    """The names of a generated module, with N agents and A actions."""
+
+    NAME: str
+    TITLE: str
+    HASH: str  # equal for two games if and only if their rules are
+    ACTIONS: tuple[str, ...]
+    NUM_AGENTS: int
+    FORBIDS_ACTIONS: bool  # whether `allowed_actions` is ever false
+    MAP: tuple[str, ...]
+    PAD: int  # cells around the map, on each side
+    FRAME: tuple[int, int]  # rows and columns of the map with that
+    WINDOW: tuple[int, int]  # rows and columns that an agent sees
+    TOKEN_PLANES: tuple[TokenPlane, ...]
+    EVENTS: tuple[tuple[str, str, int | None], ...]  # counts of a step: name, attribute of Outcome, entry of its last axis
+    FIELDS: tuple[StateField, ...]  # declared variables, in the order of the state vector
+    ROLE: str | None  # attribute of State with the agents' roles, if no step writes it
+
+    default_params: Callable[[], Any]
+    reset: Callable[[Any, Array], Any]  # params, words -> state
+    step: Callable[[Any, Array, Any, Array], tuple[Any, Any]]  # state, actions [N], params, words -> state, outcome
+    observe: Callable[[Any, Any], Array]  # state, params -> [N, P, rows, columns] uint8
+    measures: Callable[[Any, Any], dict[str, Array]]  # state, params -> float32 scalars
+    allowed_actions: Callable[[Any, Any], Array]  # state, params -> [N, A] bool
+    episode_length: Callable[[Any], Array]  # params -> int32 scalar
