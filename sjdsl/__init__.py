@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from sjdsl.lazy_names import lazy_names
+from sjdsl.version import __version__
 
-__version__ = "0.1.0"
 __all__ = ["CompileError", "Environment", "TokenPlane", "__version__", "make"]
 
 if TYPE_CHECKING:

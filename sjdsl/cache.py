@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from sjdsl import __version__
+from sjdsl.version import __version__
 
 
 def cache_folder() -> Path:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 STAGES = ["diagnostics", "ast", "syntax", "compose", "ir", "elaborate", "checks", "optimise", "program", "lower", "emit"]
-TABLES = {"sjdsl.near_names", "sjdsl.version"}  # what the compiler takes from outside: they import nothing of ours
+# What the compiler takes from outside: they import nothing of ours. The runtime lies below it; of it these need no JAX.
+TABLES = {"sjdsl.near_names", "sjdsl.runtime.fields", "sjdsl.runtime.geometry", "sjdsl.runtime.planes", "sjdsl.version"}
 # An import inside a function is for one thing: that its module loads without these, which take long to load or need not be installed.
 HEAVY = {
     *("dm_env", "gymnasium", "jaxmarl", "minari", "pettingzoo"),
@@ -19,19 +20,14 @@ HEAVY = {
 # Exceptions that still stand: modules whose imports go upwards or out of the compiler, that are in circles, or import inside functions.
 UPWARDS = {
     "sjdsl.compiler.elaborate",
-    "sjdsl.compiler.emit.module",
-    "sjdsl.compiler.lower.cell_appearance",
-    "sjdsl.compiler.lower.map_tables",
-    "sjdsl.compiler.lower.observations",
 }
 CIRCLES = {
     *(f"sjdsl.compiler.elaborate.{name}" for name in ("defines", "domains", "expressions", "paths", "shapes")),
     *(f"sjdsl.compiler.lower.{name}" for name in ("aggregates", "domains", "expressions", "axes", "scope")),
     *(f"sjdsl.doc.{name}" for name in ("conditions", "defines", "domains", "expressions")),
     *(f"sjdsl.interpreter.{name}" for name in ("evaluate", "members", "shapes")),
-    *("sjdsl", "sjdsl.cache", "sjdsl.compiler", "sjdsl.compiler.emit.module", "sjdsl.factory"),
     *("sjdsl.interop.jaxmarl", "sjdsl.interop.jaxmarl_registry", "sjdsl.cli.environment", "sjdsl.cli.trace"),
-    *("sjdsl.runtime", "sjdsl.runtime.env", "sjdsl.runtime.roles", "sjdsl.testing.scene", "sjdsl.testing.stage"),
+    *("sjdsl.testing.scene", "sjdsl.testing.stage"),
     *(f"sjdsl.trainers.{name}" for name in ["actor_critics", "partners", "policies", "ppo", "program", "rollout", "teams", "vdn"]),
 }
 LOCAL = {
@@ -59,7 +55,6 @@ LOCAL = {
     "sjdsl.compiler.lower.scope",
     "sjdsl.doc.expressions",
     "sjdsl.factory",
-    "sjdsl.runtime.env",
 }
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import jax
 
-from sjdsl import __version__
+from sjdsl.version import __version__
 
 
 def describe_machine() -> dict[str, Any]:

@@ -8,12 +8,12 @@ from pathlib import PurePosixPath
 import jinja2
 import numpy as np
 
-from sjdsl import __version__
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import KERNELS
 from sjdsl.compiler.ir.printer import game as ir_text
 from sjdsl.compiler.lower import token_planes
 from sjdsl.compiler.program import Attribute, Constant, Function, Line, Program
+from sjdsl.version import __version__
 
 FORBIDDING = (
     "allowed = jnp.take_along_axis(allowed_actions(state, params), actions[:, None], axis=1)[:, 0]",
