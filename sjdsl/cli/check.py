@@ -40,7 +40,7 @@ def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: 
         from sjdsl.compiler.diagnostics.report import to_json
 
         click.echo(json.dumps(to_json(everything, texts_of(everything)), indent=2))
-    return int(any(strict or d.code.severity == "error" for d in everything))
+    return int(any(strict or d.severity == "error" for d in everything))
 
 
 def find_problems(source: Source, variant: str | None = None) -> Found:

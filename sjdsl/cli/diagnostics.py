@@ -19,7 +19,7 @@ def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source]
         return
     from sjdsl.compiler.diagnostics.report import render
 
-    remember((d.code.code for d in found), err)
+    remember((d.code for d in found), err)
     stream = sys.stderr if err else sys.stdout
     colour = stream.isatty() and not os.environ.get("NO_COLOR")
     click.echo(render(found, {**texts_of(found), **(sources or {})}, colour), err=err, color=colour)

@@ -11,7 +11,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.checks.ways_out import with_ways_out
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides, elaborate
@@ -50,7 +50,7 @@ def _attempt(source: Source, variants: Sequence[str], overrides: Overrides | Non
             lower_build(Build(typed, (), game.sources), source)
     except CompileError as refused:
         found = list(refused.diagnostics)
-    return [d for d in found if d.code.severity == "error"]
+    return [d for d in found if d.severity == "error"]
 
 
 def number_names(source: Source, variants: Sequence[str] = ()) -> tuple[list[str], list[str]]:
@@ -67,8 +67,8 @@ def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) 
         rules = made.game.model_copy(update={"looks": ()})
         return lower(optimise(rules, passes), Path(source.name).name)
     except NotSupported as refused:
-        facts = {"what": refused.what, "help": refused.instead}
-        raise CompileError([Diagnostic(errors.NOT_SUPPORTED, refused.origin, facts)]) from None  # type: ignore[arg-type]
+        found = errors.Unsupported(refused.origin, what=refused.what, help=refused.instead)  # type: ignore[arg-type]
+        raise CompileError([found]) from None
 
 
 def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> str:
@@ -100,10 +100,8 @@ def load_base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:
     if path is None:
         raise CompileError(problems.found)
     if not path.is_file():
-        from sjdsl.near_names import nearest
-
-        near = nearest(path.name, [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else [])
-        raise CompileError([Diagnostic(errors.NO_FILE, span, {"name": name, "nearest": near})])
+        beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
+        raise CompileError([errors.NoFile(span, name=name, near=near(path.name, beside))])
     found = read_source(path)
     base = Source((Path(source.name).parent / name).as_posix(), found.text, path.parent)
     return base, parse(base)

@@ -6,14 +6,13 @@ A repeated name replaces, inside `agents` and `observe` entry by entry; a new na
 table entry; `drop` removes.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near_or_all
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.near_names import nearest
 
 
 @dataclass
@@ -70,8 +69,7 @@ def compose(source: Source, file: ast.File, variants: tuple[str, ...], load: Loa
     for name in variants:
         variant = game.variants.get(name)
         if variant is None:
-            facts = {"name": name, **near_or_all(name, game.variants, "its variants")}
-            raise CompileError([Diagnostic(errors.NO_VARIANT, game.span, facts)])
+            raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
         _apply(game, variant.changes)
@@ -88,10 +86,10 @@ def _chain(source: Source, file: ast.File, load: Load, seen: tuple[str, ...]) ->
     else:
         base_name = file.game.extends
         if source.name in seen:
-            raise CompileError([Diagnostic(errors.EXTENDS_CYCLE, base_name.span, {"name": source.name})])
+            raise CompileError([errors.ExtendsCycle(base_name.span, name=source.name)])
         base_source, base = load(base_name.text, base_name.span, source)
         if base_source.name == source.name or base_source.name in seen:
-            raise CompileError([Diagnostic(errors.EXTENDS_CYCLE, base_name.span, {"name": base_source.name})])
+            raise CompileError([errors.ExtendsCycle(base_name.span, name=base_source.name)])
         game = _chain(base_source, base, load, (*seen, source.name))
         game.name, game.span = file.game.name.text, file.game.name.span
         game.title = title or game.title
@@ -141,10 +139,10 @@ def _check_duplicates(game: Composition, sections: tuple[ast.Section | ast.Overr
             over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
             if key in seen or over:
                 if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
-                    game.problems.append(Diagnostic(errors.TWICE, span, {"what": f"`{key}`"}))
+                    game.problems.append(errors.WrittenTwice(span, what=f"`{key}`"))
                 else:
                     what = f"something declared in line {seen[key].line}"
-                    game.problems.append(Diagnostic(errors.NAME_TAKEN, span, {"name": key, "what": what}))
+                    game.problems.append(errors.NameTaken(span, name=key, what=what))
             seen.setdefault(key, span)
 
 
@@ -154,8 +152,7 @@ def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: 
             for other, before in touched.items():
                 same = other == key and before[1] == _content(game, node)
                 if before[0] != name and _touches(other, key) and not same:
-                    facts = {"first": before[0], "second": name, "name": key}
-                    game.problems.append(Diagnostic(errors.CHANGE_CLASH, span, facts))
+                    game.problems.append(errors.ChangeClash(span, first=before[0], second=name, name=key))
                     break
             touched.setdefault(key, (name, _content(game, node)))
 
@@ -323,5 +320,4 @@ def _drop(game: Composition, name: ast.Name) -> None:
 
 
 def _unknown(game: Composition, name: ast.Name) -> None:
-    facts: Mapping[str, object] = {"name": name.text, "nearest": nearest(name.text, game.names())}
-    game.problems.append(Diagnostic(errors.CHANGE_UNKNOWN, name.span, facts))
+    game.problems.append(errors.ChangeUnknown(name.span, name=name.text, near=near(name.text, game.names())))

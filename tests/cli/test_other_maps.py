@@ -33,7 +33,7 @@ def test_a_mistake_in_a_map(sjdsl: Sjdsl, folder: Path, text: str, code: str, pl
     assert not (folder / "generated").exists()
     with pytest.raises(CompileError) as error:
         package.make("clean_up", map="other.txt")
-    found = next(d for d in error.value.diagnostics if d.code.code == code)
+    found = next(d for d in error.value.diagnostics if d.code == code)
     assert words in f"{found.message} {found.hint}"
     if place:
         assert (found.span.file, found.span.line, found.span.column) == ("other.txt", *place)

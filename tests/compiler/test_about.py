@@ -49,7 +49,7 @@ def test_it_is_no_rule() -> None:
 def test_each_name_once() -> None:
     with pytest.raises(CompileError) as error:
         built('about paradigm "none" about paradigm "commons"')
-    assert [d.code.code for d in error.value.diagnostics] == ["SJ115"]
+    assert [d.code for d in error.value.diagnostics] == ["SJ115"]
 
 
 def test_an_extending_game_inherits(tmp_path: Path) -> None:

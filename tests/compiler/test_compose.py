@@ -35,7 +35,7 @@ def game(folder: Path, changes: str, variant: str = "", *variants: str) -> ir.Ga
 def codes(folder: Path, changes: str, variant: str = "", *variants: str) -> list[str]:
     with pytest.raises(CompileError) as error:
         game(folder, changes, variant, *variants)
-    return [d.code.code for d in error.value.diagnostics]
+    return [d.code for d in error.value.diagnostics]
 
 
 def test_a_game_on_a_game_sets_and_drops(tmp_path: Path) -> None:
@@ -58,7 +58,7 @@ def test_a_game_of_its_own_has_nothing_to_change(tmp_path: Path) -> None:
     (tmp_path / "alone.sj").write_text((BASE % "").replace("episode 9", "episode 9  set apple = 2"), encoding="utf-8")
     with pytest.raises(CompileError) as error:
         build(read_source(tmp_path / "alone.sj"))
-    assert [d.code.code for d in error.value.diagnostics] == ["SJ002"]
+    assert [d.code for d in error.value.diagnostics] == ["SJ002"]
 
 
 @pytest.mark.parametrize(

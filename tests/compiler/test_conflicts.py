@@ -36,7 +36,7 @@ def codes(body: str) -> list[str]:
     try:
         build(Source("frame.sj", GAME.format(body=body)))
     except CompileError as error:
-        return sorted({d.code.code for d in error.diagnostics if d.code.severity == "error"})
+        return sorted({d.code for d in error.diagnostics if d.severity == "error"})
     return []
 
 

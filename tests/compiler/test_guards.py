@@ -32,7 +32,7 @@ def codes(body: str) -> set[str]:
     try:
         build(Source("frame.sj", GAME.format(body=body)))
     except CompileError as error:
-        return {d.code.code for d in error.diagnostics if d.code.severity == "error"}
+        return {d.code for d in error.diagnostics if d.severity == "error"}
     return set()
 
 

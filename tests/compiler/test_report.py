@@ -6,12 +6,20 @@ import pickle
 import pytest
 
 from sjdsl.compiler.checks.ways_out import Tried
-from sjdsl.compiler.diagnostics.diagnostic import Code, CompileError, Diagnostic, Fix, Label
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 
-WRONG = Code("SJ999", "Wrong", "`{name}` is wrong", "write `{better}`")
-ODD = Code("SJ998", "Odd", "this is odd", "", "warning")
+
+class Wrong(Diagnostic, code="SJ999", title="Wrong"):
+    says = "`{name}` is wrong"
+    hints = ("write `{better}`",)
+    name: str
+    better: str = ""
+
+
+class Odd(Diagnostic, code="SJ998", title="Odd", severity="warning"):
+    says = "this is odd"
 
 
 def shown(text: str, *diagnostics: Diagnostic, colour: bool = False) -> str:
@@ -25,12 +33,8 @@ def wrong(text: str, part: str, *labels: tuple[str, str], better: str = "") -> D
     def span(of: str) -> Span:
         return source.span(text.index(of), text.index(of) + len(of))
 
-    return Diagnostic(
-        WRONG,
-        span(part),
-        {"name": part.split("\n")[0].strip(), "better": better},
-        tuple(Label(span(of), says) for of, says in labels),
-    )
+    told = tuple(Label(span(of), says) for of, says in labels)
+    return Wrong(span(part), name=part.split("\n")[0].strip(), better=better, labels=told)
 
 
 def test_one_line_with_help() -> None:
@@ -49,7 +53,7 @@ def test_one_line_with_help() -> None:
 
 def test_an_exception_says_where_what_and_what_to_write_instead() -> None:
     text = "sj 1\ngame pond { fish }\n"
-    odd = Diagnostic(ODD, Source("game.sj", text).span(0, 2))
+    odd = Odd(Source("game.sj", text).span(0, 2))
     error = CompileError([wrong(text, "fish", better="dish"), odd])
     said = "game.sj:1:1: warning[SJ998]: this is odd\ngame.sj:2:13: error[SJ999]: `fish` is wrong\n  help: write `dish`"
     assert str(error) == said
@@ -105,7 +109,7 @@ def test_a_span_of_some_lines_and_of_many() -> None:
 def test_the_end_of_the_file_has_a_caret() -> None:
     text = "game pond {\n"
     end = Source("game.sj", text).span(len(text), len(text))
-    assert shown(text, Diagnostic(ODD, end)).split("\n")[2:5] == ["    |", "  2 |", "    | ^"]
+    assert shown(text, Odd(end)).split("\n")[2:5] == ["    |", "  2 |", "    | ^"]
 
 
 @pytest.mark.parametrize(
@@ -151,7 +155,7 @@ def test_windows_line_ends_do_not_show() -> None:
 def test_other_files_and_files_without_text() -> None:
     own, base = Source("game.sj", "abc"), Source("base.sj", "first\nsecond\n")
     labels = (Label(base.span(6, 12), "declared here"), Label(Span("gone.sj", 0, 1, 7, 1), "and here"))
-    out = render([Diagnostic(ODD, own.span(0, 3), {}, labels)], {"game.sj": own, "base.sj": base}, False)
+    out = render([Odd(own.span(0, 3), labels=labels)], {"game.sj": own, "base.sj": base}, False)
     assert out.split("\n")[2:] == [
         "    |",
         "  1 | abc",
@@ -164,12 +168,12 @@ def test_other_files_and_files_without_text() -> None:
         "",
         "1 warning",
     ]
-    assert render([Diagnostic(ODD, own.span(0, 3))], {}, False) == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
+    assert render([Odd(own.span(0, 3))], {}, False) == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
 
 
 def test_the_last_line_counts() -> None:
     text = "a b"
-    out = shown(text, wrong(text, "a"), wrong(text, "b"), Diagnostic(ODD, Source("game.sj", text).span(0, 1)))
+    out = shown(text, wrong(text, "a"), wrong(text, "b"), Odd(Source("game.sj", text).span(0, 1)))
     assert out.endswith("\n2 errors, 1 warning")
     assert shown(text) == ""
 
@@ -187,7 +191,7 @@ def test_colours_only_add_to_the_text() -> None:
 
 def test_messages_cannot_carry_terminal_codes() -> None:
     source = Source("game\x1b.sj", "abc")
-    out = render([Diagnostic(WRONG, source.span(0, 1), {"name": "\x1b[2J", "better": "\x07"})], {source.name: source}, False)
+    out = render([Wrong(source.span(0, 1), name="\x1b[2J", better="\x07")], {source.name: source}, False)
     assert "\x1b" not in out
     assert "\x07" not in out
 
@@ -195,7 +199,7 @@ def test_messages_cannot_carry_terminal_codes() -> None:
 def test_as_data() -> None:
     source = Source("game.sj", "one\ntwo three\nfour\n")
     fix = Fix(source.span(8, 13), "3")
-    problem = Diagnostic(WRONG, source.span(4, 18), {"name": "two", "better": "2"}, (Label(source.span(0, 3), "first"),), fix)
+    problem = Wrong(source.span(4, 18), name="two", better="2", labels=(Label(source.span(0, 3), "first"),), fix=fix)
     (data,) = to_json([problem], {"game.sj": source})
     assert data == {
         "code": "SJ999",
@@ -214,5 +218,5 @@ def test_as_data() -> None:
 
 
 def test_as_data_without_the_text() -> None:
-    (data,) = to_json([Diagnostic(ODD, Span("game.sj", 4, 7, 2, 1))])
+    (data,) = to_json([Odd(Span("game.sj", 4, 7, 2, 1))])
     assert (data["end_line"], data["end_column"], data["fix"], data["labels"]) == (2, 4, None, [])

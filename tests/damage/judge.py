@@ -40,7 +40,7 @@ class Verdict:
 
     @property
     def messages(self) -> list[str]:
-        return [f"{d.code.code} {d.span.file}:{d.span.line} {d.message}" for d in self.found]
+        return [f"{d.code} {d.span.file}:{d.span.line} {d.message}" for d in self.found]
 
 
 def judge(edit: Edit, lowered: bool = True) -> Verdict:
@@ -96,7 +96,7 @@ def _look(game: str, source: Source, verdict: Verdict, lowered: bool) -> None:
             changed = changed or text != rules(game, variants)
         except CompileError as refused:
             known = [(d.span, d.message) for d in verdict.found]
-            found = [d for d in refused.diagnostics if d.code.severity == "error"]
+            found = [d for d in refused.diagnostics if d.severity == "error"]
             verdict.found += [d for d in found if (d.span, d.message) not in known]
     if verdict.found:
         verdict.outcome = "refused"

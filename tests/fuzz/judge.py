@@ -119,9 +119,9 @@ def _judge_one(source: Source, variants: tuple[str, ...], manner: Manner) -> Ver
         verdict.game = verify(made.game)
         lower_build(made, source)
     except CompileError as refused:
-        errors = [d for d in refused.diagnostics if d.code.severity == "error"]
-        verdict.codes = tuple(dict.fromkeys(d.code.code for d in errors))
-        verdict.messages = tuple(f"{d.code.code} {d.span.file}:{d.span.line} {d.message}" for d in errors)
+        errors = [d for d in refused.diagnostics if d.severity == "error"]
+        verdict.codes = tuple(dict.fromkeys(d.code for d in errors))
+        verdict.messages = tuple(f"{d.code} {d.span.file}:{d.span.line} {d.message}" for d in errors)
         unforeseen = [m for m in verdict.messages if m[:5] not in FORESEEN]
         verdict.fault = f"unforeseen {unforeseen[0]}" if unforeseen else ""
         return verdict

@@ -50,7 +50,7 @@ def refusal(form: Form) -> str:
     """Returns what is said of a number of agents that is refused."""
     with pytest.raises(CompileError) as refused:
         rules_of(form)
-    return "; ".join(f"{d.code.code} {d.message}" for d in refused.value.diagnostics)
+    return "; ".join(f"{d.code} {d.message}" for d in refused.value.diagnostics)
 
 
 @pytest.mark.parametrize("form", NAMED, ids=str)

@@ -35,7 +35,7 @@ def compiled(task: Task) -> str:
             with written(program(Random(int(name)))) as source:
                 text = compile_source(source)
     except CompileError as refused:
-        text = "\n".join(f"{d.code.code} {d.span.start} {d.message}" for d in refused.diagnostics)
+        text = "\n".join(f"{d.code} {d.span.start} {d.message}" for d in refused.diagnostics)
     return hashlib.sha256(text.encode()).hexdigest()
 
 

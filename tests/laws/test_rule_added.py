@@ -55,7 +55,7 @@ def added_to_random_program(seed: int, game: ir.Game) -> str | None:
         try:
             more = build(with_rules(source)).game
         except CompileError as refused:
-            limits = {d.code.code for d in refused.diagnostics} <= {"SJ601"}
+            limits = {d.code for d in refused.diagnostics} <= {"SJ601"}
             return None if limits else f"refused: {refused}"
     return parts(game, more, Random(seed))
 

@@ -10,7 +10,8 @@ import pytest
 from lark import Lark, Token
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics import limits
+from sjdsl.compiler.diagnostics.explanations import all_codes
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import declarations, expressions, observations, paths, shapes
 from sjdsl.compiler.elaborate.constants import UNITS
@@ -132,8 +133,7 @@ def test_the_names_with_a_meaning_are_those_of_the_compiler():
 
 def test_every_code_is_listed_with_its_title():
     listed = re.findall(r"^\| (SJ\d+) \| (.*?) \|$", section("21. Errors"), re.MULTILINE)
-    codes = {c.code: c for c in vars(errors).values() if isinstance(c, errors.Code)}
-    wanted = [(c.code, c.title + " (warning)" * (c.severity == "warning")) for _, c in sorted(codes.items())]
+    wanted = [(code, error.title + " (warning)" * (error.severity == "warning")) for code, error in all_codes().items()]
     assert listed == wanted
 
 

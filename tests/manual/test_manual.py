@@ -70,7 +70,7 @@ def test_example_is_refused(example, folder):
         variants = tuple(v for v in re.findall(r"^variant (\S+)", block.text, re.MULTILINE) for v in v.split("+"))
         with pytest.raises(CompileError) as refused:
             compile_build(build(source_of(example, folder), variants), source_of(example, folder))
-        compare(example, [d for d in refused.value.diagnostics if d.code.severity == "error"], (block,))
+        compare(example, [d for d in refused.value.diagnostics if d.severity == "error"], (block,))
 
 
 def test_errors_look_as_the_manual_shows_them(folder):
@@ -92,8 +92,8 @@ def test_the_python_of_the_manual_runs(folder, monkeypatch, capsys):
 def compare(example: Example, found: Sequence[Diagnostic], blocks: Sequence) -> None:
     """Compares diagnostics with lines like `SJ204 line 3` and, where it is written, the message."""
     lines = [x for b in blocks for x in b.text.splitlines() if x.startswith("SJ")]
-    ordered = sorted(found, key=lambda d: (d.span.line, d.code.code))
-    shown = [f"{d.code.code} line {d.span.line - example.offset}: {d.message}" for d in ordered]
+    ordered = sorted(found, key=lambda d: (d.span.line, d.code))
+    shown = [f"{d.code} line {d.span.line - example.offset}: {d.message}" for d in ordered]
     assert len(shown) == len(lines), shown
     for line, full in zip(lines, shown, strict=True):
         assert line == full or line == full.partition(":")[0], shown

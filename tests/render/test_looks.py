@@ -226,5 +226,5 @@ def test_a_frame_drawn_again_rasterises_nothing(looked: Environment) -> None:
 def test_what_is_wrong_with_a_look_is_said(look: str, code: str) -> None:
     text = GAME.replace("LOOKS", look).replace("timer tired", "timer tired  field unread : 0 .. 3 = 0")
     used = text.replace("set agent.tired = 3", "set agent.tired = 3  add 0 * agent.unread to agent.bag[dry]")
-    found = {d.code.code for d in check(Source("grove.sj", text if code == "SJ505" else used))}
+    found = {d.code for d in check(Source("grove.sj", text if code == "SJ505" else used))}
     assert code in found

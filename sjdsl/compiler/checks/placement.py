@@ -32,8 +32,7 @@ def _check_start(game: ir.Game, problems: Problems) -> None:
     missing = [i for i in range(game.agents.number) if not _always_sent(game.start.body, i)]
     if missing:
         who = f"agent {missing[0]}" if len(missing) == 1 else f"agents {missing[0]} .. {missing[-1]}"
-        problem = f"`phase start` does not always send {who} to a place"
-        problems.add(errors.NO_START, game.start.origin, problem=problem)  # type: ignore[arg-type]
+        problems.add(errors.NotSentAtStart(game.start.origin, who=who))  # type: ignore[arg-type]
 
 
 def _always_sent(body: tuple[ir.Stmt, ...], agent: int) -> bool:
@@ -135,25 +134,14 @@ def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems, sources:
             domain = pool.sends[0].domain
             span, place = lacking[0].origin, _as_written(domain, sources)
             if domain.where is None and starting:
-                number = f"{cells} cell{'s' * (cells != 1)}"
-                problems.add(errors.TOO_FEW_CELLS, span, kind=place, cells=number, agents=needed)  # type: ignore[arg-type]
+                problems.add(errors.TooFewCells(span, kind=place, cells=cells, agents=needed))  # type: ignore[arg-type]
+            elif starting:
+                problems.add(errors.TooFewToStart(span, place=place, cells=cells, agents=needed))  # type: ignore[arg-type]
+            elif domain.where is None:
+                problems.add(errors.TooFewFreeCells(span, place=place, cells=cells, agents=needed))  # type: ignore[arg-type]
             else:
-                facts = _too_few(place, cells, needed, starting, known=domain.where is None or starting)
-                problems.add(errors.NO_FREE_CELL, span, **facts)  # type: ignore[arg-type]
+                problems.add(errors.NoFreeCell(span, place=place))  # type: ignore[arg-type]
     _check_overlap(pools, problems)
-
-
-def _too_few(place: str, cells: int, agents: int, starting: bool, known: bool) -> dict[str, str]:
-    """Returns the facts of a message about a destination; `known`: how many cells it has does not change in play."""
-    if not known:
-        problem = f"perhaps no cell of `{place}` is free: which cells fit changes in play"
-        return {"problem": problem, "help": "write `otherwise stay` after it: who then finds no cell stays"}
-    number, come = f"{cells} cell{'s' * (cells != 1)}", f"{agents} agent{'s' * (agents != 1)}"
-    if starting:
-        problem = f"{number} of the map fit `{place}`, and {come} begin there"
-        return {"problem": problem, "help": "take a map with more such cells, or fewer agents"}
-    problem = f"`{place}` has {number}, and up to {come} may be there or come"
-    return {"problem": problem, "help": "write `otherwise stay` after it, or take a map with more such cells, or fewer agents"}
 
 
 def _as_written(domain: ir.Domain, sources: Mapping[str, Source]) -> str:
@@ -241,4 +229,4 @@ def _check_overlap(pools: dict[int, Pool], problems: Problems) -> None:
         for b in first[i + 1 :]:
             if set(a.sends[0].domain.var.kinds) & set(b.sends[0].domain.var.kinds):
                 span = b.sends[0].origin
-                problems.add(errors.OVERLAPPING_SENDS, span, kind=" | ".join(b.sends[0].domain.var.kinds))  # type: ignore[arg-type]
+                problems.add(errors.OverlappingSends(span, kind=" | ".join(b.sends[0].domain.var.kinds)))  # type: ignore[arg-type]

@@ -19,9 +19,9 @@ def check_time(game: ir.Game, problems: Problems, composition: Composition) -> N
     span = composition.schedule.span
     if (timers or away) and not ticks:
         what = "there are timers" if timers else "agents are sent away for some steps (`after`)"
-        problems.add(errors.TICK, span, problem=f"{what}, but no `tick` in the schedule", help="write `tick` where they fall")
+        problems.add(errors.NoTick(span, what=what))
     if len(ticks) > 1:
-        problems.add(errors.TICK, ticks[1].origin or span, problem="`tick` stands twice in the schedule", help="keep one")
+        problems.add(errors.TickTwice(ticks[1].origin or span))
     if len(ticks) == 1:
         _check_sides(game, timers, problems)
 
@@ -32,7 +32,7 @@ def _check_sides(game: ir.Game, timers: list[ir.VarField], problems: Problems) -
         before = _sets(game.schedule[:at], timer)
         after = _sets(game.schedule[at + 1 :], timer)
         if before and after:
-            problems.add(errors.TIMER_BOTH_SIDES, before[0].origin or timer.origin, name=timer.name)  # type: ignore[arg-type]
+            problems.add(errors.TimerBothSides(before[0].origin or timer.origin, name=timer.name))  # type: ignore[arg-type]
 
 
 def _sets(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
@@ -55,14 +55,10 @@ def check_actions(game: ir.Game, composition: Composition, problems: Problems) -
     idle = [a for a in composition.acts.actions if a.text not in asked and a.text != "stay"]
     for action in idle:
         if action.text not in MOVES:
-            problem = f"no rule looks at the action `{action.text}`: to choose it is to stay"
-            help_ = f"ask for it where it matters, `each agent where agent chose {action.text}`, or take it out of `acts`"
-            problems.add(errors.IDLE_ACTION, action.span, problem=problem, help=help_)
+            problems.add(errors.IdleAction(action.span, name=action.text))
     steps = [a for a in idle if a.text in MOVES]
     if steps and not moving:
-        problem = f"no phase of the schedule has `move`, so nobody moves by {', '.join(f'`{a.text}`' for a in steps)}"
-        help_ = "write `phase walk { move each agent }` and schedule it, or take them out of `acts`"
-        problems.add(errors.IDLE_ACTION, steps[0].span, problem=problem, help=help_)
+        problems.add(errors.IdleSteps(steps[0].span, names=", ".join(f"`{a.text}`" for a in steps)))
 
 
 def check_events(game: ir.Game, static: Static, problems: Problems) -> None:
@@ -71,7 +67,7 @@ def check_events(game: ir.Game, static: Static, problems: Problems) -> None:
     for name, event in static.events.items():
         if name not in counted:
             path = name if event.by is None else f"{name}[{event.by.names[0].text}]"
-            problems.add(errors.NEVER_COUNTED, event.name.span, name=name, path=path)
+            problems.add(errors.NeverCounted(event.name.span, name=name, path=path))
 
 
 def check_use(composition: Composition, static: Static, problems: Problems) -> None:
@@ -79,23 +75,23 @@ def check_use(composition: Composition, static: Static, problems: Problems) -> N
     used = static.used
     for name, kind in composition.kinds.items():
         if static.cells.get(name, 0) == 0 and not static.kinds[name].blocks:  # walls are for other maps too
-            problems.add(errors.KIND_ABSENT, kind.name.span, name=name)
+            problems.add(errors.KindAbsent(kind.name.span, name=name))
         for attribute in static.kinds[name].fields if name in static.kinds else ():
             if f"{name}.{attribute.name}" not in used and attribute.type.kind != "word":
-                problems.add(errors.UNUSED, attribute.origin, what="the field", name=f"{name}.{attribute.name}")  # type: ignore[arg-type]
+                problems.add(errors.Unused(attribute.origin, what="the field", name=f"{name}.{attribute.name}"))  # type: ignore[arg-type]
     for name, constant in composition.constants.items():
         if name not in used:
             what = "the size" if constant.is_size else "the parameter"
-            problems.add(errors.UNUSED, constant.name.span, what=what, name=name)
+            problems.add(errors.Unused(constant.name.span, what=what, name=name))
     for name, define in composition.defines.items():
         if name not in used:
-            problems.add(errors.UNUSED, define.name.span, what="the define", name=name)
+            problems.add(errors.Unused(define.name.span, what="the define", name=name))
     for name, shape in composition.shapes.items():
         if f"shape {name}" not in used:
-            problems.add(errors.UNUSED, shape.name.span, what="the shape", name=name)
+            problems.add(errors.Unused(shape.name.span, what="the shape", name=name))
     for name, declared in static.agent_fields.items():
         if f"agent.{name}" not in used:
-            problems.add(errors.UNUSED, declared.origin, what="the field", name=f"agent.{name}")  # type: ignore[arg-type]
+            problems.add(errors.Unused(declared.origin, what="the field", name=f"agent.{name}"))  # type: ignore[arg-type]
     for name, declared in static.fields.items():
         if f"field {name}" not in used:
-            problems.add(errors.UNUSED, declared.origin, what="the field", name=name)  # type: ignore[arg-type]
+            problems.add(errors.Unused(declared.origin, what="the field", name=name))  # type: ignore[arg-type]

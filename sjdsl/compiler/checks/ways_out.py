@@ -15,7 +15,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.source import Source, Span
 
-CONFLICTS = (errors.WRITE_CONFLICT, errors.ADD_AND_SET, errors.TWO_DESTINATIONS)
+CONFLICTS = (errors.WriteConflict, errors.AddAndSet, errors.TwoDestinations)
 MOST_NAMED = 3
 
 Attempt = Callable[[str], list[Diagnostic]]  # what is wrong with a changed text: its errors
@@ -61,15 +61,15 @@ def with_ways_out(found: Sequence[Diagnostic], source: Source, game: Composition
     def told(d: Diagnostic) -> Tried:
         return Tried(lambda: _accepted(d, found, source, game, attempt))
 
-    return [replace(d, facts={**d.facts, "accepted": told(d)}) if d.code in CONFLICTS else d for d in found]
+    return [replace(d, accepted=told(d)) if isinstance(d, CONFLICTS) else d for d in found]
 
 
 def _accepted(d: Diagnostic, found: Sequence[Diagnostic], source: Source, game: Composition, attempt: Attempt) -> str:
-    before = Counter((e.code.code, e.message) for e in found if e.code.severity == "error")
-    before[d.code.code, d.message] -= 1
+    before = Counter((e.code, e.message) for e in found if e.severity == "error")
+    before[d.code, d.message] -= 1
     named: list[str] = []
     for way in _ways(d, source, game):
-        left = Counter((e.code.code, e.message) for e in attempt(_edited(source.text, way.edits)))
+        left = Counter((e.code, e.message) for e in attempt(_edited(source.text, way.edits)))
         if left <= before and way.says not in named:
             named.append(way.says)
         if len(named) == MOST_NAMED:

@@ -76,7 +76,7 @@ def check_conflicts(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
                 _report(a, b, phase, problems)
     moves = [s for s in _all(phase.body) if isinstance(s, ir.Move)]
     if moves and (len(phase.body) > 1 or phase.body[0] is not moves[0]):
-        problems.add(errors.MOVE_ALONE, moves[0].origin)  # type: ignore[arg-type]
+        problems.add(errors.MoveAlone(moves[0].origin))  # type: ignore[arg-type]
 
 
 def _all(body: tuple[ir.Stmt, ...]) -> Iterator[ir.Node]:
@@ -328,21 +328,21 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     assert span is not None and other is not None
     labels = () if a is b else (Label(other, "the other write is here"),)
     if a.sort == b.sort == "place":
-        problems.add(errors.TWO_DESTINATIONS, span, labels, phase=phase.label)
+        problems.add(errors.TwoDestinations(span, labels=labels, phase=phase.label))
     elif {a.sort, b.sort} == {"set", "add"}:
-        problems.add(errors.ADD_AND_SET, span, labels, name=_name(b), phase=phase.label)
+        problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
     else:
         owner = {"agent": "agent", "cell": "cell", "world": "world"}.get(a.key[0], "agent")
-        problems.add(errors.WRITE_CONFLICT, span, labels, name=_name(b), owner=owner, phase=phase.label)
+        problems.add(errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label))
 
 
 def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:
     """An `add` that several instances can make at once is provably in range only if the field is capped (or endless)."""
     declared = _declaration(w, game)
     assert declared is not None and w.sentence.origin is not None
-    low, high = f"{declared.type.low:g}", f"{declared.type.high:g}"
-    reached = "the sum of several adds"
-    problems.add(errors.FIELD_RANGE, w.sentence.origin, name=_name(w), low=low, high=high, reached=reached)
+    type_, reached = declared.type, "the sum of several adds"
+    found = errors.FieldRange(w.sentence.origin, name=_name(w), declared=declared.name, low=type_.low, high=type_.high, reached=reached)
+    problems.add(found)
 
 
 def _is_capped(w: Write, game: ir.Game) -> bool:

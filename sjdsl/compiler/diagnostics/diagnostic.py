@@ -1,25 +1,17 @@
-"""Diagnostics as data: what is wrong, where, and what to write instead."""
+"""Diagnostics as data: what is wrong, where, and what to write instead. `errors` has them all."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Iterable
+from dataclasses import MISSING, dataclass, field, fields
+from operator import attrgetter
+from string import Formatter
+from typing import Any, ClassVar, Literal, NamedTuple, dataclass_transform
 
+from sjdsl.compiler.diagnostics.frozen import Frozen
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.near_names import nearest
 
 Severity = Literal["error", "warning"]
 MOST_LISTED = 20  # names in one help line
-
-
-@dataclass(frozen=True)
-class Code:
-    """One kind of mistake. `message` and `hint` are templates over the facts of a diagnostic; of several hints the first that can be given is."""
-
-    code: str
-    title: str
-    message: str
-    hint: str | tuple[str, ...] = ""
-    severity: Severity = "error"
 
 
 @dataclass(frozen=True)
@@ -38,39 +30,72 @@ class Fix:
     text: str
 
 
-@dataclass(frozen=True)
-class Diagnostic:
-    """One mistake of one file."""
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
+class Facts(Frozen):
+    """A subclass declares its fields; all of them are made by one method, as hardly any diagnostic is made in most processes."""
 
-    code: Code
-    span: Span
-    facts: Mapping[str, object] = field(default_factory=dict)
+    def __init_subclass__(cls) -> None:
+        cls.__doc__ = cls.__doc__ or cls.__name__
+        dataclass(init=False, eq=False, repr=False)(cls)
+
+    def __init__(self, span: Span, **given: Any) -> None:
+        facts = {f.name: f.default for f in fields(self)} | given | {"span": span}  # type: ignore[arg-type]
+        wrong = [n for n in facts if n not in self.__dataclass_fields__ or facts[n] is MISSING]  # type: ignore[attr-defined]
+        if wrong:
+            raise TypeError(f"{type(self).__name__} does not have, or lacks, the fields {', '.join(wrong)}")
+        self.__dict__.update(facts)
+
+
+class Diagnostic(Facts):
+    """One mistake of one file. A subclass is one kind of mistake: a code, a message, and the facts it tells as fields.
+
+    `says` and `hints` are templates over fields and properties: `{near.nearest}` is text, `{cells:cell}` is "1 cell" or "3 cells",
+    floats have no needless digits. Of several hints the first is given that tells no empty fact; `help`, if given, goes before all.
+    A subclass of a subclass is another message of the same code.
+    """
+
+    code: ClassVar[str] = ""
+    title: ClassVar[str] = ""
+    severity: ClassVar[Severity] = "error"
+    says: ClassVar[str]
+    hints: ClassVar[tuple[str, ...]] = ()
+
+    span: Span = field(kw_only=False)
     labels: tuple[Label, ...] = ()
     fix: Fix | None = None
+    help: str = ""
+
+    def __init_subclass__(cls, code: str = "", title: str = "", severity: Severity = "error") -> None:
+        super().__init_subclass__()
+        if code:
+            cls.code, cls.title, cls.severity = code, title, severity
 
     @property
     def message(self) -> str:
-        return self.code.message.format(**self.facts)
+        return "".join(self._parts(self.says))
 
     @property
     def hint(self) -> str:
-        """The help line: the first whose facts are all there (a near name, say); empty if there is none."""
-        hints = (self.code.hint,) if isinstance(self.code.hint, str) else self.code.hint
-        told = (hint for hint in hints if all(self.facts.get(name, "") != "" for name in _fields(hint)))
-        return next(told, "").format(**self.facts)
+        """The help line, empty if there is none."""
+        return self.help or next(("".join(parts) for parts in map(self._parts, self.hints) if all(parts)), "")
 
-
-def _fields(template: str) -> list[str]:
-    import string
-
-    return [name for _, name, _, _ in string.Formatter().parse(template) if name]
+    def _parts(self, template: str) -> list[str]:
+        """Returns a template in parts: each of its texts, and each fact as it is shown."""
+        parts = []
+        for text, fact, noun, _ in Formatter().parse(template):
+            parts += [text] if text else []
+            if fact is not None:
+                value = attrgetter(fact)(self)
+                shown = format(value, "g" if isinstance(value, float) else "")
+                parts.append(f"{shown} {noun}{'s' * (value != 1)}" if noun else shown)
+        return parts
 
 
 class CompileError(Exception):
     """Carries every diagnostic of the phase that failed; `diagnostics` holds errors and warnings in file order."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]):
-        self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span.file, d.span.start, d.code.code)))
+        self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span.file, d.span.start, d.code)))
         super().__init__(self.diagnostics)
 
     def __str__(self) -> str:
@@ -79,16 +104,25 @@ class CompileError(Exception):
 
 
 def _in_plain_text(d: Diagnostic) -> str:
-    said = f"{d.span.file}:{d.span.line}:{d.span.column}: {d.code.severity}[{d.code.code}]: {d.message}"
+    said = f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}"
     return f"{said}\n  help: {d.hint}" if d.hint else said
 
 
-def near_or_all(name: str, candidates: Iterable[str], what: str) -> dict[str, str]:
-    """Returns the facts of a message about a name that is none of the candidates: the `nearest` one, and all there are (`known`).
+class Near(NamedTuple):
+    """What a name that is not known may have been meant for: the nearest known one, and a sentence that lists them all."""
 
-    `what`: what the candidates are, in the plural: "the actions".
-    """
+    nearest: str = ""
+    listed: str = ""
+
+
+def near(name: str, candidates: Iterable[str], what: str = "") -> Near:
+    """Returns the candidate that is nearest to a name; all of them too, if `what` says what they are, in the plural: "the actions"."""
     known = list(dict.fromkeys(candidates))
     shown = ", ".join(f"`{k}`" for k in known[:MOST_LISTED])
     more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
-    return {"nearest": nearest(name, known), "known": f"{what} are {shown}{more}" if known else ""}
+    return Near(nearest(name, known), f"{what} are {shown}{more}" if known and what else "")
+
+
+def near_or_all(name: str, candidates: Iterable[str], what: str) -> dict[str, str]:
+    found = near(name, candidates, what)
+    return {"nearest": found.nearest, "known": found.listed}

@@ -3,16 +3,16 @@
 from pathlib import Path
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Code
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.near_names import nearest
 
 FOLDER = Path(__file__).parent / "explain"
 
 
-def all_codes() -> dict[str, Code]:
-    """Returns every code of the compiler by its number, in order."""
-    found = [value for value in vars(errors).values() if isinstance(value, Code)]
-    return {code.code: code for code in sorted(found, key=lambda code: code.code)}
+def all_codes() -> dict[str, type[Diagnostic]]:
+    """Returns every kind of mistake by its code, in order."""
+    found = [value for value in vars(errors).values() if isinstance(value, type) and issubclass(value, Diagnostic) and value.code]
+    return {error.code: error for error in sorted(found, key=lambda error: error.code)}
 
 
 def explain(code: str) -> str:

@@ -45,21 +45,21 @@ STATEMENTS = frozenset((
 
 def too_much(problem: str, limit: int, span: Span, help_: str = "") -> Diagnostic:
     """Returns the error for something there is too much of."""
-    return Diagnostic(errors.TOO_MUCH, span, {"problem": problem, "limit": limit, "help": help_})
+    return errors.TooMuch(span, problem=problem, limit=limit, help=help_)
 
 
 def check_text(source: Source) -> list[Diagnostic]:
     """Returns why a text cannot be parsed at all: too large, not text, a line too long; empty if it can."""
     size = len(source.text.encode("utf-8", "surrogatepass")) if len(source.text) <= MAX_BYTES else len(source.text)
     if size > MAX_BYTES:
-        return [Diagnostic(errors.FILE_TOO_LARGE, source.span(0, 0), {"given": size, "limit": MAX_BYTES})]
+        return [errors.FileTooLarge(source.span(0, 0), given=size, limit=MAX_BYTES)]
     if "\0" in source.text:
         at = source.text.index("\0")
-        return [Diagnostic(errors.NOT_TEXT, source.span(at, at), {"problem": "it holds NUL characters"})]
+        return [errors.NotText(source.span(at, at), problem="it holds NUL characters")]
     old = re.search(r"\r(?!\n)", source.text)
     if old:
         problem = "it has lines that end with a carriage return alone"
-        return [Diagnostic(errors.NOT_TEXT, source.span(old.start(), old.start()), {"problem": problem})]
+        return [errors.NotText(source.span(old.start(), old.start()), problem=problem)]
     long = re.search(rf"[^\n]{{{MAX_LINE + 1},}}", source.text)
     if long:
         span = source.span(long.start(), long.start())
@@ -75,7 +75,7 @@ def check_tree(tree: Tree[Token], source: Source) -> list[Diagnostic]:
         node, depth = todo.pop()
         depth += _operators(node) if node.data in CHAINS else 1
         if depth > MAX_TREE:
-            return [Diagnostic(errors.TOO_DEEP, _span(node, source), {"limit": MAX_TREE})]
+            return [errors.TooDeep(_span(node, source), limit=MAX_TREE)]
         statements += node.data in STATEMENTS
         if statements > MAX_STATEMENTS:
             return [too_much("the file has more statements", MAX_STATEMENTS, _span(node, source))]

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Code, Diagnostic, Fix, Label, near_or_all
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label, near
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.near_names import nearest
 
@@ -27,25 +27,27 @@ class Poisoned(Exception):
 
 @dataclass
 class Problems:
-    """Collects diagnostics; each mistake once. `unsaid`: codes that are not recorded."""
+    """Collects diagnostics; each mistake once. `unsaid`: kinds that are not recorded."""
 
     found: list[Diagnostic] = field(default_factory=list)
-    unsaid: frozenset[Code] = frozenset()
+    unsaid: tuple[type[Diagnostic], ...] = ()
 
     @property
     def failed(self) -> bool:
         """Whether there are errors, and not only warnings."""
-        return any(d.code.severity == "error" for d in self.found)
+        return any(d.severity == "error" for d in self.found)
 
-    def add(self, code: Code, span: Span, labels: tuple[Label, ...] = (), fix: Fix | None = None, **facts: object) -> None:
+    def add(self, new: Any, span: Any = None, labels: tuple[Label, ...] = (), fix: Fix | None = None, **facts: object) -> None:
         """Records one diagnostic."""
-        diagnostic = Diagnostic(code, span, facts, labels, fix)
-        if code not in self.unsaid and not any(d.code is code and d.span == span and d.message == diagnostic.message for d in self.found):
-            self.found.append(diagnostic)
+        if isinstance(new, type):
+            new = errors.diagnostic(new, span, labels, fix, facts)
+        same = (d for d in self.found if type(d) is type(new) and d.span == new.span)
+        if not isinstance(new, self.unsaid) and all(d.message != new.message for d in same):
+            self.found.append(new)
 
-    def fail(self, code: Code, span: Span, labels: tuple[Label, ...] = (), **facts: object) -> Poisoned:
+    def fail(self, new: Any, span: Any = None, labels: tuple[Label, ...] = (), **facts: object) -> Poisoned:
         """Records one diagnostic and returns what to raise: `raise problems.fail(...)`."""
-        self.add(code, span, labels, **facts)
+        self.add(new, span, labels, **facts)
         return Poisoned()
 
     def not_a_word(self, span: Span, word: str, owner: str, words: Iterable[str]) -> Poisoned:
@@ -57,7 +59,7 @@ class Problems:
     def unknown(self, name: Named, candidates: Iterable[str], what: str, instead: Mapping[str, str] | None = None) -> Poisoned:
         """Records that a name is none of the candidates (`what` says what they are); `instead`: what to write for names often tried."""
         help_ = (instead or {}).get(name.text, "")
-        return self.fail(errors.UNKNOWN_NAME, name.span, name=name.text, help=help_, **near_or_all(name.text, candidates, what))
+        return self.fail(errors.UnknownName(name.span, name=name.text, help=help_, near=near(name.text, candidates, what)))
 
     @contextmanager
     def survive(self, broken: set[str] | None = None, name: str = "") -> Iterator[None]:

@@ -35,8 +35,8 @@ def to_json(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source] | N
     """Returns the diagnostics as plain data; without its text, a span is taken to end in the line it begins in."""
     return [
         {
-            "code": d.code.code,
-            "severity": d.code.severity,
+            "code": d.code,
+            "severity": d.severity,
             "message": d.message,
             "hint": d.hint,
             **_place(d.span, sources or {}),
@@ -56,8 +56,8 @@ def _place(span: Span, sources: Mapping[str, Source]) -> dict[str, Any]:
 
 
 def _render_one(d: Diagnostic, sources: Mapping[str, Source], colour: bool) -> str:
-    tint = RED if d.code.severity == "error" else YELLOW
-    head = _paint(f"{d.code.severity}[{d.code.code}]", tint + BOLD, colour)
+    tint = RED if d.severity == "error" else YELLOW
+    head = _paint(f"{d.severity}[{d.code}]", tint + BOLD, colour)
     where = f"{visible(d.span.file)}:{d.span.line}:{d.span.column}"
     lines = [f"{head} {_paint(where, BOLD, colour)}", f"  {visible(d.message)}"]
     lines += _excerpts(d, sources, tint if colour else "")
@@ -166,6 +166,6 @@ def _paint(text: str, tint: str, colour: bool) -> str:
 def _count(diagnostics: Sequence[Diagnostic]) -> str:
     numbers: dict[Severity, int] = {"error": 0, "warning": 0}
     for d in diagnostics:
-        numbers[d.code.severity] += 1
+        numbers[d.severity] += 1
     named = [f"{number} {name}{'s' * (number > 1)}" for name, number in numbers.items() if number]
     return ", ".join(named)

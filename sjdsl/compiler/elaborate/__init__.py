@@ -47,12 +47,12 @@ def elaborate(game: Composition, overrides: Overrides) -> tuple[ir.Game | None, 
     rows = _map(game, made, overrides, problems)
     blocks(game, static, problems)
     built = _rules(game, made, rows, problems)
-    if not any(d.code.severity == "error" for d in problems.found):
+    if not any(d.severity == "error" for d in problems.found):
         check_use(game, static, problems)
         if built is not None:
             check_actions(built, game, problems)
             check_events(built, static, problems)
-    failed = any(d.code.severity == "error" for d in problems.found)
+    failed = any(d.severity == "error" for d in problems.found)
     return (None if failed else built), with_whereabouts(problems.found, game)
 
 
@@ -142,7 +142,7 @@ def _check_whole(built: ir.Game, game: Composition, problems: Problems) -> None:
     for phase in (built.start, *built.schedule):
         if isinstance(phase, ir.Phase):
             check_conflicts(phase, built, problems)
-    if built.rows and not any(d.code.severity == "error" for d in problems.found):
+    if built.rows and not any(d.severity == "error" for d in problems.found):
         check_placing(built, problems, game.sources)
 
 

@@ -24,14 +24,17 @@ def with_whereabouts(found: list[Diagnostic], game: Composition) -> list[Diagnos
 
 
 def _labels(d: Diagnostic, named: dict[str, Span], types: dict[str, Span], game: Composition) -> tuple[Label, ...]:
-    near = str(d.facts.get("nearest", ""))
-    if d.code in (errors.WORD_OUTSIDE, errors.FIELD_RANGE):
-        what = "words are" if d.code is errors.WORD_OUTSIDE else "range is"
-        span, text = types.get(str(d.facts["name"]).strip("`").split("[")[0].split(".")[-1]), f"its {what} declared here"
-    elif d.code in (errors.TOO_FEW_CELLS, errors.NO_FREE_CELL):
-        span, text = _number_of_agents(game), "so many agents"
-    else:
-        span, text = named.get(near), f"`{near}` is declared here"
+    match d:
+        case errors.WordOutside():
+            span, text = types.get(d.declared), "its words are declared here"
+        case errors.FieldRange():
+            span, text = types.get(d.declared), "its range is declared here"
+        case errors.TooFewCells() | errors.NoFreeCell():
+            span, text = _number_of_agents(game), "so many agents"
+        case errors.NotKnown():
+            span, text = named.get(d.near.nearest), f"`{d.near.nearest}` is declared here"
+        case _:
+            return ()
     if span is None or (span.file, span.line) == (d.span.file, d.span.line):
         return ()
     return (Label(span, text),)

@@ -21,7 +21,7 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
         what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP
         if scope.static.expansions > limits.MAX_EXPANSIONS:
             what, limit = "uses of defines, once those inside them are written out", limits.MAX_EXPANSIONS
-        if not any(d.code is errors.TOO_MUCH for d in scope.problems.found):
+        if not any(isinstance(d, errors.TooMuch) for d in scope.problems.found):
             scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
         raise Poisoned
     values = build_all(arguments, scope)

@@ -47,8 +47,7 @@ def without_controls(source: Source) -> tuple[str, list[Diagnostic]]:
     problems = []
     for match in CONTROL.finditer(text):
         span = source.span(*match.span())
-        facts = {"character": describe(match.group()), "help": "delete it"}
-        problems.append(Diagnostic(errors.BAD_CHARACTER, span, facts, fix=Fix(span, "")))
+        problems.append(errors.BadCharacter(span, character=describe(match.group()), help="delete it", fix=Fix(span, "")))
         if len(problems) == MAX_PROBLEMS:
             break
     return (CONTROL.sub(_blank, text) if problems else text), problems
@@ -83,8 +82,7 @@ def mend(source: Source, text: str, at: int, last: Token | None, keywords: dict[
 
 def _bad(source: Source, start: int, end: int, character: str, fix: str, help_: str) -> Diagnostic:
     span = source.span(start, end)
-    facts = {"character": describe(character), "help": help_}
-    return Diagnostic(errors.BAD_CHARACTER, span, facts, fix=Fix(span, fix) if help_ else None)
+    return errors.BadCharacter(span, character=describe(character), help=help_, fix=Fix(span, fix) if help_ else None)
 
 
 def _token(source: Source, type_: str, value: str, start: int, end: int) -> Token:
@@ -99,7 +97,7 @@ def _open_string(source: Source, text: str, at: int) -> Mended:
     span = source.span(at, end)
     fix = Fix(source.span(end, end), '"')
     token = _token(source, "STRING", text[at:end] + '"', at, end)
-    return Mended(Diagnostic(errors.OPEN_STRING, span, fix=fix), token, end)
+    return Mended(errors.OpenString(span, fix=fix), token, end)
 
 
 def _quoted(source: Source, text: str, at: int) -> Mended:

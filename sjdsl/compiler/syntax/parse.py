@@ -40,7 +40,7 @@ def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
     """Returns the tokens of one `.sj` text and the grammar's own tree of them. Raises CompileError with every syntax error."""
     _raise(check_text(source))
     wrong = _check_version(source)
-    if wrong and wrong[0].code is errors.NEWER_LANGUAGE:
+    if wrong and isinstance(wrong[0], errors.NewerLanguage):
         raise CompileError(wrong)
     found = scan(source, parser())
     if wrong and not _skip_to_game(found):
@@ -85,17 +85,17 @@ def _check_version(source: Source) -> list[Diagnostic]:
     first = FIRST_LINE.search(source.text)
     if first is None:
         but = ": it holds only comments" if "#" in source.text else ": it is empty"
-        return [Diagnostic(errors.NO_VERSION, source.span(0, 0), {"known": VERSION, "but": but})]
+        return [errors.NoVersion(source.span(0, 0), known=VERSION, but=but)]
     line, start = first.group(1), first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
     if number and number.group(1) != VERSION:
         span = source.span(start, start + number.end())
-        return [Diagnostic(errors.NEWER_LANGUAGE, span, {"version": number.group(1)[:20], "known": VERSION})]
+        return [errors.NewerLanguage(span, version=number.group(1)[:20], known=VERSION)]
     if number or re.match(r"sj\b", line):
         return []
     word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
     span = source.span(start, start + len(word))
-    return [Diagnostic(errors.NO_VERSION, span, {"known": VERSION, "but": f": it begins with `{word}`"})]
+    return [errors.NoVersion(span, known=VERSION, but=f": it begins with `{word}`")]
 
 
 def _skip_to_game(found: Scan) -> bool:
@@ -186,7 +186,7 @@ def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:
 
 def _identity(problem: Diagnostic) -> tuple[int, object]:
     """A reserved word used as a name is one mistake, however often the name is used."""
-    return (0, problem.facts["word"]) if problem.code is errors.RESERVED_WORD else (1, problem.span)
+    return (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
 
 
 def _closing(kinds: list[str]) -> list[int]:

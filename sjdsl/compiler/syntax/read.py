@@ -3,11 +3,10 @@
 from pathlib import Path
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Code, CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Near, near
 from sjdsl.compiler.diagnostics.limits import MAX_BYTES
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.near_names import nearest
 
 
 def read_source(path: Path | str) -> Source:
@@ -17,17 +16,18 @@ def read_source(path: Path | str) -> Source:
     """
     path = Path(path)
     name = path.as_posix()
+    start = Source(name, "").span(0, 0)
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
             size = path.stat().st_size
     except FileNotFoundError:
-        raise _failure(errors.UNREADABLE, name, name=name, problem="there is no such file", nearest=_neighbour(path)) from None
+        raise CompileError([errors.Unreadable(start, name=name, problem="there is no such file", near=_neighbour(path))]) from None
     except IsADirectoryError:
-        raise _failure(errors.UNREADABLE, name, name=name, problem="it is a folder", nearest="") from None
+        raise CompileError([errors.Unreadable(start, name=name, problem="it is a folder")]) from None
     except (OSError, ValueError) as error:
         problem = (getattr(error, "strerror", None) or "the name is not one of a file").lower()
-        raise _failure(errors.UNREADABLE, name, name=name, problem=problem, nearest="") from None
+        raise CompileError([errors.Unreadable(start, name=name, problem=problem)]) from None
     return decode(data, name, path.parent, max(size, len(data)))
 
 
@@ -36,41 +36,38 @@ def decode(data: bytes, name: str, folder: Path | None = None, size: int | None 
 
     Raises CompileError: too large, not UTF-8.
     """
+    start = Source(name, "").span(0, 0)
     if len(data) > MAX_BYTES:
-        raise _failure(errors.FILE_TOO_LARGE, name, given=size or len(data), limit=MAX_BYTES)
+        raise CompileError([errors.FileTooLarge(start, given=size or len(data), limit=MAX_BYTES)])
     if b"\0" in data:
-        raise _failure(errors.NOT_TEXT, name, problem=f"byte {data.index(0)} is NUL")
+        raise CompileError([errors.NotText(start, problem=f"byte {data.index(0)} is NUL")])
     try:
         return Source(name, data.decode("utf-8-sig"), folder)
     except UnicodeDecodeError as error:
-        raise _failure(errors.NOT_TEXT, name, problem=f"byte {error.start} is not UTF-8") from None
+        raise CompileError([errors.NotText(start, problem=f"byte {error.start} is not UTF-8")]) from None
 
 
 def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
     """Returns the path of a file named by a game; None, and reported, if it leaves the game's folder."""
     given = Path(name)
     if source.folder is None:
-        problems.add(errors.NO_FILE, span, name=name, nearest="")
+        problems.add(errors.NoFile(span, name=name))
         return None
     folder = source.folder.resolve()
     if not name or "\0" in name or "\\" in name or given.is_absolute():
-        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        problems.add(errors.FileOutside(span, name=name))
         return None
     path = (folder / given).resolve()
     if not path.is_relative_to(folder):
-        problems.add(errors.FILE_OUTSIDE, span, name=name)
+        problems.add(errors.FileOutside(span, name=name))
         return None
     return path
 
 
-def _failure(code: Code, file: str, **facts: object) -> CompileError:
-    return CompileError([Diagnostic(code, Span(file, 0, 0, 1, 1), facts)])
-
-
-def _neighbour(path: Path) -> str:
+def _neighbour(path: Path) -> Near:
     """Returns the game beside `path` whose name is nearest, or nothing."""
     try:
         names = [p.name for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()]
     except OSError:
-        return ""
-    return nearest(path.name, names)
+        return Near()
+    return near(path.name, names)

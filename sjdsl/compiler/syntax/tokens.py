@@ -74,7 +74,7 @@ def _is_within_limits(found: Scan, token: Token) -> bool:
     found.prefixes = found.prefixes + 1 if token.type in PREFIX else 0
     if found.brackets + found.prefixes > MAX_DEPTH:
         span = found.source.span(token.start_pos or 0, token.end_pos or 0)
-        found.problems.append(Diagnostic(errors.TOO_DEEP, span, {"limit": MAX_DEPTH}))
+        found.problems.append(errors.TooDeep(span, limit=MAX_DEPTH))
         return False
     if len(found.tokens) > MAX_TOKENS:
         _too_much(found, token, "the file has more words and signs", MAX_TOKENS)
@@ -96,6 +96,6 @@ def _is_foreign_comment(found: Scan) -> bool:
         return False
     del found.tokens[-2:]
     span = found.source.span(first.start_pos or 0, second.end_pos or 0)
-    facts = {"found": f"`{first}{second}`", "expected": "`#`", "help": "a comment begins with `#`"}
-    found.problems.append(Diagnostic(errors.UNEXPECTED, span, facts, fix=Fix(span, "#")))
+    help_ = "a comment begins with `#`"
+    found.problems.append(errors.Unexpected(span, found=f"`{first}{second}`", expected="`#`", help=help_, fix=Fix(span, "#")))
     return True

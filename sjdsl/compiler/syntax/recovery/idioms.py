@@ -5,7 +5,7 @@ Assumes that the table refused a token; an idiom is believed only if what it sta
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from lark import Token
@@ -194,9 +194,8 @@ def bracketed(condition: str) -> str:
 def idiom_error(idiom: Idiom, diagnostic: Diagnostic, tokens: Sequence[Token], source: Source) -> Diagnostic:
     """Returns a diagnostic that says how the phrase is written here."""
     begin, end = tokens[idiom.start].start_pos or 0, tokens[idiom.end - 1].end_pos or 0
-    facts = {**diagnostic.facts, "help": idiom.help}
     fix = None if idiom.phrase.explanation else Fix(source.span(begin, end), idiom.instead)
     last = tokens[idiom.end - 1]
     behind = (last.line or 0) < diagnostic.span.line
     labels = (Label(source.span(last.start_pos or 0, end), "after this"),) if behind else ()
-    return Diagnostic(diagnostic.code, diagnostic.span, facts, labels, fix)
+    return replace(diagnostic, help=idiom.help, labels=labels, fix=fix)

@@ -35,7 +35,7 @@ def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token],
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
     if repair is not None and repair.sort == "name":
         word = str(tokens[repair.place])
-        return Diagnostic(errors.RESERVED_WORD, _here(trouble, tokens, source), {"word": word, "other": _other_name(word, tokens)})
+        return errors.ReservedWord(_here(trouble, tokens, source), word=word, other=_other_name(word, tokens))
     closing = repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert")
     if repair is not None and closing and (trouble.unmatched or _is_outdented(trouble, tokens, source)):
         return _open_block(trouble, repair, tokens, source)
@@ -77,7 +77,7 @@ def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], sourc
         labels = (Label(token_span(tokens[closer], source), "this `}` seems to close a block around it"),)
     elif trouble.at < len(tokens):
         labels = (Label(_here(trouble, tokens, source), f"`{tokens[trouble.at]}` cannot stand inside it"),)
-    return Diagnostic(errors.OPEN_BLOCK, token_span(tokens[opener], source), {"help": help_}, labels)
+    return errors.OpenBlock(token_span(tokens[opener], source), help=help_, labels=labels)
 
 
 def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> bool:
@@ -169,8 +169,7 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
     if surplus is not None:
         labels = (Label(token_span(tokens[surplus], source), "is this `}` one too many?"),)
     labels = labels or _context(trouble, repair, tokens, source)
-    facts = {"found": _found(trouble, tokens), "expected": expected, "help": help_}
-    return Diagnostic(errors.UNEXPECTED, here, facts, labels, fix)
+    return errors.Unexpected(here, found=_found(trouble, tokens), expected=expected, help=help_, labels=labels, fix=fix)
 
 
 def _found(trouble: Trouble, tokens: Sequence[Token]) -> str:

@@ -1,0 +1,133 @@
+"""SJ1xx: names."""
+
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near
+
+
+class NotKnown(Diagnostic):
+    """A name of nothing, or of something of another sort."""
+
+    hints = ("did you mean `{near.nearest}`?", "{near.listed}")
+    name: str
+    near: Near = Near()
+
+
+class UnknownName(NotKnown, code="SJ101", title="Unknown name"):
+    says = "`{name}` is not known here"
+
+
+class NameTaken(Diagnostic, code="SJ102", title="Name already taken"):
+    says = "`{name}` is already the name of {what}"
+    hints = ("choose another name, or bind with `as`",)
+    name: str
+    what: str
+
+
+class WordClash(Diagnostic, code="SJ103", title="A word with the name of something else"):
+    says = "`{name}` is both a word and {what}"
+    hints = ("rename one of the two",)
+    name: str
+    what: str
+
+
+class NoField(NotKnown, code="SJ104", title="No such field"):
+    says = "{owner} has no field `{name}`"
+    owner: str
+
+
+class NoAction(NotKnown, code="SJ105", title="No such action"):
+    says = "`{name}` is not an action of the agents"
+
+
+class PhaseUse(Diagnostic, code="SJ106", title="Phase and schedule disagree"):
+    says = "phase `{name}` is {problem}"
+    name: str
+    problem: str
+
+
+class NoEvent(NotKnown, code="SJ107", title="Event not declared"):
+    says = "event `{name}` is not declared in `metrics`"
+    hints = ("write `event {name}` in `metrics`, or did you mean `{near.nearest}`?", "write `event {name}` in `metrics`")
+
+
+class ChangeUnknown(NotKnown, code="SJ108", title="A change to what is not there"):
+    says = "this changes `{name}`, which the game does not have"
+
+
+class ChangeClash(Diagnostic, code="SJ109", title="Two variants disagree"):
+    says = "variants `{first}` and `{second}` change `{name}` differently"
+    hints = ("choose one of them",)
+    name: str
+    first: str
+    second: str
+
+
+class ExtendsCycle(Diagnostic, code="SJ110", title="A game that extends itself"):
+    says = "the chain of `extends` comes back to `{name}`"
+    hints = ("break the circle",)
+    name: str
+
+
+class NoFile(NotKnown, code="SJ111", title="Missing file"):
+    says = "there is no file `{name}` beside this game"
+
+
+class FileOutside(Diagnostic, code="SJ112", title="A path that leaves the folder"):
+    says = "`{name}` leaves the folder of the game"
+    hints = ("name a file in the game's own folder or below it",)
+    name: str
+
+
+class WrongSort(NotKnown, code="SJ113", title="A name of another sort"):
+    says = "`{name}` is {what}, but {wanted} is wanted here"
+    what: str
+    wanted: str
+
+
+class MissingPart(Diagnostic, code="SJ114", title="Something every game needs"):
+    says = "the game has no {what}"
+    hints = ("write {how}",)
+    what: str
+    how: str
+
+
+class WrittenTwice(Diagnostic, code="SJ115", title="Said twice"):
+    says = "{what} is written twice"
+    hints = ("keep one of them",)
+    what: str
+
+
+class NoVariant(NotKnown, code="SJ116", title="No such variant"):
+    says = "the game has no variant `{name}`"
+
+
+class BadName(Diagnostic, code="SJ117", title="A name that cannot be used"):
+    says = "`{name}` cannot be used as {what}: {problem}"
+    hints = ("choose another name",)
+    name: str
+    what: str
+    problem: str
+
+
+class WrongArguments(Diagnostic, code="SJ118", title="Wrong number of arguments"):
+    says = "`{name}` takes {wanted}, not {given}"
+    name: str
+    wanted: str
+    given: int
+
+
+class DefineCycle(Diagnostic, code="SJ119", title="A define that uses itself"):
+    says = "`{name}` is used inside its own definition"
+    hints = ("break the circle",)
+    name: str
+
+
+class NoPaint(Diagnostic, code="SJ120", title="No such sprite or colour"):
+    says = "`{name}` is no sprite and no colour"
+    hints = (
+        'did you mean `{nearest}`? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
+        'the sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
+    )
+    name: str
+    nearest: str
+    sprites: str
+    colours: str

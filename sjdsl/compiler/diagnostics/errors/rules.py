@@ -1,0 +1,139 @@
+"""SJ4xx writes of one phase, SJ5xx time and use, SJ6xx limits of the compiler."""
+
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+
+
+class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
+    says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
+    hints = (
+        "{accepted}",
+        "write two phases; or pair them with `match`; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+    )
+    name: str
+    owner: str
+    phase: str
+    accepted: str = ""
+
+
+class AddAndSet(Diagnostic, code="SJ402", title="Set and add in one phase"):
+    says = "`{name}` is both set and added to in phase `{phase}`"
+    hints = ("{accepted}", "write two phases, or make the two exclude each other")
+    name: str
+    phase: str
+    accepted: str = ""
+
+
+class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
+    says = "an agent can be sent to two places in phase `{phase}`"
+    hints = ("{accepted}", "make the two exclude each other, or send to one place")
+    phase: str
+    accepted: str = ""
+
+
+class NoFreeCell(Diagnostic, code="SJ404", title="There may be no free cell"):
+    says = "perhaps no cell of `{place}` is free: which cells fit changes in play"
+    hints = ("write `otherwise stay` after it: who then finds no cell stays",)
+    place: str
+
+
+class TooFewFreeCells(NoFreeCell):
+    says = "`{place}` has {cells:cell}, and up to {agents:agent} may be there or come"
+    hints = ("write `otherwise stay` after it, or take a map with more such cells, or fewer agents",)
+    cells: int
+    agents: int
+
+
+class TooFewToStart(TooFewFreeCells):
+    says = "{cells:cell} of the map fit `{place}`, and {agents:agent} begin there"
+    hints = ("take a map with more such cells, or fewer agents",)
+
+
+class MoveAlone(Diagnostic, code="SJ405", title="Movement shares its phase"):
+    says = "`move` stands alone in its phase"
+    hints = ("put the other sentences into a phase of their own",)
+
+
+class OverlappingSends(Diagnostic, code="SJ406", title="Two destinations that overlap"):
+    says = "two different destinations of one phase share cells of `{kind}`"
+    hints = ("send to one destination, or write two phases",)
+    kind: str
+
+
+class NoStart(Diagnostic, code="SJ501", title="Agents without a place"):
+    says = "the game has no `phase start`"
+    hints = ("write `phase start {{ each agent {{ send agent to KIND }} }}`",)
+
+
+class NotSentAtStart(NoStart):
+    says = "`phase start` does not always send {who} to a place"
+    who: str
+
+
+class TickTwice(Diagnostic, code="SJ502", title="The schedule and its timers"):
+    says = "`tick` stands twice in the schedule"
+    hints = ("keep one",)
+
+
+class NoTick(TickTwice):
+    says = "{what}, but no `tick` in the schedule"
+    hints = ("write `tick` where they fall",)
+    what: str
+
+
+class TimerBothSides(Diagnostic, code="SJ503", title="A timer set on both sides of `tick`", severity="warning"):
+    says = "timer `{name}` is set before and after `tick`"
+    hints = ("set it on one side, or it lasts one step less on the other",)
+    name: str
+
+
+class NeverHappens(Diagnostic, code="SJ504", title="This can never happen", severity="warning"):
+    says = "this can never happen: {problem}"
+    problem: str
+
+
+class Unused(Diagnostic, code="SJ505", title="Never used", severity="warning"):
+    says = "{what} `{name}` is never used"
+    what: str
+    name: str
+
+
+class IdleAction(Diagnostic, code="SJ506", title="An action without effect", severity="warning"):
+    says = "no rule looks at the action `{name}`: to choose it is to stay"
+    hints = ("ask for it where it matters, `each agent where agent chose {name}`, or take it out of `acts`",)
+    name: str
+
+
+class IdleSteps(Diagnostic, code="SJ506", title="An action without effect", severity="warning"):
+    says = "no phase of the schedule has `move`, so nobody moves by {names}"
+    hints = ("write `phase walk {{ move each agent }}` and schedule it, or take them out of `acts`",)
+    names: str
+
+
+class ForbidReads(Diagnostic, code="SJ507", title="What `forbid` may read"):
+    says = "`forbid` reads {what}"
+    hints = ("it may read the acting agent's own fields and the world's",)
+    what: str
+
+
+class NoPlaceYet(Diagnostic, code="SJ508", title="No place yet"):
+    says = "in `phase start` no agent has a place yet, so `{what}` means nothing"
+    hints = ("do it in a phase of the schedule, at `step == 0`",)
+    what: str
+
+
+class NeverCounted(Diagnostic, code="SJ509", title="An event that is never counted", severity="warning"):
+    says = "the event `{name}` is listed in `metrics`, but no rule counts it: it is always 0"
+    hints = ("count it where it happens, `tally {path}`, or take it out of `metrics`",)
+    name: str
+    path: str
+
+
+class LookReads(Diagnostic, code="SJ510", title="What `look` may read"):
+    says = "`look` reads {what}"
+    hints = ("it may compare the fields of the cell, or of the agent, with words and numbers",)
+    what: str
+
+
+class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):
+    says = "not supported yet: {what}"
+    what: str

@@ -1,0 +1,125 @@
+"""SJ2xx: types, units and ranges."""
+
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.near_names import nearest
+
+
+class UnitMismatch(Diagnostic, code="SJ201", title="Units that do not go together"):
+    says = "cannot {verb} {left} and {right}"
+    verb: str
+    left: str
+    right: str
+
+
+class ProbabilityRange(Diagnostic, code="SJ202", title="Not a probability"):
+    says = "this probability can {problem}"
+    hints = ("keep it between 0 and 1, for instance with a range `in a .. b` on its parameters",)
+    problem: str
+
+
+class TableGap(Diagnostic, code="SJ203", title="A table with a gap or an overlap"):
+    says = "{problem}"
+    hints = ("every case exactly once",)
+    problem: str
+
+
+class FieldRange(Diagnostic, code="SJ204", title="A field can leave its range"):
+    """`declared`: the name by which the field is declared, where `name` is the path of one of them."""
+
+    says = "`{name}` can leave its range {low} .. {high} here: it can become {reached}"
+    hints = ("write `capped` after the range, or guard the change with `when`",)
+    name: str
+    declared: str
+    low: float
+    high: float
+    reached: str
+
+
+class WordOutside(Diagnostic, code="SJ205", title="Not one of the words"):
+    """`owner`: what has the words, as it is written; `declared`: the field or event that declares them, if one does."""
+
+    says = "`{word}` is not one of the words of {owner}"
+    hints = ("did you mean `{nearest}`? the words are {listed}", "its words are {listed}")
+    word: str
+    owner: str
+    declared: str = ""
+    words: tuple[str, ...]
+
+    @property
+    def nearest(self) -> str:
+        return nearest(self.word, self.words)
+
+    @property
+    def listed(self) -> str:
+        return ", ".join(self.words)
+
+
+class NeverEqual(Diagnostic, code="SJ206", title="These can never be equal"):
+    says = "these two can never be equal: they have no word in common"
+
+
+class ZeroDivisor(Diagnostic, code="SJ207", title="Division by zero"):
+    says = "this divisor can be 0"
+    hints = ("give the parameter a range that leaves out 0, or write a `require`",)
+
+
+class EmptyMix(Diagnostic, code="SJ208", title="Shares of nothing"):
+    says = "this row can be empty, and then it has no shares"
+    hints = ("guard it with `sum({row}) > 0`",)
+    row: str
+
+
+class CanBeNobody(Diagnostic, code="SJ209", title="Nobody there"):
+    says = "`{path}` can be nobody here"
+    hints = ("guard it with `{path} is not nobody`",)
+    path: str
+
+
+class ShapeParam(Diagnostic, code="SJ210", title="A number that sets a shape"):
+    says = "`{name}` sets {what}, so it is a `size`, not a `param`"
+    hints = ("write `size {name} : ...`",)
+    name: str
+    what: str
+
+
+class Weights(Diagnostic, code="SJ211", title="Weights that do not sum to 1"):
+    says = "the weights sum to {total}, not 1"
+    total: float | str
+
+
+class RequireFalse(Diagnostic, code="SJ212", title="A requirement that does not hold"):
+    says = "this requirement does not hold: {problem}"
+    hints = ("change the numbers, or the requirement",)
+    problem: str
+
+
+class WrongType(Diagnostic, code="SJ213", title="Something else is wanted here"):
+    says = "{wanted} is wanted here, and this is {given}"
+    wanted: str
+    given: str
+
+
+class OutOfLimits(Diagnostic, code="SJ214", title="A number outside its limits"):
+    says = "{name} is {value}, outside {low} .. {high}{reason}"
+    name: str
+    value: float | str
+    low: float
+    high: float | str
+    reason: str = ""
+
+
+class Crossed(Diagnostic, code="SJ215", title="Bounds that can cross"):
+    says = "the bounds {low} and {high} can cross"
+    hints = ("write `require {low} <= {high}` in `checks`, or give the parameters ranges",)
+    low: str
+    high: str
+
+
+class NotFixed(Diagnostic, code="SJ216", title="Not known when compiled"):
+    says = "{what} must be known when the game is compiled"
+    hints = ("use numbers and `size`s only",)
+    what: str
+
+
+# What a condition around it can make right: said only where the conditions around could be read.
+GUARDABLE = (ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed)

@@ -1,0 +1,25 @@
+"""Frozen objects that are equal by content, cheap to declare: what nodes of the tree as written and diagnostics are."""
+
+from dataclasses import FrozenInstanceError
+from typing import Any
+
+
+class Frozen:
+    """`dataclass(frozen=True)` would compile six methods for each class, in every process that reads a game; these are the same for all."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self.__dict__:
+            raise FrozenInstanceError(f"cannot assign to field {name!r}")
+        self.__dict__[name] = value
+
+    def __delattr__(self, name: str) -> None:
+        raise FrozenInstanceError(f"cannot delete field {name!r}")
+
+    def __eq__(self, other: object) -> bool:
+        return self.__dict__ == other.__dict__ if type(other) is type(self) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((type(self), *self.__dict__.values()))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.__dict__.items())})"
