@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs wheel-test clean
+.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -40,7 +40,15 @@ test-interop: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-interop.txt
 	$(PYTEST) -o addopts=-q tests/interop
 
-check: .venv/ready
+# mypy finds `sjdsl.trainers` where it is when installed: inside sjdsl.
+types: .venv/ready
+	rm -rf build/types
+	mkdir -p build/types/sjdsl
+	ln -s $(CURDIR)/sjdsl/* build/types/sjdsl/
+	ln -s $(CURDIR)/trainers build/types/sjdsl/trainers
+	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p sjdsl
+
+check: types
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/sjdsl fmt --check games tests/cases tests/differential tests/runtime tests/statistics

@@ -43,7 +43,7 @@ def compile_train(program: Train, config: Config) -> Compiled:
     """
     began = time.perf_counter()
     placement = make_placement(config)
-    over_seeds = jax.vmap if config.seeds > 1 else (lambda function: function)
+    over_seeds: Callable[..., Callable[..., Any]] = jax.vmap if config.seeds > 1 else (lambda function: function)
 
     def first(seeds: Array) -> TrainState:
         return over_seeds(lambda seed: program.init(jax.random.key(seed)))(seeds if config.seeds > 1 else seeds[0])

@@ -41,10 +41,10 @@ def _convolution(padding: int) -> Any:
             features = jnp.broadcast_to(features, (size, *features.shape))
 
         def one_after_the_other(features: Array, kernel: Array) -> Array:
-            return jax.lax.map(lambda both: _plain(*both, padding), (features, kernel))
+            return jax.lax.map(lambda both: _plain(both[0], both[1], padding), (features, kernel))
 
         def side_by_side(features: Array, kernel: Array) -> Array:
-            return jax.vmap(lambda *both: _plain(*both, padding))(features, kernel)
+            return jax.vmap(lambda image, weights: _plain(image, weights, padding))(features, kernel)
 
         return jax.lax.platform_dependent(features, kernel, cpu=one_after_the_other, default=side_by_side), True
 
@@ -60,7 +60,7 @@ def _backward(inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, Arra
 
 
 def _gradients(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
-    _, pull_back = jax.vjp(lambda *inputs: _plain(*inputs, kernel.shape[0] // 2), features, kernel)
+    _, pull_back = jax.vjp(lambda image, weights: _plain(image, weights, kernel.shape[0] // 2), features, kernel)
     return pull_back(gradient)
 
 

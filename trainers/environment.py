@@ -16,13 +16,19 @@ class Environment(Protocol):
     Without the last, or where `forbids_actions` is false, all always are.
     """
 
-    name: str
     hash: str  # of the compiled game; a stored policy warns when it meets another
-    num_agents: int
-    num_actions: int
-    action_names: tuple[str, ...]
-    token_planes: tuple[TokenPlane, ...]
     params: Any  # pytree of the game's numbers; not part of `hash`
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def num_agents(self) -> int: ...
+    @property
+    def num_actions(self) -> int: ...
+    @property
+    def action_names(self) -> tuple[str, ...]: ...
+    @property
+    def token_planes(self) -> tuple[TokenPlane, ...]: ...
 
     def reset(self, key: Array) -> tuple[Array, Any]:
         """Returns the observation `[N, P, V, V]` uint8 and the state of a new episode."""
@@ -42,6 +48,22 @@ class Environment(Protocol):
         ...
 
 
+class MaskedEnvironment(Environment, Protocol):
+    """One that may forbid actions."""
+
+    def allowed_actions(self, state: Any) -> Array:
+        """Returns which actions each agent may take: `[N, A]` bool."""
+        ...
+
+
+class ObservableEnvironment(Environment, Protocol):
+    """One whose whole state a central critic can see."""
+
+    def state_vector(self, state: Any) -> Array:
+        """Returns the state as `[K]` float32."""
+        ...
+
+
 def reset_shapes(env: Environment) -> tuple[Any, Any]:
     """Returns the shapes and dtypes of an observation and a state."""
     return jax.eval_shape(env.reset, abstract_key())
@@ -49,8 +71,13 @@ def reset_shapes(env: Environment) -> tuple[Any, Any]:
 
 def info_shapes(env: Environment) -> dict[str, Any]:
     """Returns the shapes and dtypes of a step's info."""
-    actions = jax.ShapeDtypeStruct((env.num_agents,), jnp.int32)
+    actions = array_shape((env.num_agents,), jnp.int32)
     return jax.eval_shape(env.step, abstract_key(), reset_shapes(env)[1], actions)[-1]
+
+
+def array_shape(shape: tuple[int, ...], dtype: Any) -> Any:
+    """Returns what stands for an array where only its shape and dtype matter."""
+    return jax.ShapeDtypeStruct(shape, dtype)
 
 
 def abstract_key() -> Any:

@@ -4,14 +4,14 @@ In a compiled game a forbidden action is `stay` by another name: a mask takes no
 which names mean nothing now.
 """
 
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
 from .config import Config
-from .environment import Environment
+from .environment import Environment, MaskedEnvironment
 
 NEVER = -1e9  # of a logit or a value: in float32 its probability is exactly 0, and, unlike with -inf, gradients and entropies are finite
 
@@ -23,7 +23,7 @@ def wants_masks(env: Environment, config: Config) -> bool:
 
 def allowed_in(env: Environment, masks: bool, state: Any) -> Array | None:
     """Returns which actions the agents of B environments may take, `[B, N, A]` bool; None without masks."""
-    return jax.vmap(env.allowed_actions)(state) if masks else None
+    return jax.vmap(cast(MaskedEnvironment, env).allowed_actions)(state) if masks else None
 
 
 def masked(scores: Array, allowed: Array | None) -> Array:

@@ -164,6 +164,7 @@ class ActorCritic(nn.Module):
         logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(seen)
         if self.joint_planes is None:
             return memory, logits, head(1, gain=CRITIC_GAIN, name="critic")(seen)[..., 0]
+        assert joint is not None
         known = torso(self.joint_planes, name="critic_torso")(joint)
         memory, known = self._remember("critic_memory", memory, known, fresh)
         return memory, logits, head(self.num_agents, gain=CRITIC_GAIN, name="critic")(known)

@@ -52,7 +52,7 @@ class Partners:
         return action.at[..., jnp.asarray(self.agents)].set(theirs[..., jnp.asarray(self.agents)])
 
 
-NOBODY = Partners((), MemoryPolicy((), lambda memory, key, observation: (memory, key, observation)))
+NOBODY = Partners((), MemoryPolicy((), lambda memory, _, observation: (memory, observation)))
 
 
 def make_partners(env: Environment, config: Config) -> Partners:

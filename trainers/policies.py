@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -117,7 +117,7 @@ def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: 
     network = make_action_values(env, config)
 
     def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
-        values = network.apply(parameters, observation)
+        values = cast(Array, network.apply(parameters, observation))
         return memory, best_action(values, allowed) if greedy else explore(key, values, allowed, config.epsilon_end)
 
     return _policy((), act, wants_masks(env, config))

@@ -1,7 +1,8 @@
 """Proximal policy optimisation of N agents: one core for independent and central critics, shared and separate networks."""
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
+from typing import Any, cast
 
 import flax
 import jax
@@ -12,7 +13,7 @@ from jax import Array
 from .actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from .advantage import generalised_advantages, successor_values
 from .config import ConfigError, PPOConfig
-from .environment import Environment
+from .environment import Environment, ObservableEnvironment
 from .episodes import mean_episode
 from .masks import allowed_in, masked, pack_mask, unpack_mask
 from .networks import Memory
@@ -79,7 +80,7 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
         key, rollout_key = jax.random.split(state.key)
         actor = make_actor(env, networks, parameters(state))
         worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
-        after = state.replace(key=key, worlds=worlds)
+        after = replace(state, key=key, worlds=worlds)
         return after, (rollout, state.worlds.memory, finished, measured)
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
@@ -106,7 +107,7 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
         return tuple(learner.params for learner in state.learner)
 
     def adopt(state: TrainState, parameters: Any) -> TrainState:
-        return state.replace(learner=tuple(learner.replace(params=own) for learner, own in zip(state.learner, parameters, strict=True)))
+        return replace(state, learner=tuple(replace(learner, params=own) for learner, own in zip(state.learner, parameters, strict=True)))
 
     return Train(init, collect, learn, parameters, adopt)
 
@@ -151,7 +152,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         # most steps end no episode: then the second forward pass is skipped
         return jax.lax.cond(
             truncated.any(),
-            lambda *seen: _value(networks, parameters, *seen, jnp.zeros_like(truncated)),
+            lambda memory, last, joint: _value(networks, parameters, memory, last, joint, jnp.zeros_like(truncated)),
             lambda *_: jnp.zeros((truncated.shape[0], env.num_agents)),
             memory,
             info["terminal_observation"],
@@ -163,7 +164,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
 
 def _joint(env: Environment, networks: ActorCritics, state: Any) -> Any:
     """Returns what critics of the state see of states `[B, ...]`; None if they see windows."""
-    return jax.vmap(env.state_vector)(state) if networks.from_state else None
+    return jax.vmap(cast(ObservableEnvironment, env).state_vector)(state) if networks.from_state else None
 
 
 def _value(networks: ActorCritics, parameters: Any, memory: Memory, observation: Array, joint: Any, fresh: Array) -> Array:
@@ -206,8 +207,8 @@ def learn_teams(
     after, losses, weights = [], [], []
     keys = jax.random.split(key, len(networks.bundles))
     for bundle, network, learner, bundle_key, memory in zip(networks.bundles, networks.networks, learners, keys, batch.memory, strict=True):
-        own = batch.replace(memory=jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), memory))
-        learner, loss = _learn_bundle(learner, own, bundle_key, bundle, network.apply, networks, config)
+        own = replace(batch, memory=jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), memory))
+        learner, loss = _learn_bundle(learner, own, bundle_key, bundle, cast(Apply, network.apply), networks, config)
         after.append(learner)
         losses.append(loss)
         weights.append(bundle.indices.size / sum(other.indices.size for other in networks.bundles))
@@ -224,7 +225,7 @@ def _learn_bundle(
     orders = draw_orders(key, number, batch.action.shape[1], config)
 
     def learn_team(learner: Learner, orders: Array, agents: Array, memory: Memory) -> tuple[Learner, Metrics]:
-        return take_epochs(learner, batch.replace(memory=memory), orders, agents, apply, networks, config)
+        return take_epochs(learner, replace(batch, memory=memory), orders, agents, apply, networks, config)
 
     if number == 1:  # as in acting, a batch of one would cost a loop
         first = jax.tree.map(lambda leaf: leaf[0], (learner, batch.memory))

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from .config import Config, ConfigError
-from .environment import Environment, info_shapes, reset_shapes
+from .environment import Environment, array_shape, info_shapes, reset_shapes
 from .own import find
 
 
@@ -31,8 +31,8 @@ def check_own_reward(env: Environment, config: Config) -> None:
     """Raises ConfigError unless the user's reward gives a number for each agent."""
     observation, state = reset_shapes(env)
     info = info_shapes(env)
-    each, one = jax.ShapeDtypeStruct((env.num_agents,), jnp.float32), jax.ShapeDtypeStruct((), jnp.bool_)
-    action = jax.ShapeDtypeStruct((env.num_agents,), jnp.int32)
+    each, one = array_shape((env.num_agents,), jnp.float32), array_shape((), jnp.bool_)
+    action = array_shape((env.num_agents,), jnp.int32)
     step = Step(each, each, action, observation, state, info["events"], info["metrics"], one, one)
     paid = jax.eval_shape(lambda step: jnp.asarray(find("reward", config.reward)(step)), step)
     if paid.shape != (env.num_agents,):

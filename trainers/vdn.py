@@ -3,7 +3,8 @@
 Source: Sunehag et al. 2018, "Value-decomposition networks for cooperative multi-agent learning".
 """
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, cast
 
 import flax
 import jax
@@ -14,7 +15,7 @@ from jax import Array
 
 from .actor_critics import packing_of, token_planes
 from .config import ConfigError, VDNConfig
-from .environment import Environment, reset_shapes
+from .environment import Environment, MaskedEnvironment, array_shape, reset_shapes
 from .episodes import mean_episode
 from .masks import allowed_in, draw_any, masked, pack_mask, unpack_mask, wants_masks
 from .networks import ActionValues
@@ -98,9 +99,9 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
         actor = make_actor(env, network, packing, masks, state.learner.online.params, epsilon)
         worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
         replay = add_entries(state.learner.replay, _entries(rollout))
-        learner = state.learner.replace(replay=replay)
+        learner = replace(state.learner, replay=replay)
         reward = rollout.reward.sum(axis=-1).mean()
-        return state.replace(key=key, worlds=worlds, learner=learner), (finished, measured, reward, epsilon)
+        return replace(state, key=key, worlds=worlds, learner=learner), (finished, measured, reward, epsilon)
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
         finished, measured, reward, epsilon = played
@@ -129,19 +130,21 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
 
 def adopt(state: TrainState, parameters: Any) -> TrainState:
     """Returns a state that goes on from other parameters, of the network and of its target."""
-    online = state.learner.online.replace(params=parameters)
-    return state.replace(learner=state.learner.replace(online=online, target=jax.tree.map(jnp.copy, parameters)))
+    online = replace(state.learner.online, params=parameters)
+    return replace(state, learner=replace(state.learner, online=online, target=jax.tree.map(jnp.copy, parameters)))
 
 
 def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:
     observation = jax.eval_shape(packing.pack, reset_shapes(env)[0])
     return Transition(
         observation=observation,
-        action=jax.ShapeDtypeStruct((env.num_agents,), jnp.int32),
-        reward=jax.ShapeDtypeStruct((), jnp.float32),
+        action=array_shape((env.num_agents,), jnp.int32),
+        reward=array_shape((), jnp.float32),
         following=observation,
-        ended=jax.ShapeDtypeStruct((), jnp.bool_),
-        allowed=jax.eval_shape(lambda state: pack_mask(env.allowed_actions(state)), reset_shapes(env)[1]) if masks else None,
+        ended=array_shape((), jnp.bool_),
+        allowed=jax.eval_shape(lambda state: pack_mask(cast(MaskedEnvironment, env).allowed_actions(state)), reset_shapes(env)[1])
+        if masks
+        else None,
     )
 
 
@@ -169,7 +172,7 @@ def make_actor(env: Environment, network: ActionValues, packing: Packing, masks:
     def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Any, Array, None]:
         del joint
         allowed = allowed_in(env, masks, worlds.state)
-        values = network.apply(parameters, worlds.observation)
+        values = cast(Array, network.apply(parameters, worlds.observation))
         return (), explore(key, values, allowed, epsilon), None
 
     def follow(memory: Any, observation: Array, info: dict[str, Any]) -> tuple[Array, Array | None]:
@@ -238,12 +241,12 @@ def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transit
     `double_q` the action is the best of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
     Sums are over the agents that learn.
     """
-    values = network.apply(parameters, batch.observation)
+    values = cast(Array, network.apply(parameters, batch.observation))
     learning = jnp.asarray(learning_agents(values.shape[-2], config))
     taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0][..., learning].sum(axis=-1)
-    next_values = network.apply(target, batch.following)
+    next_values = cast(Array, network.apply(target, batch.following))
     if config.double_q:
-        best = best_action(network.apply(parameters, batch.following), batch.allowed)
+        best = best_action(cast(Array, network.apply(parameters, batch.following)), batch.allowed)
         following = jnp.take_along_axis(next_values, best[..., None], axis=-1)[..., 0]
     else:
         following = masked(next_values, batch.allowed).max(axis=-1)

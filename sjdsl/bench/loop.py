@@ -74,10 +74,10 @@ def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actio
       shape: how many environments, how many agents.
     """
 
-    def body(carry: tuple[Any, Array, Array, Array], _: None) -> tuple[tuple[Any, Array, Array, Array], None]:
+    def body(carry: tuple[Any, Array, Array, Array], nothing: None) -> tuple[tuple[Any, Array, Array, Array], None]:
         state, _, total, key = carry
         state, observation, reward, key = one(state, key)
-        return (state, observation, total + reward.sum(), key), None
+        return (state, observation, total + reward.sum(), key), nothing
 
     def one(state: Any, key: Array) -> tuple[Any, Array, Array, Array]:
         key, k_action, k_step = jax.random.split(key, 3)

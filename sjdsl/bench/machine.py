@@ -20,7 +20,7 @@ def describe_machine() -> dict[str, Any]:
         "python": platform.python_version(),
         "jax": jax.__version__,
         "sjdsl": __version__,
-        "compilation_cache": bool(jax.config.jax_compilation_cache_dir and jax.config.jax_enable_compilation_cache),
+        "compilation_cache": bool(jax.config.values["jax_compilation_cache_dir"] and jax.config.values["jax_enable_compilation_cache"]),
     }
 
 

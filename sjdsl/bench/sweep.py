@@ -81,7 +81,7 @@ def measure_sweep(
         seconds.append(took)
     tell("compiling one program for one value")
     constant, constant_s = _compiled(_constant(env, few[0], at_once, many_steps))
-    loops = [lambda key: together(key, stacked), constant, *programs]
+    loops: list[Callable[[Array], Array]] = [lambda key: together(key, stacked), constant, *programs]
     env_steps = [at_once * many_steps] * 2 + [num_envs * few_steps] * len(programs)
     many, same, *each = race(loops, env_steps, repeats, lambda n: tell(f"round {n} of {repeats}"))
     in_turn = [len(rates) / sum(1 / rate for rate in rates) for rates in zip(*each, strict=True)]

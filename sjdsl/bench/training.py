@@ -86,8 +86,10 @@ def measure_split(env: Environment, network: Network, num_envs: int, num_steps: 
         lambda key: _done(learn(state.replace(key=key), played)),
     ]
     rates = race(loops, [1] * len(loops), repeats, lambda _: None)
-    seconds = [tuple(1 / rate for rate in rounds) for rounds in rates]
-    return Split(env.name, env.num_agents, network, num_envs, num_steps, compile_s, *seconds, flops_of(env, state, config))
+    whole, idle_s, collect_s, learn_s = (tuple(1 / rate for rate in rounds) for rounds in rates)
+    return Split(
+        env.name, env.num_agents, network, num_envs, num_steps, compile_s, whole, idle_s, collect_s, learn_s, flops_of(env, state, config)
+    )
 
 
 def play_idle(env: Environment, config: Any, state: Any, key: Array) -> Any:
@@ -122,9 +124,14 @@ def flops_of(env: Environment, state: Any, config: Any) -> float:
         return logits.sum() + values.sum()
 
     minibatch = config.steps_per_update // config.num_minibatches
-    acting = jax.jit(lambda p: forward(p, config.num_envs)).lower(params).cost_analysis()["flops"]
-    learning = jax.jit(jax.grad(lambda p: forward(p, minibatch))).lower(params).cost_analysis()["flops"]
+    acting = _flops(jax.jit(lambda p: forward(p, config.num_envs)).lower(params))
+    learning = _flops(jax.jit(jax.grad(lambda p: forward(p, minibatch))).lower(params))
     return acting * (config.num_steps + 1) + learning * config.num_epochs * config.num_minibatches
+
+
+def _flops(lowered: jax.stages.Lowered) -> float:
+    analysis: Any = lowered.cost_analysis()
+    return float(analysis["flops"])
 
 
 def matrix_flops_per_s(repeats: int) -> float:

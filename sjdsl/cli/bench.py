@@ -14,6 +14,7 @@ from sjdsl.games_folder import bundled
 
 if TYPE_CHECKING:
     from sjdsl.bench import Task
+    from sjdsl.bench.stored import Found
     from sjdsl.cli.bench_output import Outputs
 
 RACED = (1, 128, 1024, 4096)  # environments
@@ -101,6 +102,7 @@ def command(
 
     what = f"sweep {tasks[0].name} {sweep}" if sweep else f"training {','.join(networks)}" if networks else "speed"
     outputs.check(f"{what} {jax.default_backend()}")
+    found: Found
     with stages("compiling") as tell:
         if networks:
             trained = [task.env for task in tasks if task.env is not None]

@@ -26,7 +26,8 @@ def choose_tasks(
       agents: numbers of agents; None is the game's own.
     Raises CompileError, ClickException: a game that cannot be compiled as it is, or no form that is accepted.
     """
-    tasks, refused = [], []
+    tasks: list[Task] = []
+    refused: list[str] = []
     for game in games:
         make_environment(describe_environment(game, variant, None, None, {}))  # what is wrong with the game is no refusal of a number
         for number in agents:

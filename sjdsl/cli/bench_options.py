@@ -6,7 +6,7 @@ OBSERVATIONS = ("tokens", "onehot")
 NETWORKS = ("mlp", "cnn")
 
 
-class Counts(click.ParamType):
+class Counts(click.ParamType["tuple[int, ...]"]):
     """`1,128,1024` as whole numbers."""
 
     name = "numbers"
@@ -18,7 +18,7 @@ class Counts(click.ParamType):
         return tuple(dict.fromkeys(int(part) for part in parts))
 
 
-class Agents(click.ParamType):
+class Agents(click.ParamType["tuple[int | None, ...]"]):
     """`own,20` as None, for as many agents as the game says, and whole numbers."""
 
     name = "numbers"
@@ -30,7 +30,7 @@ class Agents(click.ParamType):
         return tuple(dict.fromkeys(None if part == "own" else int(part) for part in parts))
 
 
-class Words(click.ParamType):
+class Words(click.ParamType["tuple[str, ...]"]):
     """`tokens,onehot` as words, out of two."""
 
     name = "words"

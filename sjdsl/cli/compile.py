@@ -11,7 +11,7 @@ from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
 from sjdsl.compiler import build, compile_build
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.emit.standalone import standalone
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled
@@ -74,7 +74,8 @@ def command(
 
 def compile_games(names: Iterable[str], variant: str | None, map_file: str | None, output: str | None, alone: bool = False) -> list[Module]:
     """Returns the modules of games. Raises CompileError with what is wrong with any of them."""
-    modules, problems = [], []
+    modules: list[Module] = []
+    problems: list[Diagnostic] = []
     for name in names:
         try:
             modules.append(compile_game(name, variant, map_file, output, alone))

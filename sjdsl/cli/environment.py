@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -79,7 +79,7 @@ def check_environment(game: str, variant: str | None, map_file: str | None, agen
         raise click.ClickException(str(error)) from None
 
 
-def make_environment(described: Mapping[str, Any], observation: str = "tokens") -> "Environment":
+def make_environment(described: Mapping[str, Any], observation: Literal["tokens", "onehot"] = "tokens") -> "Environment":
     """Returns the environment. Raises CompileError, and ClickException for arguments that do not fit the game."""
     import sjdsl
 

@@ -1,6 +1,7 @@
 """`sjdsl list`: the games there are, in short, or all there is to set in one of them."""
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -57,7 +58,7 @@ def page(game: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _section(title: str, rows: list[tuple[str, ...]]) -> list[str]:
+def _section(title: str, rows: Sequence[tuple[str, ...]]) -> list[str]:
     return [f"  {title}", *("    " + line for line in align(rows))] if rows else []
 
 
@@ -88,7 +89,7 @@ def _words(values: str | list[str]) -> str:
     return values if isinstance(values, str) else ", ".join(values)
 
 
-def align(rows: list[tuple[str, ...]]) -> list[str]:
+def align(rows: Sequence[tuple[str, ...]]) -> list[str]:
     """Returns rows as lines with their columns under one another; a wide column does not push the others away."""
     widest = [min(48, max(len(cell) for cell in column)) for column in zip(*rows, strict=True)]
     return ["  ".join(cell.ljust(width) for cell, width in zip(row, widest, strict=True)).rstrip() for row in rows]

@@ -16,6 +16,7 @@ from sjdsl.cli.stages import LOADING, stages
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.trainers import Config, Result
+    from sjdsl.trainers.loggers import LoggerName
 
 ALGORITHMS = ("ippo", "mappo", "vdn")
 EPISODES = 30  # of the evaluation at the end
@@ -81,7 +82,7 @@ def command(
     run_dir: str | None,
     resumed: str | None,
     episodes: int | None,
-    loggers: tuple[str, ...],
+    loggers: "tuple[LoggerName, ...]",
     init_from: str | None,
     partners: tuple[str, ...],
     callback: str | None,
@@ -101,7 +102,7 @@ def command(
     if resumed is not None:
         longer = read_texts(changes).get("total_timesteps")
         others = tuple(name for name in read_texts(changes) if name != "total_timesteps")
-        ours = {"GAME": game, "--preset": preset, "--set": others, "--run": run_dir}
+        ours: dict[str, Any] = {"GAME": game, "--preset": preset, "--set": others, "--run": run_dir}
         known = {name.replace("_", "-"): value for name, value in known.items()}
         theirs = {name.removesuffix("_file").replace("params", "param"): value for name, value in described.items()}
         _refuse_beside_resume({**known, **ours, **theirs})
@@ -133,7 +134,12 @@ def _require_unused(run_dir: str | None) -> None:
 
 
 def _start(
-    provenance: dict[str, Any], config: "Config", run_dir: str | None, episodes: int, loggers: tuple[str, ...], callback: str | None
+    provenance: dict[str, Any],
+    config: "Config",
+    run_dir: str | None,
+    episodes: int,
+    loggers: "tuple[LoggerName, ...]",
+    callback: str | None,
 ) -> None:
     click.echo(extent_of(config), err=True)
     with stages(LOADING):
@@ -158,7 +164,7 @@ def extent_of(config: "Config") -> str:
     return f"training {what} (total_timesteps={config.total_timesteps:,} is rounded up to whole updates): {plan}"
 
 
-def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None, callback: str | None, longer: str | None) -> None:
+def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] | None", callback: str | None, longer: str | None) -> None:
     from sjdsl.trainers import make_config, resume
     from sjdsl.trainers.loggers import check_loggers
     from sjdsl.trainers.resuming import read_manifest
@@ -181,8 +187,7 @@ def _resume(path: Path, episodes: int | None, loggers: tuple[str, ...] | None, c
         env = make_environment(manifest["provenance"])
     found, asked = find_callback(callback or manifest.get("asked", {}).get("callback"))
     total = None if longer is None else make_config(total_timesteps=longer).total_timesteps
-    asked |= {"episodes": episodes}
-    result = resume(env, path, loggers=loggers, asked=asked, callback=found, total_timesteps=total)
+    result = resume(env, path, loggers=loggers, asked={"episodes": episodes, **asked}, callback=found, total_timesteps=total)
     _finish(result, env, make_config(read_manifest(path)["config"]), episodes)
 
 
@@ -242,7 +247,7 @@ def join_processes() -> None:
 
     given = {"coordinator_address": "JAX_COORDINATOR_ADDRESS", "num_processes": "JAX_NUM_PROCESSES", "process_id": "JAX_PROCESS_ID"}
     found = {name: os.environ[variable] for name, variable in given.items() if variable in os.environ}
-    numbers = {name: value if name == "coordinator_address" else int(value) for name, value in found.items()}
+    numbers: dict[str, Any] = {name: value if name == "coordinator_address" else int(value) for name, value in found.items()}
     try:
         jax.distributed.initialize(**numbers)
     except (ValueError, RuntimeError) as error:
