@@ -1,7 +1,7 @@
 """Expressions: what each one is worth in one instance. Everything is read from the snapshot."""
 
-from collections.abc import Iterable
-from typing import Literal, assert_never
+from collections.abc import Callable, Iterable
+from typing import Any, Literal, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members, numbers
@@ -12,103 +12,63 @@ from sjdsl.interpreter.state import HEADINGS, Value
 
 def evaluate(e: ir.Expr, here: Instance) -> Value:
     """Returns the value of an expression; reals as float32, numbers and words checked against what their type allows."""
-    if isinstance(e, ir.Named | ir.Count | ir.Sum) and is_closed(e, here.board):
-        if id(e) not in here.known:
-            here.known[id(e)] = (e, _checked(e, here))
-        return here.known[id(e)][1]
+    if e.__class__ in _ONCE and is_closed(e, here.board):
+        known = here.known.get(id(e))
+        if known is None:
+            known = here.known[id(e)] = (e, _checked(e, here))
+        return known[1]
     return _checked(e, here)
 
 
 def _checked(e: ir.Expr, here: Instance) -> Value:
-    value = _value(e, here)
-    if e.type.kind == "real":
-        value = numbers.real(value)
-    if e.type.kind in ("int", "real"):
-        numbers.check_interval(value, e.type, e)
-    if e.type.kind == "word" and not e.type.by:
-        assert value in e.type.words, (value, e)
+    value = VALUES[e.__class__](e, here)
+    type_ = e.type
+    match type_.kind:
+        case "real":
+            value = numbers.real(value)
+            numbers.check_interval(value, type_, e)
+        case "int":
+            numbers.check_interval(value, type_, e)
+        case "word" if not type_.by:
+            assert value in type_.words, (value, e)
     return value
 
 
-def _value(e: ir.Expr, here: Instance) -> Value:
-    match e:
-        case ir.Member() | ir.Local():
-            assert e.name in here.names, f"`{e.name}` has no value here"
-            return here.names[e.name]
-        case ir.FieldRead():
-            return _field(e, here)
-        case ir.Number() | ir.Word() | ir.Truth():
-            return e.value
-        case ir.Nobody():
-            return None
-        case ir.ParamRef():
-            return here.world.params[e.name]
-        case ir.Attribute():
-            return _attribute(e, here)
-        case ir.At():
-            return _entry(e, here)
-        case ir.Step():
-            return here.world.step
-        case ir.Arithmetic():
-            return numbers.arithmetic(e.fn, [evaluate(a, here) for a in e.args], e.type.kind == "real")
-        case ir.Count():
-            return len(members.found(e.domain, here))
-        case ir.Sum():
-            values = [evaluate(e.value, here.binding(m.names)) for m in members.found(e.domain, here)]
-            return numbers.total(values, e.type.kind == "real")
-        case ir.SumRow():
-            return numbers.total(list(evaluate(e.row, here)), e.type.kind == "real")
-        case ir.Case():
-            return _case(e, here)
-        case ir.Lowest():
-            return _lowest(e, here)
-        case ir.Mix():
-            return numbers.shares(evaluate(e.row, here))
-        case ir.Ramp():
-            return numbers.ramp(*(evaluate(x, here) for x in (e.value, e.zero_at, e.one_at)))
-        case ir.Named() | ir.Narrowed():
-            return evaluate(e.value, here)
-        case ir.EventTotal():
-            return sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word))
-        case _:
-            return _holds(e, here)
+def _name(e: "ir.Member | ir.Local", here: Instance) -> Value:
+    assert e.name in here.names, f"`{e.name}` has no value here"
+    return here.names[e.name]
 
 
-def _holds(
-    e: "ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty | ir.Chose | ir.Unoccupied | ir.StandsOn"
-    " | ir.Not | ir.Logic | ir.MatrixClass",
-    here: Instance,
-) -> bool:
-    """Returns whether a condition holds. `and` and `or` stop at the first side that decides, so that guards protect."""
-    match e:
-        case ir.Compare():
-            return numbers.compare(e.fn, evaluate(e.left, here), evaluate(e.right, here))
-        case ir.Same():
-            return evaluate(e.left, here) == evaluate(e.right, here)
-        case ir.InRange():
-            value = evaluate(e.value, here)
-            return numbers.compare("<=", evaluate(e.low, here), value) and numbers.compare("<=", value, evaluate(e.high, here))
-        case ir.InWords():
-            return evaluate(e.value, here) in e.words
-        case ir.InSet():
-            return evaluate(e.value, here) in agents_in(evaluate(e.container, here))
-        case ir.IsEmpty():
-            return not agents_in(evaluate(e.container, here))
-        case ir.Chose():
-            return here.actions[evaluate(e.agent, here)] == e.action
-        case ir.Unoccupied():
-            return members.agent_on(evaluate(e.cell, here), here) is None
-        case ir.StandsOn():
-            cell = here.world.position[evaluate(e.agent, here)]
-            return cell is not None and here.board.kind_of[cell] in e.kinds
-        case ir.Not():
-            return not evaluate(e.value, here)
-        case ir.Logic():
-            return (all if e.fn == "and" else any)(evaluate(a, here) for a in e.args)
-        case ir.MatrixClass():
-            return _is_of_class(e.name, evaluate(e.table, here))
-        case _:
-            assert_never(e)
+def _arithmetic(e: ir.Arithmetic, here: Instance) -> Value:
+    return numbers.arithmetic(e.fn, [evaluate(a, here) for a in e.args], e.type.kind == "real")
+
+
+def _sum(e: ir.Sum, here: Instance) -> Value:
+    values = [evaluate(e.value, here.binding(m.names)) for m in members.found(e.domain, here)]
+    return numbers.total(values, e.type.kind == "real")
+
+
+def _event_total(e: ir.EventTotal, here: Instance) -> int:
+    return sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word))
+
+
+def _is_in_range(e: ir.InRange, here: Instance) -> bool:
+    value = evaluate(e.value, here)
+    return numbers.compare("<=", evaluate(e.low, here), value) and numbers.compare("<=", value, evaluate(e.high, here))
+
+
+def _stands_on(e: ir.StandsOn, here: Instance) -> bool:
+    cell = here.world.position[evaluate(e.agent, here)]
+    return cell is not None and here.board.kind_of[cell] in e.kinds
+
+
+def _logic(e: ir.Logic, here: Instance) -> bool:
+    """Returns what `and` or `or` says; both stop at the first side that decides, so that guards protect."""
+    decides = e.fn == "or"
+    for arg in e.args:
+        if bool(evaluate(arg, here)) == decides:
+            return decides
+    return not decides
 
 
 def agents_in(value: Value) -> Iterable[int]:
@@ -196,3 +156,44 @@ def _is_of_class(
             return bool(temptation > reward > sucker > punishment)
         case _:
             assert_never(name)
+
+
+_ONCE = (ir.Named, ir.Count, ir.Sum)  # kept where they name nothing around them
+
+# The value of each class of expression, looked up: this is asked millions of times in the courses of `sjdsl test`.
+VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
+    ir.Member: _name,
+    ir.Local: _name,
+    ir.FieldRead: _field,
+    ir.Number: lambda e, _: e.value,
+    ir.Word: lambda e, _: e.value,
+    ir.Truth: lambda e, _: e.value,
+    ir.Nobody: lambda _, __: None,
+    ir.ParamRef: lambda e, here: here.world.params[e.name],
+    ir.Attribute: _attribute,
+    ir.At: _entry,
+    ir.Step: lambda _, here: here.world.step,
+    ir.Arithmetic: _arithmetic,
+    ir.Count: lambda e, here: len(members.found(e.domain, here)),
+    ir.Sum: _sum,
+    ir.SumRow: lambda e, here: numbers.total(list(evaluate(e.row, here)), e.type.kind == "real"),
+    ir.Case: _case,
+    ir.Lowest: _lowest,
+    ir.Mix: lambda e, here: numbers.shares(evaluate(e.row, here)),
+    ir.Ramp: lambda e, here: numbers.ramp(*(evaluate(x, here) for x in (e.value, e.zero_at, e.one_at))),
+    ir.Named: lambda e, here: evaluate(e.value, here),
+    ir.Narrowed: lambda e, here: evaluate(e.value, here),
+    ir.EventTotal: _event_total,
+    ir.Compare: lambda e, here: numbers.compare(e.fn, evaluate(e.left, here), evaluate(e.right, here)),
+    ir.Same: lambda e, here: evaluate(e.left, here) == evaluate(e.right, here),
+    ir.InRange: _is_in_range,
+    ir.InWords: lambda e, here: evaluate(e.value, here) in e.words,
+    ir.InSet: lambda e, here: evaluate(e.value, here) in agents_in(evaluate(e.container, here)),
+    ir.IsEmpty: lambda e, here: not agents_in(evaluate(e.container, here)),
+    ir.Chose: lambda e, here: here.actions[evaluate(e.agent, here)] == e.action,
+    ir.Unoccupied: lambda e, here: members.agent_on(evaluate(e.cell, here), here) is None,
+    ir.StandsOn: _stands_on,
+    ir.Not: lambda e, here: not evaluate(e.value, here),
+    ir.Logic: _logic,
+    ir.MatrixClass: lambda e, here: _is_of_class(e.name, evaluate(e.table, here)),
+}

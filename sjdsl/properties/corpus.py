@@ -1,5 +1,6 @@
 """Courses worth going on with: cut off where something happened, or was so, that had seldom been before."""
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,6 +18,7 @@ from sjdsl.properties.trajectory import Course, Played
 
 SELDOM = 3  # so often something happens and still makes a course worth going on with
 LONGEST = 48  # steps after which a course is not continued
+LOOKED_AT = 24  # courses of which those that are asked are the first on a map where a goal seems possible
 ASKED = 8  # courses of which one is chosen
 TIRING = 4  # after so many courses in vain on its map, or twice as many that went on from it, a course counts as twice as far from a goal
 
@@ -43,12 +45,14 @@ class Corpus:
     """The courses kept, and how often everything was seen.
 
     nearer: those that came nearer to a goal. vain: how often since then a course on a map, with a goal, has not: agents may be stuck there.
+    hopeless: maps, numbers of agents and goals, where from some state on no way to the goal was seen.
     """
 
     kept: list[Kept] = field(default_factory=list)
     seen: Counter[Feature] = field(default_factory=Counter)
     nearer: dict[Goal, list[Kept]] = field(default_factory=dict)
     vain: Counter[tuple[str, ...]] = field(default_factory=Counter)
+    hopeless: set[tuple[tuple[str, ...], int, Goal]] = field(default_factory=set)
 
     def add(self, course: Course, played: Played, since: int, promises: Sequence[int]) -> None:
         """Remembers a course, up to each of its steps from `since` on in which something new is to be seen."""
@@ -74,11 +78,14 @@ class Corpus:
 
         That in which the rarest happened; for a goal, the nearest to it, where those that came nearer to it before are always looked at.
         """
-        some = [self.kept[random.randrange(len(self.kept))] for _ in range(ASKED)]
+        some = [self.kept[random.randrange(len(self.kept))] for _ in range(ASKED if goal is None else LOOKED_AT)]
         if goal is None:
             best = min(some, key=lambda kept: (1 + kept.chosen) * min((self.seen[f] for f in kept.new), default=SELDOM))
         else:
+            some = [kept for kept in some if (kept.course.rows, kept.course.agents, goal) not in self.hopeless][:ASKED] or some[:ASKED]
             some += self.nearer.get(goal, [])[-ASKED:]
+            lost = [kept.course for kept in some if kept.distance(goal, chains) == math.inf]
+            self.hopeless |= {(course.rows, course.agents, goal) for course in lost}
             best = min(
                 some, key=lambda kept: (1 + kept.distance(goal, chains)) * (1 + (self.vain[kept.course.rows] + kept.chosen / 2) / TIRING)
             )

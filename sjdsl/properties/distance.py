@@ -7,7 +7,7 @@ distances of search-based testing for numbers (Tracey et al. 1998): one who need
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import combinations, product
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of, cells_of
@@ -15,14 +15,18 @@ from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.properties.effects import reads
+from sjdsl.properties.multiplicity import most
 from sjdsl.properties.preconditions import Bound, Recipe, can_make, is_timed
-from sjdsl.properties.reachability import can_go, moves_until, node_of, stands
+from sjdsl.properties.reachability import can_go, closed_to, moves_until, node_of, others_of, stands
 from sjdsl.properties.shortest_paths import FAR
 
 FAILED = 1.0  # distance of a condition that is no comparison of numbers
 MOST = 8.0  # above it, the distance of numbers grows with the logarithm
 WAITING = 0.25  # a step of waiting, beside a sentence that must take place
 MOVE = 0.02  # a move, likewise: of two ways to do something the shorter one
+PAST_AGENTS = 0.3  # beside it, a way on which others stand
+PAST_CLOSED = 1.0  # a way on which something has to be opened first
+ABLE = 6  # agents of whom some are chosen who can stand apart: those of whom least is missing
 NEAREST = 3  # cells that are looked at further: those of which least is missing
 ROUNDS = 8  # of sums; no chain of sentences that matters is longer
 
@@ -44,14 +48,19 @@ class Needs:
     choices: list[list[tuple[float, list[Lack]]]] = field(default_factory=list)
     everywhere: list[Lack] = field(default_factory=list)
     agents: int = 0  # so many of `choices`, the first ones, are of agents
-    room: float = math.inf  # for so many agents there is room where one has to stand
+    stands: list[list[frozenset[Cell] | None]] = field(default_factory=list)  # where they could stand for that; None: anywhere
+    most: int = 1  # so often it can take place in one step
+    each: list[int] = field(default_factory=list)  # likewise, for each member of a variable, in the order of `choices`
 
 
 class Chains:
     """Which sentences could make which condition hold, on any map."""
 
     def __init__(self, recipes: Sequence[Recipe]):
+        """Sentences that need the same, side by side in one block, count as the first of them, `first`: what they lack is looked for once."""
         self.recipes = recipes
+        firsts: dict[tuple[object, ...], int] = {}
+        self.first = [firsts.setdefault(_needs_of(recipe), i) for i, recipe in enumerate(recipes)]
         self._known: dict[int, tuple[ir.Expr, tuple[int, ...], frozenset[str], bool]] = {}
 
     def of(self, test: ir.Expr, game: ir.Game) -> tuple[tuple[int, ...], frozenset[str], bool]:
@@ -73,38 +82,47 @@ class Distances:
         self._agents = [agent for agent, place in enumerate(world.position) if place is not None]
         self._needs: dict[tuple[int, Bound], Needs] = {}
         self._far: dict[tuple[int, Bound], float] = {}
+        self._gaps: dict[tuple[object, ...], float] = {}
+        self._shut: dict[int, frozenset[Cell]] = {}
+        self._joins: dict[tuple[object, ...], list[tuple[Recipe, str, Bound]]] = {}
 
     def of(self, recipe: int, many: int = 1, bound: Bound = None) -> float:
         """Returns how far the state is from a sentence taking place for so many agents (of each kind it speaks of); inf: no way is seen."""
-        self._settle((recipe, bound))
-        return self._sum(self._needs[recipe, bound], many)
+        node = (self._chains.first[recipe], bound)
+        self._settle(node)
+        return self._sum(self._needs[node], many)
 
     def _settle(self, node: tuple[int, Bound]) -> None:
-        """Works out what a sentence lacks, and those that could help it, and so on; then their distances."""
-        waiting = [node]
+        """Works out what a sentence lacks, and those that could help it, and so on, as far as that is not known; then their distances."""
+        waiting, new = [node], dict[tuple[int, Bound], Needs]()
         while waiting:
             at = waiting.pop()
             if at in self._needs:
                 continue
-            needs = self._needs[at] = self._look(self._recipes[at[0]], at[1])
+            needs = self._needs[at] = new[at] = self._look(self._recipes[at[0]], at[1])
             self._far[at] = math.inf
             waiting += [
                 w for group in (*(lacks for c in needs.choices for _, lacks in c), needs.everywhere) for lack in group for w in lack.writers
             ]
         for _ in range(ROUNDS):
-            now = {at: self._sum(needs, 1) for at, needs in self._needs.items()}
-            if now == self._far:
+            now = {at: self._sum(needs, 1) for at, needs in new.items()}
+            if all(self._far[at] == far for at, far in now.items()):
                 break
-            self._far = now
+            self._far.update(now)
 
     def _sum(self, needs: Needs, many: int) -> float:
-        if many > needs.room:
+        if many > needs.most:
             return math.inf
         total = sum(self._price(lack, many) for lack in needs.everywhere)
         for i, choices in enumerate(needs.choices):
-            prices = sorted(way + sum(self._price(lack, many) for lack in lacks) for way, lacks in choices)
-            wanted = many if i < needs.agents else 1
-            total += sum(prices[:wanted]) if len(prices) >= wanted else math.inf
+            is_agent = i < needs.agents
+            within = many if is_agent else min(many, needs.each[i])
+            prices = [way + sum(self._price(lack, within) for lack in lacks) for way, lacks in choices]
+            if is_agent and many > 1:
+                total += cheapest(prices, needs.stands[i], min(many, len(self._agents)))
+                continue
+            wanted = -(-within // max(1, needs.each[i]))
+            total += sum(sorted(prices)[:wanted]) if prices and len(prices) >= wanted else math.inf
         return total
 
     def _price(self, lack: Lack, many: int) -> float:
@@ -136,7 +154,10 @@ class Distances:
                 found = sorted(found, key=lambda choice: sum(lack.gap for lack in choice[1]))[:NEAREST]
             needs.choices.append(found)
             needs.agents += name in recipe.agents
-        needs.room = min((self._room(recipe, name, bound) for name in recipe.agents), default=math.inf)
+            if name in recipe.agents:
+                needs.stands.append([self._stands(recipe, name, v, bound) for v in values])
+        needs.most = most(recipe.quantifiers, self._here.board)
+        needs.each = [most(recipe.quantifiers, self._here.board, name) for name in names]
         return needs
 
     def _way(self, recipe: Recipe, name: str, agent: Value, bound: Bound) -> float:
@@ -145,37 +166,55 @@ class Distances:
         board, node = board_of(self._game), node_of(agent, self._world, board_of(self._game))
         total = 0.0
         for shape, member in wanted:
-            moves = min((moves_until(board, cell, shape)[node] for cell in self._values(recipe, member, bound)), default=FAR)
-            total += math.inf if moves >= FAR else MOVE * float(moves)
+            cells, before = self._values(recipe, member, bound), total
+            closed = self._closed(agent)
+            total += math.inf
+            for price, around in ((0.0, closed | others_of(agent, self._world)), (PAST_AGENTS, closed), (PAST_CLOSED, frozenset[Cell]())):
+                moves = min((moves_until(board, cell, shape, None, around)[node] for cell in cells), default=FAR)
+                if moves < FAR:
+                    total = before + price + MOVE * float(moves)
+                    break
         return total
+
+    def _closed(self, agent: int) -> frozenset[Cell]:
+        if agent not in self._shut:
+            self._shut[agent] = closed_to(agent, self._world, self._here.board)
+        return self._shut[agent]
 
     def _way_to_others(self, recipe: Recipe, name: str, agent: Value, bound: Bound) -> float:
         """Returns how far an agent has to go that has to be gathered with others; inf: there is no way to any cell that is as good as the best."""
         total = 0.0
         for _, gathered in (pair for pair in recipe.gathers if pair[0] == name):
+            joining = self._joining(recipe, gathered, bound)
+            ways = [self._way(w, joins, agent, one) for w, joins, one in joining]
+            total += min(ways, default=0.0)
+        return total
+
+    def _joining(self, recipe: Recipe, gathered: ir.Expr, bound: Bound) -> list[tuple[Recipe, str, Bound]]:
+        """Returns the sentences that bring agents into a set, each with who joins and whose set it is: of the cells for which it would do most."""
+        key = (id(gathered), bound)
+        if key not in self._joins:
             cells = recipe.cells_for(gathered, self._game, self._world, bound)
             joined = [w for w in self._recipes if w.joins is not None and w.writes & set(reads(gathered))]
-            joining = [
+            self._joins[key] = [
                 (w, w.joins, o) for w in joined if w.joins for o in ([(w.owner, c) for c in cells] if w.owner in w.cells else [None])
             ]
-            ways = [self._way(w, joins, agent, one) for w, joins, one in joining]
-            total += min(ways, default=math.inf if joined else 0.0)
-        return total
+        return self._joins[key]
 
     def _wanted(self, recipe: Recipe, name: str) -> list[tuple[str | None, str]]:
         """Returns the cells that an agent must have in a shape, or, for None, be on."""
         reached = [(shape, member) for anchor, shape, member in recipe.reaches if anchor == name and member in recipe.cells]
         return [*reached, *((None, member) for member, kinds in recipe.cells.items() if kinds == recipe.on.get(name))]
 
-    def _room(self, recipe: Recipe, name: str, bound: Bound) -> float:
-        """Returns how many agents can stand at once where one has to stand, and can get there; inf if it matters not where."""
-        board, nodes = board_of(self._game), [node_of(a, self._world, board_of(self._game)) for a in self._agents]
-        found: set[Cell] = set()
-        wanted = self._wanted(recipe, name)
-        for shape, member in wanted:
-            at = [stand for cell in self._values(recipe, member, bound) for stand in stands(board, cell, shape)]
-            found |= {stand for stand in at if any(can_go(node, board, stand) for node in nodes)}
-        return len(found) if wanted else math.inf
+    def _stands(self, recipe: Recipe, name: str, agent: Value, bound: Bound) -> frozenset[Cell] | None:
+        """Returns the cells on which an agent can stand for its part, or to be gathered for it, and to which it can get; None: anywhere."""
+        board, node = board_of(self._game), node_of(agent, self._world, board_of(self._game))
+        asked = [(recipe, name, bound)]
+        for _, gathered in (pair for pair in recipe.gathers if pair[0] == name):
+            asked += self._joining(recipe, gathered, bound)
+        wanted = [(shape, cell) for r, n, b in asked for shape, member in self._wanted(r, n) for cell in self._values(r, member, b)]
+        found = {(shape, cell, at) for shape, cell in wanted for at in stands(board, cell, shape)}
+        return frozenset(at for shape, cell, at in found if can_go(node, board, cell, shape, at)) if wanted else None
 
     def _values(self, recipe: Recipe, name: str, bound: Bound) -> Sequence[Value]:
         if bound is not None and bound[0] == name:
@@ -196,16 +235,48 @@ class Distances:
         return best or Lack(math.inf, (), False)
 
     def _lack(self, recipe: Recipe, test: ir.Expr, names: Mapping[str, Value]) -> Lack | None:
-        try:
-            gap = shortfall(test, self._here.only(names))
-        except AssertionError:  # read of nobody: another condition protects
-            gap = FAILED
+        gap = self._gap(test, names)
         if not gap:
             return None
         writers, owners, timed = self._chains.of(test, self._game)
         values = {names[owner] for owner in owners if owner in names}
         gathers = any(test is gathered for _, gathered in recipe.gathers)
-        return Lack(gap, tuple((i, _whose(self._recipes[i], values)) for i in writers), timed, gathers)
+        first = self._chains.first
+        return Lack(gap, tuple(dict.fromkeys((first[i], _whose(self._recipes[i], values)) for i in writers)), timed, gathers)
+
+    def _gap(self, test: ir.Expr, names: Mapping[str, Value]) -> float:
+        """Returns by how much a condition fails: worked out once, though many sentences stand under it."""
+        key = (id(test), *names.items())
+        if key not in self._gaps:
+            try:
+                self._gaps[key] = shortfall(test, self._here.only(names))
+            except AssertionError:  # read of nobody: another condition protects
+                self._gaps[key] = FAILED
+        return self._gaps[key]
+
+
+def _needs_of(recipe: Recipe) -> tuple[object, ...]:
+    """Returns what tells a sentence from others in what it needs, whatever it does."""
+    parts = (recipe.agents, tuple(recipe.cells.items()), tuple(recipe.on.items()), recipe.reaches)
+    return (
+        *parts,
+        *map(id, recipe.quantifiers),
+        *((name, id(test)) for name, test in recipe.gathers),
+        *(id(test) for _, test in recipe.tests),
+    )
+
+
+def cheapest(prices: Sequence[float], places: Sequence[frozenset[Cell] | None], number: int) -> float:
+    """Returns the least sum of the prices of so many who can all stand apart; inf if there are not so many. None: one stands anywhere."""
+    able = sorted((price, i) for i, price in enumerate(prices) if price < math.inf)[:ABLE]
+    groups = sorted((sum(price for price, _ in group), [i for _, i in group]) for group in combinations(able, number))
+    return next((price for price, group in groups if _stand_apart([places[i] for i in group])), math.inf)
+
+
+def _stand_apart(places: Sequence[frozenset[Cell] | None]) -> bool:
+    """Returns whether each can have a cell of its own."""
+    short = sorted((cells for cells in places if cells is not None and len(cells) < len(places)), key=len)  # others always find one
+    return not short or any(_stand_apart([c - {cell} for c in short[1:]]) for cell in short[0])
 
 
 def _whose(writer: Recipe, values: Collection[Value]) -> Bound:

@@ -8,10 +8,10 @@ from random import Random
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.board import board_of, cells_of
+from sjdsl.interpreter.board import Board, board_of, cells_of
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.properties.preconditions import Goal, Part, Recipe, choose_recipe, parts_towards
-from sjdsl.properties.reachability import can_go, moves_until, node_of, stands
+from sjdsl.properties.reachability import can_go, closed_to, moves_until, node_of, others_of, stands
 from sjdsl.properties.shortest_paths import FAR, STEPS, TURNS
 from sjdsl.properties.statements import Place
 
@@ -28,11 +28,23 @@ MOVES = {*STEPS, *TURNS, "stay"}
 
 @dataclass
 class Errand:
-    """Where an agent goes, as moves from each node (`ways.moves_to`), what it does there, and for how many steps."""
+    """Where an agent goes: to stand on `stand`, or anywhere, with `target` in a shape, or there itself. What it does then, and for how many steps."""
 
-    distance: np.ndarray
+    board: Board
+    target: Cell
+    shape: str | None
+    stand: Cell | None
     action: int
     times: int
+
+    @property
+    def distance(self) -> np.ndarray:
+        """Moves from each node, see `reachability.moves_until`."""
+        return moves_until(self.board, self.target, self.shape, self.stand)
+
+    def distance_around(self, others: frozenset[Cell]) -> np.ndarray:
+        """Returns the same for one who goes around some cells."""
+        return moves_until(self.board, self.target, self.shape, self.stand, others)
 
 
 @dataclass
@@ -109,12 +121,12 @@ class Sending:
             target = self._target(part, random.choice(standing or list(recipe.cells) or [""]), name, agent, None)
         if target is None:  # all it takes is an action: where it is, or anywhere
             shape, target = None, self.world.position[agent] if random.random() < STILL else random.choice(tuple(board.kind_of))
-        return None if target is None else Errand(moves_until(board, target, shape, self._stand(agent, target, shape)), action, times)
+        return None if target is None else Errand(board, target, shape, self._stand(agent, target, shape), action, times)
 
     def _stand(self, agent: int, target: Cell, shape: str | None) -> Cell | None:
         """Returns where an agent is to stand, apart from the others; None for anywhere, if there is no such cell."""
         board, node = board_of(self.game), self.node(agent)
-        room = [stand for stand in stands(board, target, shape) if stand not in self.taken and can_go(node, board, target, shape, stand)]
+        room = self._room(agent, target, shape)
         if not room:
             return None
         stand = self.random.choice(room)
@@ -122,6 +134,17 @@ class Sending:
             stand = min(room, key=lambda cell: moves_until(board, target, shape, cell)[node])
         self.taken.add(stand)
         return stand
+
+    def _room(self, agent: int, target: Cell, shape: str | None) -> list[Cell]:
+        """Returns where an agent can get to and stand for a target, apart from the others: as all stand now, if there is such a cell."""
+        board, node = board_of(self.game), self.node(agent)
+        free = [stand for stand in stands(board, target, shape) if stand not in self.taken]
+        closed = closed_to(agent, self.world, board)
+        for around in dict.fromkeys((closed | others_of(agent, self.world), closed, frozenset[Cell]())):
+            room = [stand for stand in free if can_go(node, board, target, shape, stand, around)]
+            if room:
+                return room
+        return []
 
     def _target(self, part: Part, member: str, name: str, agent: int, shape: str | None) -> Cell | None:
         """Returns the cell that one has to be on, or reach: of the agent that has that part, or one that fits."""
@@ -131,7 +154,7 @@ class Sending:
             known = self.world.position[self.cast[member]] if member in self.cast and self.cast[member] != agent else None
             return known or (random.choice(others) if others else None)
         fitting = part.recipe.fitting_cells(member, self.game, self.world, {name: agent}, part.bound)
-        fitting = [cell for cell in fitting if can_go(self.node(agent), board, cell, shape)] or fitting
+        fitting = [cell for cell in fitting if self._room(agent, cell, shape)] or fitting
         if self.shared.get(member) in fitting and random.random() < SAME:
             return self.shared[member]
         of_kind = cells_of(board, part.recipe.cells[member])

@@ -14,6 +14,7 @@ from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.properties.effects import AWAY, STEP, reads, written_by
 from sjdsl.properties.effects import Part as Written
+from sjdsl.properties.multiplicity import Quantifier
 from sjdsl.properties.statements import Leaf, Place
 
 BACKWARDS = 0.95  # how often what a sentence lacks is brought about first
@@ -33,6 +34,7 @@ class Recipe:
     of cells on which it must stand. reaches: (agent, shape, agent or cell that must be in it). tests: conditions, with the variables they
     name. writes: what the sentence changes; sets, adds: what it sets that to, or adds to it; owner: whose field
     that is; joins: which agent it adds to a set. gathers: agents that must be in a set, each with the condition that the set is not empty.
+    quantifiers: those around it; block: what else stands beside it under the same conditions takes place when it does.
     """
 
     place: Place
@@ -48,6 +50,8 @@ class Recipe:
     on: Mapping[str, tuple[str, ...]]
     reaches: tuple[tuple[str, str, str], ...]
     tests: tuple[tuple[frozenset[str], ir.Expr], ...]
+    quantifiers: tuple[Quantifier, ...]
+    block: tuple[object, ...]
 
     def fitting_agents(self, name: str, game: ir.Game, world: World) -> list[int]:
         """Returns the agents for which everything holds that is said of them, but what they choose and where they stand.
@@ -119,7 +123,8 @@ class Recipe:
 
 def recipes_of(leaves: Iterable[Leaf]) -> tuple[Recipe, ...]:
     """Returns the recipes of sentences, without those that need nothing of agents."""
-    return tuple(r for r in map(_recipe, leaves) if r.agents or r.cells)
+    gathering: dict[int, ir.Expr] = {}
+    return tuple(r for r in (_recipe(leaf, gathering) for leaf in leaves) if r.agents or r.cells)
 
 
 def choose_recipe(recipes: Collection[Recipe], ran: Counter[Place], random: Random) -> Recipe:
@@ -198,13 +203,15 @@ def can_make(recipe: Recipe, test: ir.Expr) -> bool:
             return True
 
 
-def _recipe(leaf: Leaf) -> Recipe:
+def _recipe(leaf: Leaf, gathering: dict[int, ir.Expr]) -> Recipe:
+    """Returns what a sentence needs. gathering: by the identity of a set, that it is not empty: the same condition for all who are under it."""
     nodes = [n for node in (*leaf.around, leaf.sentence) for n in ir.walk(node)]
     domains = [n for n in nodes if isinstance(n, ir.Domain)]
     conditions = [part for d in domains if d.where is not None for part in _parts(d.where)]
     conditions += [part for node in leaf.around if node.__class__ is not ir.Domain for part in _parts(node)]
     within = [d for d in domains if isinstance(d.place, ir.InAgents)]
-    gathers = [(d.var.name, ir.Not(value=ir.IsEmpty(container=d.place.value))) for d in within if isinstance(d.place, ir.InAgents)]
+    places = [(d.var.name, d.place.value) for d in within if isinstance(d.place, ir.InAgents)]
+    gathers = [(name, gathering.setdefault(id(agents), ir.Not(value=ir.IsEmpty(container=agents)))) for name, agents in places]
     conditions += [gathered for _, gathered in gathers]
     actions: dict[str, tuple[int, ...]] = {}
     on: dict[str, tuple[str, ...]] = {d.var.name: d.on.kinds for d in domains if d.on is not None}
@@ -239,6 +246,8 @@ def _recipe(leaf: Leaf) -> Recipe:
         on,
         tuple(reaches),
         tuple(tests),
+        leaf.quantifiers,
+        (leaf.place[0], isinstance(leaf.sentence, ir.Move), *map(id, (*leaf.around, *leaf.quantifiers))),
     )
 
 

@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.shapes import cell_at
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.shapes import cell_at, is_blocked
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.properties.shortest_paths import FAR, moves_of, moves_to
 
@@ -16,14 +17,36 @@ def node_of(agent: int, world: World, board: Board) -> int | None:
     return None if place is None else _number(place, board) * 4 + world.heading[agent]
 
 
-@lru_cache(maxsize=2048)
-def moves_until(board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None) -> np.ndarray:
+def others_of(agent: int, world: World) -> frozenset[Cell]:
+    """Returns the cells on which other agents are."""
+    return frozenset(place for other, place in enumerate(world.position) if place is not None and other != agent)
+
+
+def closed_to(agent: int, world: World, board: Board) -> frozenset[Cell]:
+    """Returns the cells that an agent cannot enter as things are now: their kinds block agents under a condition, and it holds."""
+    cells = _closing(board)
+    if not cells:
+        return frozenset()
+    here = Instance(board, world)
+    return frozenset(cell for cell in cells if is_blocked(cell, "agents", agent, here))
+
+
+@lru_cache(maxsize=64)
+def _closing(board: Board) -> tuple[Cell, ...]:
+    kinds = [k.name for k in board.kinds.values() if any(b.what == "agents" and b.condition is not None for b in k.blocks)]
+    return tuple(cell for kind in kinds for cell in board.cells[kind])
+
+
+@lru_cache(maxsize=4096)
+def moves_until(
+    board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None, around: frozenset[Cell] = frozenset()
+) -> np.ndarray:
     """Returns how many moves it takes from each node to stand on a cell, or to have it in a shape, nothing in between; `ways.FAR` without a way.
 
-    at: where one has to stand; None: anywhere.
+    at: where one has to stand; None: anywhere. around: cells that cannot be entered now, because others are there.
     """
     nodes = [node for node in _goals(cell, shape, board) if at is None or node // 4 == _number(at, board)]
-    after = moves_of(board.game)[1]
+    after = _moves_around(board, around)
     return moves_to(nodes, after) if nodes else np.full(after.shape[0], FAR, np.int64)
 
 
@@ -37,11 +60,25 @@ def stands(board: Board, cell: Cell, shape: str | None = None) -> tuple[Cell, ..
     )
 
 
-def can_go(node: int | None, board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None) -> bool:
+def can_go(
+    node: int | None, board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None, around: frozenset[Cell] = frozenset()
+) -> bool:
     """Returns whether there is a way for one at a node, as `moves_until` counts; so it is for one who is away."""
-    return node is None or bool(moves_until(board, cell, shape, at)[node] < FAR)
+    return node is None or bool(moves_until(board, cell, shape, at, around)[node] < FAR)
 
 
+@lru_cache(maxsize=256)
+def _moves_around(board: Board, around: frozenset[Cell]) -> np.ndarray:
+    """Returns where moves lead, `shortest_paths.Ways.after`; those into some cells nowhere."""
+    after = moves_of(board.game)[1]
+    if not around:
+        return after
+    taken = np.zeros(after.shape[0], np.bool_)
+    taken.reshape(-1, 4)[[_number(cell, board) for cell in around]] = True
+    return np.where(taken[after], np.arange(after.shape[0])[:, None], after)
+
+
+@lru_cache(maxsize=2048)
 def _goals(cell: Cell, shape: str | None, board: Board) -> list[int]:
     return _nodes_on(cell, board) if shape is None else _nodes_around(cell, shape, board)
 

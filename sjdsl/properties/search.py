@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
 
@@ -15,7 +15,8 @@ from sjdsl.properties.distance import Chains, Distances
 from sjdsl.properties.goals import random_stretch
 from sjdsl.properties.instances import Ground
 from sjdsl.properties.monitors import STATES, Break, find_break
-from sjdsl.properties.preconditions import NEVER, Goal, recipes_of
+from sjdsl.properties.multiplicity import is_always_once
+from sjdsl.properties.preconditions import NEVER, Goal, Recipe, recipes_of
 from sjdsl.properties.random_starts import own_start, random_start
 from sjdsl.properties.shrinking import shrink
 from sjdsl.properties.statements import STARTING, Place, leaves_of
@@ -33,6 +34,7 @@ SELDOM = 10  # so often a goal is reached and courses still look for it by its d
 GIVEN_UP = 24  # so often a goal is missed, since a course came nearer to it than ever before, and then no more
 VAIN = 1.0  # how fast a goal is given up, the more often courses came no nearer to it
 NEARER = 0.5  # by so much a course comes nearer to a goal if it has done something towards it, and not only gone there
+STARTS = 4  # starts of which one is looked for from which there is a way to a goal
 GOALS = 4  # goals that are tried until there is a way to one
 LONGEST = 64  # steps added to a course while it comes nearer to a goal
 FLOATS = -1  # stands for the promise that every real stays inside float32
@@ -78,6 +80,8 @@ class Search:
         self.recipes = recipes_of(leaves_of(ground.own))
         self._needed, self._random = dict(needed), Random(effort.seed)
         self._chains = Chains(self.recipes)
+        self._beside = _blocks(self.recipes)
+        self._aims = [i for i in self._beside if self.recipes[i].place[0] != STARTING] or list(self._beside)
         self._latest: tuple[World, Distances] | None = None
         self._nearest = dict[Goal, float]()
         self._vain = Counter[Goal | None]()
@@ -95,7 +99,7 @@ class Search:
         self.tried.played += 1
         random = self._random
         goal = self._choose_goal(missing) if self.recipes and random.random() < ERRANDS else None
-        begun = self._begin(bool(missing), goal if self._is_hot(goal) and random.random() < CLOSEST else None)
+        begun = self._begin(bool(missing), goal, random.random() < CLOSEST)
         if begun is None:
             self.tried.refused += 1
             return
@@ -159,27 +163,34 @@ class Search:
     def _choose_goal(self, missing: Collection[Place]) -> Goal:
         """Returns a goal, rather one that was seldom reached and seldom tried; of the missing sentences, if any can be a goal."""
         goals = dict[Goal, float]()
-        aims = [i for i, r in enumerate(self.recipes) if r.place[0] != STARTING] or range(len(self.recipes))
-        wanted = [i for i in aims if self.recipes[i].place in missing] or aims
+        wanted = [i for i in self._aims if any(self.recipes[j].place in missing for j in self._beside[i])] or self._aims
         for i in wanted:
-            for many in range(1, MANY + 1):
+            for many in range(1, 2 if is_always_once(self.recipes[i].quantifiers) else MANY + 1):
                 times = self._times(Goal(i, many))
                 goals[Goal(i, many)] = (1 / (1 + times) ** 0.5 if times else NEVER) / (1 + self._vain[Goal(i, many)]) ** VAIN
                 if not times:
                     break
         return self._random.choices(list(goals), list(goals.values()))[0]
 
-    def _begin(self, on_own: bool, goal: Goal | None) -> tuple[Course, Played] | None:
-        """Returns the course to go on with, an older one or a new start; None if the game does not take its map."""
+    def _begin(self, on_own: bool, goal: Goal | None, closest: bool) -> tuple[Course, Played] | None:
+        """Returns the course to go on with, an older one or a new start; None if the game does not take its map.
+
+        A start from which a way to the goal is seen, if that is soon found; an older course is rather a close one for `closest`.
+        """
         random, kept = self._random, self.tried.corpus.kept
         if kept and random.random() < AGAIN:
-            older: Kept = self.tried.corpus.choose(random, self._chains, goal)
+            older: Kept = self.tried.corpus.choose(random, self._chains, goal if closest and self._is_hot(goal) else None)
             return older.course, older.played
-        course = own_start(self.ground, random) if on_own and random.random() < OWN else random_start(self.ground, random)
-        game = None if course is None else self.ground.on(course.rows, course.agents)
-        if course is None or game is None:
-            return None
-        return course, play(game, course, 0, self._checks(game))
+        found: tuple[Course, Played] | None = None
+        for _ in range(STARTS):
+            course = own_start(self.ground, random) if on_own and random.random() < OWN else random_start(self.ground, random)
+            game = None if course is None else self.ground.on(course.rows, course.agents)
+            if course is None or game is None:
+                return found
+            found = course, play(game, course, 0, self._checks(game))
+            if not self._is_hot(goal) or self._distance(found[1], goal) < math.inf:
+                break
+        return found
 
     def _checks(self, game: ir.Game) -> list[ir.Check]:
         return [game.checks[number] for number in self.left if game.checks[number].sort in STATES]
@@ -242,6 +253,15 @@ def simplest(ground: Ground, broken: Broken, breaks: Breaks, tries: int) -> Brok
     assert first is not None, "a course that is played again goes another way"
     found = attempt(shrink(first, ground.own, ground.glyphs[0], shorter, tries))
     assert found is not None
+    return found
+
+
+def _blocks(recipes: Sequence[Recipe]) -> dict[int, list[int]]:
+    """Returns the sentences that always take place together, by the first of them: one goal."""
+    firsts: dict[tuple[object, ...], int] = {}
+    found: dict[int, list[int]] = {}
+    for i, recipe in enumerate(recipes):
+        found.setdefault(firsts.setdefault(recipe.block, i), []).append(i)
     return found
 
 

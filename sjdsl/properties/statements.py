@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.properties.effects import Part, reads, written_by
+from sjdsl.properties.multiplicity import Quantifier
 
 Place = tuple[str, str, int]  # (the turn of the schedule as written there, the file, where in it): one sentence in one use of a phase
 STARTING = "start"
@@ -15,11 +16,13 @@ class Leaf:
     """A sentence that changes something, in one use of its phase.
 
     around: the domains, guards, chances and values on which it depends whether, and on whom, the sentence works; outermost first.
+    quantifiers: those for each of whose members it works.
     """
 
     place: Place
     sentence: ir.Stmt
     around: tuple[ir.Node, ...]
+    quantifiers: tuple[Quantifier, ...] = ()
 
 
 def place_of(label: str, sentence: ir.Node) -> Place:
@@ -30,14 +33,14 @@ def place_of(label: str, sentence: ir.Node) -> Place:
 
 def leaves_of(game: ir.Game) -> tuple[Leaf, ...]:
     """Returns the sentences of the phase `start` and of the schedule that change the state, pay, count or end, in that order."""
-    found = list(_leaves(game.start.body, STARTING, ()))
+    found = list(_leaves(game.start.body, STARTING, (), ()))
     for turn in game.schedule:
         if isinstance(turn, ir.Phase):
-            found += _leaves(turn.body, turn.label, ())
+            found += _leaves(turn.body, turn.label, (), ())
     return tuple(found)
 
 
-def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) -> Iterator[Leaf]:
+def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...], each: tuple[Quantifier, ...]) -> Iterator[Leaf]:
     for sentence in body:
         match sentence:
             case ir.Let():
@@ -45,23 +48,25 @@ def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) ->
             case ir.Draw():
                 around = (*around, *ir.children(sentence))
             case ir.Each():
-                yield from _leaves(sentence.body, label, (*around, sentence.domain))
+                yield from _leaves(sentence.body, label, (*around, sentence.domain), (*each, sentence))
             case ir.First():
-                yield from _leaves((*sentence.body, *sentence.otherwise), label, (*around, sentence.domain))
+                yield from _leaves((*sentence.body, *sentence.otherwise), label, (*around, sentence.domain), (*each, sentence))
             case ir.Pick():
-                yield from _leaves((*sentence.body, *sentence.otherwise), label, (*around, sentence.number, sentence.domain))
+                inside = (*around, sentence.number, sentence.domain)
+                yield from _leaves(sentence.body, label, inside, (*each, sentence))
+                yield from _leaves(sentence.otherwise, label, inside, each)
             case ir.Match():
-                yield from _leaves(sentence.body, label, (*around, sentence.left, sentence.right))
+                yield from _leaves(sentence.body, label, (*around, sentence.left, sentence.right), (*each, sentence))
             case ir.When() | ir.Chance():
                 tests: tuple[ir.Node, ...] = ()
                 for branch in sentence.branches:
                     tests = (*tests, branch.test)
-                    yield from _leaves(branch.body, label, (*around, *tests))
-                yield from _leaves(sentence.otherwise, label, (*around, *tests))
+                    yield from _leaves(branch.body, label, (*around, *tests), each)
+                yield from _leaves(sentence.otherwise, label, (*around, *tests), each)
             case ir.Mark():
                 pass  # for the picture only
             case _:
-                yield Leaf(place_of(label, sentence), sentence, around)
+                yield Leaf(place_of(label, sentence), sentence, around, each)
 
 
 def needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[Leaf]) -> frozenset[Place]:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.compiler.ir_nodes import Expression
+from sjdsl.interpreter.evaluate import VALUES, evaluate
 from sjdsl.interpreter.state import Cell, default_params
 
 from . import games as g
@@ -253,3 +254,7 @@ def test_a_number_outside_its_proven_interval_is_found(here):
     small = ir.Type(kind="int", unit="count", low=0, high=3)
     with pytest.raises(AssertionError):
         evaluate(g.plus(g.number(2), g.number(2), type_=small), here)
+
+
+def test_every_class_of_expression_has_a_value() -> None:
+    assert set(Expression.__subclasses__()) == set(VALUES)

@@ -11,15 +11,15 @@ from .planted_faults import GAMES, courses_until_found, planted
 
 FOUND = {  # seed, and courses within which it finds the fault
     "bridge": (2, 10),
-    "buckets": (0, 25),
-    "crates": (1, 20),
+    "buckets": (0, 10),
+    "crates": (2, 10),
     "deer": (2, 6),
-    "freeze": (2, 8),
-    "gate": (1, 5),
-    "market": (2, 5),
-    "raft": (2, 8),
-    "safe": (2, 8),
-    "soup": (1, 70),
+    "freeze": (2, 16),
+    "gate": (3, 4),
+    "market": (0, 8),
+    "raft": (1, 5),
+    "safe": (0, 10),
+    "soup": (0, 8),
 }
 
 

@@ -1,0 +1,63 @@
+"""How often a sentence can take place in one step at most: as often as the quantifiers around it have members."""
+
+import math
+from collections.abc import Sequence
+from typing import assert_never
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter import shapes
+from sjdsl.interpreter.board import Board, cells_of
+
+Quantifier = ir.Each | ir.Pick | ir.First | ir.Match
+
+
+def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, int]:
+    """Returns for the variables of quantifiers how many members each has at most, within one member of those around it.
+
+    The product is how often a sentence inside all of them takes place at most. Of two that are matched the second has one.
+    """
+    found: dict[str, int] = {}
+    for quantifier in quantifiers:
+        match quantifier:
+            case ir.Each(domain=domain):
+                found[domain.var.name] = _members(domain, board)
+            case ir.Pick(domain=domain):
+                found[domain.var.name] = min(quantifier.most, _members(domain, board))
+            case ir.First(domain=domain):
+                lanes = len(board.shapes[domain.place.shape].lanes) if isinstance(domain.place, ir.Near) else 1
+                found[domain.var.name] = min(lanes, _members(domain, board))
+            case ir.Match(left=left, right=right):
+                pairs = min(_members(left, board), _members(right, board))
+                found[left.var.name] = min(pairs, board.agents // 2) if left.var.who == right.var.who == "agent" else pairs
+                found[right.var.name] = 1
+            case _:
+                assert_never(quantifier)
+    return found
+
+
+def is_always_once(quantifiers: Sequence[Quantifier]) -> bool:
+    """Returns whether a sentence takes place at most once in a step, on any map, with any agents: nothing around it but `pick 1`."""
+    return all(isinstance(quantifier, ir.Pick) and quantifier.most == 1 for quantifier in quantifiers)
+
+
+def _members(domain: ir.Domain, board: Board) -> int:
+    """Returns how many members a domain can have at once, its condition aside."""
+    among = board.agents if domain.var.who == "agent" else len(cells_of(board, domain.var.kinds))
+    if domain.on is not None:
+        among = min(among, len(cells_of(board, domain.on.kinds)))
+    match domain.place:
+        case None:
+            return among
+        case ir.Near():
+            return min(among, shapes.size(board.shapes[domain.place.shape]))
+        case ir.InAgents():
+            return 1 if domain.place.value.type.kind == "agent" else among
+        case ir.Among():
+            return min(among, len(domain.place.members))
+        case _:
+            assert_never(domain.place)
+
+
+def most(quantifiers: Sequence[Quantifier], board: Board, without: str | None = None) -> int:
+    """Returns how often a sentence can take place in one step; `without`: for each member of one of the variables."""
+    return math.prod(number for name, number in most_of_each(quantifiers, board).items() if name != without)

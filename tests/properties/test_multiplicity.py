@@ -1,0 +1,64 @@
+"""How often a sentence can take place at most, who can stand apart, and ways around others: so courses are not wasted on what cannot be."""
+
+import math
+
+import pytest
+
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.state import Cell
+from sjdsl.properties.distance import cheapest
+from sjdsl.properties.multiplicity import is_always_once, most
+from sjdsl.properties.preconditions import recipes_of
+from sjdsl.properties.reachability import moves_until
+from sjdsl.properties.shortest_paths import FAR
+from sjdsl.properties.statements import leaves_of
+
+from .planted_faults import planted
+from .small_games import ground
+
+HERE, THERE = Cell(0, 0), Cell(0, 1)
+
+
+@pytest.mark.parametrize(("variant", "times"), [(None, 1), ("fault", 3)])
+def test_a_sentence_takes_place_as_often_as_its_quantifiers_allow(variant: str | None, times: int) -> None:
+    """One pot and three cooks: `pick 1` takes one of them, `each` all."""
+    game = planted("soup", variant).own
+    taking = [leaf for leaf in leaves_of(game) if leaf.place[0] == "take"]
+    assert {most(leaf.quantifiers, board_of(game)) for leaf in taking} == {times}
+
+
+def test_a_move_of_all_is_one_sentence_that_takes_place_once() -> None:
+    (walk,) = (leaf for leaf in leaves_of(planted("soup").own) if leaf.place[0] == "walk")
+    assert is_always_once(walk.quantifiers)
+
+
+def test_sentences_of_one_block_have_the_same_needs() -> None:
+    taking = [recipe for recipe in recipes_of(leaves_of(planted("soup").own)) if recipe.place[0] == "take"]
+    assert len(taking) == 4
+    assert len({recipe.block for recipe in taking}) == 1
+
+
+@pytest.mark.parametrize(
+    ("prices", "places", "number", "least"),
+    [
+        ([1.0, 2.0], [None, None], 2, 3.0),
+        ([1.0, 2.0], [frozenset({HERE}), frozenset({HERE})], 1, 1.0),
+        ([1.0, 2.0], [frozenset({HERE}), frozenset({HERE})], 2, math.inf),
+        ([1.0, 2.0, 5.0], [frozenset({HERE}), frozenset({HERE}), frozenset({HERE, THERE})], 2, 6.0),
+        ([1.0, math.inf], [None, None], 2, math.inf),
+        ([1.0, 1.0], [frozenset(), None], 2, math.inf),
+    ],
+)
+def test_those_who_do_something_together_stand_apart(
+    prices: list[float], places: list[frozenset[Cell] | None], number: int, least: float
+) -> None:
+    assert cheapest(prices, places, number) == least
+
+
+def test_ways_go_around_others() -> None:
+    orchard = ground("always eaten < 99").on(("...", "..."), 1)
+    assert orchard is not None
+    board = board_of(orchard)
+    start, goal, between = 0, Cell(0, 2), Cell(0, 1)
+    assert moves_until(board, goal, at=goal)[start] < moves_until(board, goal, at=goal, around=frozenset({between}))[start] < FAR
+    assert moves_until(board, goal, at=goal, around=frozenset({between, Cell(1, 1)}))[start] == FAR
