@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir_nodes import Expression
+from sjdsl.compiler.ir.node import Expression
 from sjdsl.interpreter.evaluate import VALUES, evaluate
 from sjdsl.interpreter.state import Cell, default_params
 
