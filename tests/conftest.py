@@ -46,6 +46,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = [item for item in items if item not in slow]
 
 
+def pytest_collection_finish() -> None:
+    """Spares the collector of garbage what is there from now on to the end: packages and tests, most of what it would look through."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
     """Gives back the memory of compiled programs after a file, where there is much: other files seldom use the same ones."""
     if (nextitem is None or nextitem.path != item.path) and _resident_bytes() > MUCH_MEMORY:

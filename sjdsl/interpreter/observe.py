@@ -19,7 +19,8 @@ _OTHER_HIDDEN = 6
 
 def observe(game: ir.Game, world: World) -> np.ndarray:
     """Returns uint8 `[agents, planes, rows, columns]`; who is away sees zeros."""
-    board, window, all_planes = board_of(game), game.window, planes.planes(game)
+    board, window = board_of(game), game.window
+    all_planes = _planes(board)
     rows, columns = window.ahead + 1 + window.behind, window.left + 1 + window.right
     picture = np.zeros((board.agents, len(all_planes), rows, columns), np.uint8)
     for agent, place in enumerate(world.position):
@@ -64,10 +65,10 @@ def _content(cell: Cell, here: Instance) -> int:
     if kind is None:
         return 0
     if agent_on(cell, here) is not None and any(hidden.what == "content" for hidden in here.board.game.hidden):
-        return planes.content_labels(here.board.game).index(planes.COVERED)
+        return _content_labels(here.board).index(planes.COVERED)
     whole = planes.look_of(here.board.game, kind)
     if whole is not None:
-        return planes.content_labels(here.board.game).index(_word(whole, _at_cell(cell, here)))
+        return _content_labels(here.board).index(_word(whole, _at_cell(cell, here)))
     label = kind
     for sight in planes.content_sights(here.board.game, kind):
         inside = _at_cell(cell, here)
@@ -88,8 +89,18 @@ def _hides_marks(cell: Cell, here: Instance) -> bool:
 
 
 @lru_cache(maxsize=4)
+def _planes(board: Board) -> tuple[planes.Plane, ...]:
+    return planes.planes(board.game)
+
+
+@lru_cache(maxsize=4)
+def _content_labels(board: Board) -> tuple[str, ...]:
+    return planes.content_labels(board.game)
+
+
+@lru_cache(maxsize=4)
 def _content_codes(board: Board) -> dict[str, int]:
-    return {label: code for code, label in enumerate(planes.content_labels(board.game)) if code > 0}
+    return {label: code for code, label in enumerate(_content_labels(board)) if code > 0}
 
 
 @lru_cache(maxsize=4)
@@ -133,7 +144,13 @@ def _is_hidden(sight: ir.Sight, here: Instance) -> bool:
 
 
 def _read(sight: ir.Sight, board: Board) -> ir.Expr:
-    """Returns the expression a sight shows."""
+    """Returns the expression a sight shows. The board keeps it: making one takes longer than reading a cell."""
+    if id(sight) not in board.read:
+        board.read[id(sight)] = (sight, _make_read(sight, board))
+    return board.read[id(sight)][1]
+
+
+def _make_read(sight: ir.Sight, board: Board) -> ir.Expr:
     owner: ir.Member | None
     match sight.what:
         case "cell":
