@@ -2,12 +2,10 @@
 
 from collections.abc import Callable
 
-from sjdsl.compiler import ast, build, load_base
-from sjdsl.compiler.compose import Composition, compose
+from sjdsl.compiler import ast, build_composition
+from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.syntax.parse import parse
 
 
 def number_of_agents(game: Composition) -> ast.Constant | None:
@@ -18,21 +16,20 @@ def number_of_agents(game: Composition) -> ast.Constant | None:
     return game.constants.get(number.name.text)
 
 
-def agent_range(source: Source, variants: tuple[str, ...] = ()) -> tuple[str, int, int] | None:
+def agent_range(composed: Composition) -> tuple[str, int, int] | None:
     """Returns the name of the size that is the number of agents, and the least and the greatest number that is accepted.
 
     None if the number of agents is no size with limits. All numbers between are accepted too, unless a `require` of the game excludes some.
     Raises CompileError: the game itself is wrong.
     """
-    composed = compose(source, parse(source), variants, load_base)
     size = number_of_agents(composed)
     if size is None or size.low is None:
         return None
-    own = build(source, variants).game.agents.number
+    own = build_composition(composed).game.agents.number
 
     def is_accepted(number: int) -> bool:
         try:
-            return build(source, variants, Overrides(num_agents=number)).game.agents.number == number
+            return build_composition(composed, Overrides(num_agents=number)).game.agents.number == number
         except CompileError:
             return False
 

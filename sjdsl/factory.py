@@ -10,7 +10,8 @@ from typing import Any, Literal
 import jax
 
 from sjdsl.cache import cached_text
-from sjdsl.compiler import Build, build, compile_build, number_names
+from sjdsl.compiler import Build, build_composition, compile_build
+from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
@@ -43,8 +44,9 @@ def make(
     """
     source = read_source(find_game(game))
     variants = () if not variant else tuple(variant.split("+"))
-    sizes, run_time = split_sizes(*number_names(source, variants), dict(params or {}))
-    made = build(source, variants, Overrides(sizes, num_agents, *map_rows(map, source)))
+    composition = compose(source, variants)
+    sizes, run_time = split_sizes(*composition.number_names(), dict(params or {}))
+    made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source)))
     if num_agents is not None and made.game.agents.number != num_agents:
         raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
     return environment_of(made, source, run_time, observation)

@@ -6,11 +6,10 @@ import click
 
 from sjdsl.cli.diagnostics import print_diagnostics, texts_of
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
-from sjdsl.compiler import check, load_base
+from sjdsl.compiler import check
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.syntax.parse import parse
 
 Found = dict[tuple[str, ...], list[Diagnostic]]
 
@@ -49,7 +48,7 @@ def find_problems(source: Source, variant: str | None = None) -> Found:
         names = [split_variants(variant)]
     else:
         try:
-            names = [(), *((name,) for name in compose(source, parse(source), (), load_base).variants)]
+            names = [(), *((name,) for name in compose(source).variants)]
         except CompileError as error:
             return {(): list(error.diagnostics)}
     found: Found = {}

@@ -5,16 +5,15 @@ from typing import Any
 
 from sjdsl.agent_range import agent_range
 from sjdsl.cli.game_file import open_game
-from sjdsl.compiler import ast, build, ir, load_base
+from sjdsl.compiler import ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.ir.printer import expression
-from sjdsl.compiler.syntax.parse import parse
 
 
 def outline(name: str) -> dict[str, Any]:
     """Returns what a line about a game has room for: title, number of agents, map, actions and variants. Raises CompileError."""
-    source = open_game(name)
-    return _outline(build(source).game, compose(source, parse(source), (), load_base))
+    composed = compose(open_game(name))
+    return _outline(build_composition(composed).game, composed)
 
 
 def _outline(game: ir.Game, composed: Composition) -> dict[str, Any]:
@@ -31,9 +30,9 @@ def _outline(game: ir.Game, composed: Composition) -> dict[str, Any]:
 def describe(name: str) -> dict[str, Any]:
     """Returns all there is to know, numbers with their limits too: how many agents the map holds is found by trying. Raises CompileError."""
     source = open_game(name)
-    composed = compose(source, parse(source), (), load_base)
-    game = build(source).game
-    agents = agent_range(source)
+    composed = compose(source)
+    game = build_composition(composed).game
+    agents = agent_range(composed)
     return {
         **_outline(game, composed),
         "file": source.name,

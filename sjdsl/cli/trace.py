@@ -9,7 +9,8 @@ import click
 
 from sjdsl.cli.environment import SEED, environment_options, read_assignments
 from sjdsl.cli.game_file import open_game, read_map, split_variants
-from sjdsl.compiler import Build, build, number_names
+from sjdsl.compiler import Build, build_composition
+from sjdsl.compiler.compose import compose
 from sjdsl.near_names import meant
 
 if TYPE_CHECKING:
@@ -79,9 +80,10 @@ def build_game(
     from sjdsl.interpreter.numbers import real
     from sjdsl.parameters import param_values, split_sizes
 
-    source, variants = open_game(game), split_variants(variant)
-    sizes, rest = split_sizes(*number_names(source, variants), given)
-    made = build(source, variants, replace(read_map(map_file, source), sizes=sizes, num_agents=agents))
+    source = open_game(game)
+    composition = compose(source, split_variants(variant))
+    sizes, rest = split_sizes(*composition.number_names(), given)
+    made = build_composition(composition, replace(read_map(map_file, source), sizes=sizes, num_agents=agents))
     if agents is not None and made.game.agents.number != agents:
         raise ValueError(f"--agents {agents}, but a size in --param says {made.game.agents.number}")
     types = {p.name: p.type for p in made.game.params}

@@ -1,24 +1,32 @@
 """The compiler: one `.sj` text becomes one readable Python module, stage by stage.
 
-text -> ast.File -> Composition -> ir.Game -> ir.Game -> Program -> text
+Source -> Composition -> ir.Game -> Program -> text
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sjdsl.compiler import ast, ir
-from sjdsl.compiler.checks.ways_out import with_ways_out
-from sjdsl.compiler.compose import compose
+from sjdsl.compiler import ir, program
+from sjdsl.compiler.ast import printer as ast_printer
+from sjdsl.compiler.checks.placement import check_placement
+from sjdsl.compiler.checks.state_names import check_state_names
+from sjdsl.compiler.checks.timers import check_timers
+from sjdsl.compiler.checks.unused import check_unused
+from sjdsl.compiler.checks.ways_out import CONFLICTS, Tried, name_accepted, ways_out
+from sjdsl.compiler.checks.write_conflicts import check_conflicts
+from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
+from sjdsl.compiler.elaborate.declaration_labels import with_declaration_labels
+from sjdsl.compiler.ir import printer as ir_printer
+from sjdsl.compiler.lower import NotSupported, lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.program import Program
 from sjdsl.compiler.syntax.parse import parse
-from sjdsl.compiler.syntax.read import inside_folder, read_source
 
 STAGES = ("ast", "ir", "optimised", "program", "python")
 
@@ -32,37 +40,36 @@ class Build:
     sources: dict[str, Source]
 
 
+def compile_source(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> str:
+    """Returns the Python module for one `.sj` file. Raises CompileError with every problem of the failing stage."""
+    return compile_build(build(source, variants, overrides), source)
+
+
 def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> Build:
     """Returns the typed rules of a game in a variant. Raises CompileError with every problem of the failing stage."""
-    game = compose(source, parse(source), tuple(variants), load_base)
-    typed, found = elaborate(game, overrides or Overrides())
-    if typed is None:
-        raise CompileError(with_ways_out(found, source, game, lambda text: _attempt(replace(source, text=text), variants, overrides)))
-    return Build(typed, tuple(found), game.sources)
+    return build_composition(compose(source, variants), overrides)
 
 
-def _attempt(source: Source, variants: Sequence[str], overrides: Overrides | None) -> list[Diagnostic]:
-    """Returns the errors of a changed text."""
-    try:
-        game = compose(source, parse(source), tuple(variants), load_base)
-        typed, found = elaborate(game, overrides or Overrides())
-        if typed is not None:
-            lower_build(Build(typed, (), game.sources), source)
-    except CompileError as refused:
-        found = list(refused.diagnostics)
-    return [d for d in found if d.severity == "error"]
-
-
-def number_names(source: Source, variants: Sequence[str] = ()) -> tuple[list[str], list[str]]:
-    """Returns the names of a game's sizes and of its parameters, without checking the rest."""
-    constants = compose(source, parse(source), tuple(variants), load_base).constants
-    return [n for n, c in constants.items() if c.is_size], [n for n, c in constants.items() if not c.is_size]
+def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
+    """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
+    problems = Problems()
+    game, declarations = elaborate(composition, overrides or Overrides(), problems)
+    if game is not None:
+        check_state_names(game, problems)
+        check_timers(game, composition, problems)
+        check_conflicts(game, problems)
+    if game is not None and game.rows and not problems.failed:
+        check_placement(game, composition.sources, problems)
+    if game is not None and not problems.failed:
+        check_unused(game, declarations, composition, problems)
+    found = with_declaration_labels(problems.found, composition)
+    if game is None or problems.failed:
+        raise CompileError(_with_ways_out(found, composition, overrides))
+    return Build(game, tuple(found), composition.sources)
 
 
 def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> Program:
     """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
-    from sjdsl.compiler.lower import NotSupported, lower
-
     try:
         rules = made.game.model_copy(update={"looks": ()})
         return lower(optimise(rules, passes), Path(source.name).name)
@@ -78,11 +85,6 @@ def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES
     return render(lower_build(made, source, passes), made.game)
 
 
-def compile_source(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> str:
-    """Returns the Python module for one `.sj` file. Raises CompileError with every problem of the failing stage."""
-    return compile_build(build(source, variants, overrides), source)
-
-
 def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
     """Returns every error and warning of a file, in file order; what compiles has no errors."""
     try:
@@ -93,26 +95,22 @@ def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
     return CompileError(made.warnings).diagnostics
 
 
-def load_base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:
-    """Returns the game a file `extends`, read from the file's own folder."""
-    problems = Problems()
-    path = inside_folder(name, span, source, problems)
-    if path is None:
-        raise CompileError(problems.found)
-    if not path.is_file():
-        beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
-        raise CompileError([errors.NoFile(span, name=name, near=near(path.name, beside))])
-    found = read_source(path)
-    base = Source((Path(source.name).parent / name).as_posix(), found.text, path.parent)
-    return base, parse(base)
+def _with_ways_out(found: list[Diagnostic], game: Composition, overrides: Overrides | None) -> list[Diagnostic]:
+    """Returns the diagnostics; conflicts of writes name the small changes that are accepted, which are compiled once somebody asks."""
+    source = game.sources[game.file]
+
+    def accepted(d: Diagnostic) -> str:
+        tried = ((way, check(replace(source, text=way.text), game.chosen, overrides)) for way in ways_out(d, game))
+        return name_accepted(d, found, tried)
+
+    def told(d: Diagnostic) -> Tried:
+        return Tried(lambda: accepted(d))
+
+    return [replace(d, accepted=told(d)) if isinstance(d, CONFLICTS) else d for d in found]
 
 
 def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True) -> Iterator[str]:
     """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir` and `optimised`."""
-    from sjdsl.compiler import program
-    from sjdsl.compiler.ast import printer as ast_printer
-    from sjdsl.compiler.ir import printer as ir_printer
-
     if stage == "ast":
         yield from ast_printer.lines(parse(source))
         return

@@ -1,23 +1,30 @@
 """Puts a game together: its base (`extends`), its own sections, and the chosen variants, by one law.
 
-    ast.File + variants -> Composition
+    Source + variants -> Composition
 
 A repeated name replaces, inside `agents` and `observe` entry by entry; a new name is added; `set` changes a number or one
 table entry; `drop` removes.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.compiler.syntax.read import inside_folder, read_source
 
 
 @dataclass
 class Composition:
-    """The declarations of one game in one variant, by name, in order of first appearance."""
+    """The declarations of one game in one variant, by name, in order of first appearance.
+
+    `file`: the name of the game's own file among the `sources`, which hold its bases too; `chosen`: the variants applied.
+    """
 
     name: str
     title: str
@@ -47,6 +54,8 @@ class Composition:
     checks: dict[str, tuple[ast.Check, ...]] = field(default_factory=dict)  # by the name of their block, "" without one
     variants: dict[str, ast.Variant] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
+    file: str = ""
+    chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
 
     TABLES = ("constants", "kinds", "groups", "fields", "shapes", "defines", "phases", "metrics", "checks")
@@ -55,16 +64,19 @@ class Composition:
         """Returns every name a variant may change."""
         return [name for table in self.TABLES for name in getattr(self, table) if name] + [*self.agent_fields, *self.about, *self.variants]
 
+    def number_names(self) -> tuple[list[str], list[str]]:
+        """Returns the names of the sizes and of the parameters."""
+        return [n for n, c in self.constants.items() if c.is_size], [n for n, c in self.constants.items() if not c.is_size]
 
-Load = Callable[[str, Span, Source], tuple[Source, ast.File]]
 
+def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
+    """Returns the game of a file with its bases, and variants applied left to right.
 
-def compose(source: Source, file: ast.File, variants: tuple[str, ...], load: Load) -> Composition:
-    """Returns the game `file` with `variants` applied left to right. `load` reads and parses a base file.
-
-    Raises CompileError: a circle of `extends`, an unknown variant, a change to what is not there, two variants that disagree.
+    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of `extends`, an unknown variant, a change to
+    what is not there, two variants that disagree.
     """
-    game = _chain(source, file, load, ())
+    game = _chain(source, parse(source), ())
+    game.file, game.chosen = source.name, tuple(variants)
     touched: dict[str, tuple[str, object]] = {}
     for name in variants:
         variant = game.variants.get(name)
@@ -78,7 +90,7 @@ def compose(source: Source, file: ast.File, variants: tuple[str, ...], load: Loa
     return game
 
 
-def _chain(source: Source, file: ast.File, load: Load, seen: tuple[str, ...]) -> Composition:
+def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition:
     """Returns the composition of a file on its bases, outermost base first."""
     title = file.game.title.text if file.game.title else ""
     if file.game.extends is None:
@@ -87,16 +99,29 @@ def _chain(source: Source, file: ast.File, load: Load, seen: tuple[str, ...]) ->
         base_name = file.game.extends
         if source.name in seen:
             raise CompileError([errors.ExtendsCycle(base_name.span, name=source.name)])
-        base_source, base = load(base_name.text, base_name.span, source)
-        if base_source.name == source.name or base_source.name in seen:
-            raise CompileError([errors.ExtendsCycle(base_name.span, name=base_source.name)])
-        game = _chain(base_source, base, load, (*seen, source.name))
+        base = _read_base(base_name, source)
+        tree = parse(base)
+        if base.name == source.name or base.name in seen:
+            raise CompileError([errors.ExtendsCycle(base_name.span, name=base.name)])
+        game = _chain(base, tree, (*seen, source.name))
         game.name, game.span = file.game.name.text, file.game.name.span
         game.title = title or game.title
     game.sources[source.name] = source
     _check_duplicates(game, file.game.sections)
     _apply(game, file.game.sections)
     return game
+
+
+def _read_base(name: ast.String, source: Source) -> Source:
+    """Returns the text that a file `extends`, read from the file's own folder."""
+    problems = Problems()
+    path = inside_folder(name.text, name.span, source, problems)
+    if path is None:
+        raise CompileError(problems.found)
+    if not path.is_file():
+        beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
+        raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside))])
+    return Source((Path(source.name).parent / name.text).as_posix(), read_source(path).text, path.parent)
 
 
 def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, object]]:

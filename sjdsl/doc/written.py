@@ -6,13 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from sjdsl.agent_range import agent_range
-from sjdsl.compiler import ast, ir, load_base
+from sjdsl.compiler import ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.elaborate.streams import layout_free
-from sjdsl.compiler.syntax.parse import parse
 
 _COMMENT = re.compile(r'^(?:[^"#]|"[^"]*")*#\s*(.*?)\s*$')
 
@@ -44,22 +41,19 @@ class Written:
 
 def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
     """Returns a game with what its text says beside the rules. Raises CompileError."""
-    composed = compose(source, parse(source), tuple(variants), load_base)
-    game, found = elaborate(composed, Overrides())
-    if game is None:
-        raise CompileError(found)
+    composed = compose(source, variants)
     return Written(
-        game=game,
+        game=build_composition(composed).game,
         file=PurePath(source.name).name,
         chosen=tuple(variants),
         variants=tuple((v.name.text, v.title.text if v.title else "") for v in composed.variants.values()),
-        numbers=_numbers(source, tuple(variants), composed),
+        numbers=_numbers(composed),
     )
 
 
-def _numbers(source: Source, variants: tuple[str, ...], game: Composition) -> dict[str, WrittenNumber]:
+def _numbers(game: Composition) -> dict[str, WrittenNumber]:
     found = {name: _number(constant, game) for name, constant in game.constants.items()}
-    agents = agent_range(source, variants)
+    agents = agent_range(game)
     if agents is not None:
         name, low, high = agents
         found[name] = replace(found[name], low=str(low), high=str(high))

@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from sjdsl.compiler import Build, ir, load_base
+from sjdsl.compiler import Build, build_composition, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate import Overrides, elaborate
+from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
-from sjdsl.compiler.syntax.parse import parse
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -32,12 +31,9 @@ class Ground:
 
     def __init__(self, source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None):
         self.source = source
-        self.composition = compose(source, parse(source), tuple(variants), load_base)
-        typed, found = elaborate(self.composition, overrides or Overrides())
-        if typed is None:
-            raise CompileError(found)
-        self.own: ir.Game = typed
-        self.warnings = tuple(found)
+        self.composition = compose(source, variants)
+        made = build_composition(self.composition, overrides)
+        self.own, self.warnings = made.game, made.warnings
         self._sizes = (overrides or Overrides()).sizes
         self._laid: dict[tuple[tuple[str, ...], int], ir.Game | None] = {}
 
@@ -50,8 +46,14 @@ class Ground:
                 self._laid.clear()
             number = None if agents == self.own.agents.number else agents
             overrides = Overrides(self._sizes, number, rows, row_spans(rows, "map"))
-            self._laid[rows, agents] = elaborate(self.composition, overrides)[0]
+            self._laid[rows, agents] = self._built(overrides)
         return self._laid[rows, agents]
+
+    def _built(self, overrides: Overrides) -> ir.Game | None:
+        try:
+            return build_composition(self.composition, overrides).game
+        except CompileError:
+            return None
 
     @cached_property
     def doubled(self) -> ir.Game:

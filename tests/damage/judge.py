@@ -7,18 +7,16 @@ import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache, lru_cache
+from functools import cache
 from pathlib import Path
 
-from sjdsl.compiler import Build, ast, load_base, lower_build
+from sjdsl.compiler import Build, build_composition, lower_build
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.report import LINES, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.ir import printer
 from sjdsl.compiler.ir.verify import verify
-from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from tests.damage.edits import FOLDER, Edit
 
@@ -78,8 +76,7 @@ def written(edit: Edit) -> Iterator[Source]:
 
 def _look(game: str, source: Source, verdict: Verdict, lowered: bool) -> None:
     try:
-        file = parse(source)
-        names: Sequence[Variants] = ((), *((name,) for name in compose(source, file, (), _base).variants))
+        names: Sequence[Variants] = ((), *((name,) for name in compose(source).variants))
     except CompileError as refused:
         verdict.found += refused.diagnostics
         verdict.outcome = "refused"
@@ -88,7 +85,7 @@ def _look(game: str, source: Source, verdict: Verdict, lowered: bool) -> None:
     changed = False
     for variants in names:
         try:
-            made, text = _made(source, file, variants)
+            made, text = _made(source, variants)
             if lowered and not changed:
                 lower_build(made, source)
             said += [d for d in made.warnings if d not in said]
@@ -111,35 +108,21 @@ def rules(game: str, variants: Variants) -> str:
     """Returns the rules of an undamaged game as text; of a variant that it does not have, none."""
     source = read_source(FOLDER / f"{game}.sj")
     try:
-        return _made(source, parse(source), variants)[1]
+        return _made(source, variants)[1]
     except CompileError:
         return ""
 
 
-def _made(source: Source, file: ast.File, variants: Variants) -> tuple[Build, str]:
-    """Returns what `build` does of a file that is read once for all variants, and its rules as text.
+def _made(source: Source, variants: Variants) -> tuple[Build, str]:
+    """Returns what `build` does of a file, and its rules as text.
 
     The text has no positions, but the limits of sizes: what a caller may set is not in the rules of one size.
     """
-    composed = compose(source, file, variants, _base)
-    game, found = elaborate(composed, Overrides())
-    if game is None:
-        raise CompileError(found)
+    composed = compose(source, variants)
+    made = build_composition(composed)
     limited = [c for c in composed.constants.values() if c.is_size and c.low is not None and c.high is not None]
     limits = [composed.sources[c.span.file].text[c.low.span.start : c.high.span.end] for c in limited]  # type: ignore[union-attr]
-    return Build(game, tuple(found), composed.sources), "\n".join([printer.game(game), *limits])
-
-
-def _base(name: str, span: Span, source: Source) -> tuple[Source, ast.File]:
-    """Loads a game that is extended, read once in a folder; one that is not there is reported as ever."""
-    if source.folder is None or not (source.folder / name).is_file():
-        return load_base(name, span, source)
-    return _loaded(name, source.folder)
-
-
-@lru_cache(maxsize=8)
-def _loaded(name: str, folder: Path) -> tuple[Source, ast.File]:
-    return load_base(name, Span(name, 0, 0, 1, 1), Source(name, "", folder))
+    return made, "\n".join([printer.game(made.game), *limits])
 
 
 def _is_near(d: Diagnostic, edit: Edit, source: Source) -> bool:

@@ -4,12 +4,11 @@ from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple
 
-from sjdsl.compiler import build, ir, load_base
+from sjdsl.compiler import build, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.emit.module import game_hash
-from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game
 
@@ -31,7 +30,7 @@ class Form(NamedTuple):
 def variants_of(game: str) -> tuple[str, ...]:
     """Returns the names of the variants of a bundled game, those of the games it extends among them."""
     source = read_source(find_game(game))
-    return tuple(compose(source, parse(source), (), load_base).variants)
+    return tuple(compose(source).variants)
 
 
 @cache

@@ -9,6 +9,7 @@ import pytest
 from sjdsl import make
 from sjdsl.agent_range import agent_range
 from sjdsl.cli.describe import describe
+from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written
@@ -73,7 +74,7 @@ def test_the_printed_range_is_what_is_accepted(form: Form) -> None:
     """Of every game on every map: both ends are taken, one beyond is not."""
     source = read_source(find_game(form.game))
     variants = (form.variant,) if form.variant else ()
-    name, low, high = agent_range(source, variants)
+    name, low, high = agent_range(compose(source, variants))
     written = read_written(source, variants).numbers[name]
     assert (written.low, written.high) == (str(low), str(high))
     assert high == (most_of(form)[0] if form.game in NINE else MOST_OF_OTHERS[form.game])
@@ -87,7 +88,7 @@ def test_the_printed_range_is_what_is_accepted(form: Form) -> None:
 @pytest.mark.parametrize("game", ["clean_up", "harvest_closed", "predator_prey"])
 def test_list_prints_the_same_range(game: str) -> None:
     (players,) = [size for size in describe(game)["sizes"] if size["name"] == "players"]
-    _, low, high = agent_range(read_source(find_game(game)))
+    _, low, high = agent_range(compose(read_source(find_game(game))))
     assert (players["low"], players["high"]) == (low, high)
 
 

@@ -44,8 +44,8 @@ def test_an_edit_that_comes_with_a_message_can_be_read(case: Case) -> None:
 
 def test_ways_out_are_tried_when_they_are_asked_for_and_named_when_they_are_accepted(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
-    attempt = compiler._attempt
-    monkeypatch.setattr(compiler, "_attempt", lambda *given: tried.append(1) or attempt(*given))
+    attempt = compiler.check
+    monkeypatch.setattr(compiler, "check", lambda *given: tried.append(1) or attempt(*given))
     (found,) = errors_of(next(case for case in CASES if case.name == "two members for one target").mistaken)
     assert not tried
     hint = found.hint

@@ -20,7 +20,7 @@ class Pool:
     agents: set[int] = field(default_factory=set)
 
 
-def check_placing(game: ir.Game, problems: Problems, sources: Mapping[str, Source]) -> None:
+def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Reports agents without a place at the start, sends without enough cells, and destinations that overlap."""
     _check_start(game, problems)
     for phase in (game.start, *game.schedule):

@@ -1,11 +1,8 @@
-"""What would make two writes of one phase acceptable: small changes of the text, tried one after the other; a message names those accepted.
-
-Assumes a game whose only business here is a conflict of writes; guarantees that what is named was compiled.
-"""
+"""What would make two writes of one phase acceptable: small changes of the text, and how a message names those that were accepted."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -18,17 +15,17 @@ from sjdsl.compiler.diagnostics.source import Source, Span
 CONFLICTS = (errors.WriteConflict, errors.AddAndSet, errors.TwoDestinations)
 MOST_NAMED = 3
 
-Attempt = Callable[[str], list[Diagnostic]]  # what is wrong with a changed text: its errors
 Edit = tuple[int, int, str]
+Change = tuple[str, tuple[Edit, ...]]  # how it is named, and its edits
 Chain = list[tuple[ast.Block, int]]  # the blocks around a sentence, outermost first, and which of its sentences leads to it
 
 
 @dataclass(frozen=True)
 class Way:
-    """A change of the text, and how it is named."""
+    """A changed text, and how the change is named."""
 
     says: str
-    edits: tuple[Edit, ...]
+    text: str
 
 
 class Tried(str):
@@ -55,21 +52,23 @@ class Tried(str):
         return format(self.text, spec)
 
 
-def with_ways_out(found: Sequence[Diagnostic], source: Source, game: Composition, attempt: Attempt) -> list[Diagnostic]:
-    """Returns the diagnostics; conflicts of writes say which small changes are accepted, once they are asked."""
-
-    def told(d: Diagnostic) -> Tried:
-        return Tried(lambda: _accepted(d, found, source, game, attempt))
-
-    return [replace(d, accepted=told(d)) if isinstance(d, CONFLICTS) else d for d in found]
+def ways_out(d: Diagnostic, game: Composition) -> Iterator[Way]:
+    """Yields small changes of the text that could make the two writes of a conflict acceptable, the smallest first."""
+    source = game.sources[game.file]
+    for says, edits in _ways(d, source, game):
+        yield Way(says, _edited(source.text, edits))
 
 
-def _accepted(d: Diagnostic, found: Sequence[Diagnostic], source: Source, game: Composition, attempt: Attempt) -> str:
+def name_accepted(d: Diagnostic, found: Sequence[Diagnostic], tried: Iterable[tuple[Way, Sequence[Diagnostic]]]) -> str:
+    """Returns how the first few changes are named that leave nothing wrong but what was found beside this conflict.
+
+    `tried`: each change with what is wrong with its text; read only as far as needed.
+    """
     before = Counter((e.code, e.message) for e in found if e.severity == "error")
     before[d.code, d.message] -= 1
     named: list[str] = []
-    for way in _ways(d, source, game):
-        left = Counter((e.code, e.message) for e in attempt(_edited(source.text, way.edits)))
+    for way, wrong in tried:
+        left = Counter((e.code, e.message) for e in wrong if e.severity == "error")
         if left <= before and way.says not in named:
             named.append(way.says)
         if len(named) == MOST_NAMED:
@@ -83,7 +82,7 @@ def _edited(text: str, edits: tuple[Edit, ...]) -> str:
     return text
 
 
-def _ways(d: Diagnostic, source: Source, game: Composition) -> Iterator[Way]:
+def _ways(d: Diagnostic, source: Source, game: Composition) -> Iterator[Change]:
     spans = [d.span, *(label.span for label in d.labels)]
     if any(span.file != source.name for span in spans):
         return
@@ -136,7 +135,7 @@ def _head(source: Source, s: ast.Each | ast.When | ast.Chance) -> str:
     return " ".join(source.text[s.span.start : s.block.span.start].split())
 
 
-def _adding(chains: list[Chain], source: Source) -> Iterator[Way]:
+def _adding(chains: list[Chain], source: Source) -> Iterator[Change]:
     """`set x = x + e` becomes `add e to x`."""
     edits, says = [], ""
     for chain in chains:
@@ -153,26 +152,26 @@ def _adding(chains: list[Chain], source: Source) -> Iterator[Way]:
             case _:
                 return
     if edits:
-        yield Way(f"write `{says}`, and all that is added is summed", tuple(edits))
+        yield (f"write `{says}`, and all that is added is summed", tuple(edits))
 
 
-def _choosing(chain: Chain, source: Source) -> Iterator[Way]:
+def _choosing(chain: Chain, source: Source) -> Iterator[Change]:
     """One of several members: the nearest, any, or pairs."""
     quantifiers = [s for level in range(len(chain)) if isinstance(s := _at(chain, level), ast.Each)]
     for s in reversed(quantifiers):
         domain, start = _text(source, s.domain.span), s.span.start
         if isinstance(s.domain.place, ast.Near):
-            yield Way(f"write `first {domain}`, for the nearest alone", ((start, start + len("each"), "first"),))
-        yield Way(f"write `pick 1 {domain}`, for one of them at random", ((start, start + len("each"), "pick 1"),))
+            yield (f"write `first {domain}`, for the nearest alone", ((start, start + len("each"), "first"),))
+        yield (f"write `pick 1 {domain}`, for one of them at random", ((start, start + len("each"), "pick 1"),))
     for outer, inner in pairwise(quantifiers):
         if outer.block.statements == (inner,):
             left, right = (_text(source, s.domain.span) for s in (outer, inner))
             block = source.text[inner.block.span.start : inner.block.span.end]
             says = f"write `match {left} with {right}`, for pairs in which nobody is twice"
-            yield Way(says, ((outer.span.start, outer.span.end, f"match {left} with {right} {block}"),))
+            yield (says, ((outer.span.start, outer.span.end, f"match {left} with {right} {block}"),))
 
 
-def _excluding(a: Chain, b: Chain, source: Source) -> Iterator[Way]:
+def _excluding(a: Chain, b: Chain, source: Source) -> Iterator[Change]:
     """Two sentences of one block of which only one shall happen."""
     level = next((k for k, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), None)
     if level is None or a[level][0] is not b[level][0]:
@@ -183,14 +182,14 @@ def _excluding(a: Chain, b: Chain, source: Source) -> Iterator[Way]:
     if isinstance(first, ast.When | ast.Chance) and beside and _is_open(first):
         if isinstance(second, type(first)):
             says = f"write `otherwise {_head(source, second)}` for the second, and only one of the two happens"
-            yield Way(says, ((start, start, "otherwise "),))
+            yield (says, ((start, start, "otherwise "),))
         elif not isinstance(second, ast.Let | ast.Draw):
             says = "put the second behind the first as `otherwise { … }`, and only one of the two happens"
-            yield Way(says, ((start, start, "otherwise { "), (end, end, " }")))
+            yield (says, ((start, start, "otherwise { "), (end, end, " }")))
     elif isinstance(second, ast.When | ast.Chance) and isinstance(first, ast.Set | ast.Send | ast.Remove) and _is_open(second):
         otherwise = f"otherwise {{ {_text(source, first.span)} }}"
         edits = ((first.span.start, first.span.end, ""), (end, end, f" {otherwise}"))
-        yield Way(f"put the first behind the second, `{otherwise}`, and only one of the two happens", edits)
+        yield (f"put the first behind the second, `{otherwise}`, and only one of the two happens", edits)
     if isinstance(first, ast.Each) and isinstance(second, ast.Each):
         yield from _merged(first, second, source)
 
@@ -202,7 +201,7 @@ def _is_open(s: ast.When | ast.Chance) -> bool:
     return s.otherwise is None
 
 
-def _merged(a: ast.Each, b: ast.Each, source: Source) -> Iterator[Way]:
+def _merged(a: ast.Each, b: ast.Each, source: Source) -> Iterator[Change]:
     """Two sentences about the same members become one whose branches exclude each other."""
     if a.domain.where is None:
         a, b = b, a
@@ -216,7 +215,7 @@ def _merged(a: ast.Each, b: ast.Each, source: Source) -> Iterator[Way]:
     then = "otherwise" if tests[1] is None else f"otherwise when {tests[1]}"
     says = f"write one sentence, `each {who[0]} {{ when {tests[0]} {{ … }} {then} {{ … }} }}`"
     made = f"each {who[0]} {{ when {tests[0]} {bodies[0]} {then} {bodies[1]} }}"
-    yield Way(says, ((a.span.start, a.span.end, made), (b.span.start, b.span.end, "")))
+    yield (says, ((a.span.start, a.span.end, made), (b.span.start, b.span.end, "")))
 
 
 def _without_where(d: ast.Domain, source: Source) -> str:
@@ -224,7 +223,7 @@ def _without_where(d: ast.Domain, source: Source) -> str:
     return " ".join(source.text[d.span.start : end].split()).removesuffix(" where")
 
 
-def _separating(phase: ast.Phase, a: Chain, b: Chain, source: Source, game: Composition) -> Iterator[Way]:
+def _separating(phase: ast.Phase, a: Chain, b: Chain, source: Source, game: Composition) -> Iterator[Change]:
     """The second sentence in a phase of its own, behind the first."""
     level = next((k for k, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), None)
     turns = [] if game.schedule is None else [t for t in game.schedule.turns if t.name.text == phase.name.text]
@@ -241,4 +240,4 @@ def _separating(phase: ast.Phase, a: Chain, b: Chain, source: Source, game: Comp
         (phase.span.end, phase.span.end, f"\nphase {name} {{ {body} }}"),
         (turns[0].span.end, turns[0].span.end, f" -> {name}"),
     )
-    yield Way(f"put the second into a phase of its own, `schedule … {phase.name.text} -> {name}`", edits)
+    yield (f"put the second into a phase of its own, `schedule … {phase.name.text} -> {name}`", edits)

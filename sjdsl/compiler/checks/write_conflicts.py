@@ -61,8 +61,14 @@ class Around:
     lanes: dict[str, int] = field(default_factory=dict)
 
 
-def check_conflicts(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
+def check_conflicts(game: ir.Game, problems: Problems) -> None:
     """Reports every pair of writes of one phase that could disagree, and `move` beside other sentences."""
+    for phase in (game.start, *game.schedule):
+        if isinstance(phase, ir.Phase):
+            _check_phase(phase, game, problems)
+
+
+def _check_phase(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
     around = Around(lanes={s.name: len(s.lanes) for s in game.shapes})
     writes = [replace(w, bounded=w.bounded and not _is_capped(w, game)) for w in _writes(phase.body, around)]
     for write in writes:

@@ -8,15 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.checks.placement import check_placing
-from sjdsl.compiler.checks.unused import check_actions, check_events, check_time, check_use
-from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
-from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.declaration_labels import with_whereabouts
 from sjdsl.compiler.elaborate.declarations import Declarations, blocks, declare_numbers, declare_world, forbids
 from sjdsl.compiler.elaborate.expressions import number
 from sjdsl.compiler.elaborate.hidden import unseen
@@ -24,9 +19,8 @@ from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
 from sjdsl.compiler.elaborate.observations import sights, window
 from sjdsl.compiler.elaborate.schedule import schedule, start
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
-from sjdsl.compiler.ir.names import STATE, state_names
 
 
 @dataclass(frozen=True)
@@ -39,21 +33,13 @@ class Overrides:
     row_spans: tuple[Span, ...] = ()
 
 
-def elaborate(game: Composition, overrides: Overrides) -> tuple[ir.Game | None, list[Diagnostic]]:
-    """Returns the typed game (None if there are errors) and all errors and warnings."""
-    problems = Problems()
+def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tuple[ir.Game | None, Static]:
+    """Returns the typed game, None if a part of it is missing, and its declarations; `problems` gets all that is wrong."""
     static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
     made = declare_world(game, static, problems)
     rows = _map(game, made, overrides, problems)
     blocks(game, static, problems)
-    built = _rules(game, made, rows, problems)
-    if not any(d.severity == "error" for d in problems.found):
-        check_use(game, static, problems)
-        if built is not None:
-            check_actions(built, game, problems)
-            check_events(built, static, problems)
-    failed = any(d.severity == "error" for d in problems.found)
-    return (None if failed else built), with_whereabouts(problems.found, game)
+    return _rules(game, made, rows, problems), static
 
 
 def _map(game: Composition, made: Declarations, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
@@ -105,7 +91,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         counted = events([p for p in (begin, *turns) if p is not None], scope)
     if None in (agents, begin, episode) or game.schedule is None:
         return None
-    built = ir.Game(
+    return ir.Game(
         name=game.name,
         title=game.title,
         cites=tuple(game.cites),
@@ -131,30 +117,3 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         checks=promises,
         looks=drawn,
     )
-    _check_whole(built, game, problems)
-    return built
-
-
-def _check_whole(built: ir.Game, game: Composition, problems: Problems) -> None:
-    """Reports what only the whole game shows."""
-    _check_attributes(built, problems)
-    check_time(built, problems, game)
-    for phase in (built.start, *built.schedule):
-        if isinstance(phase, ir.Phase):
-            check_conflicts(phase, built, problems)
-    if built.rows and not any(d.severity == "error" for d in problems.found):
-        check_placing(built, problems, game.sources)
-
-
-def _check_attributes(built: ir.Game, problems: Problems) -> None:
-    """Two names must not become one attribute of the compiled state (`a_b.c` and `a.b_c`)."""
-    seen: dict[str, str] = dict.fromkeys(STATE, "the language")
-    for attribute, node in state_names(built):
-        if attribute in seen and node.origin is not None:
-            problem = f"the compiled state would have `{attribute}` twice (also of {seen[attribute]})"
-            name = getattr(node, "label", None) or getattr(node, "name", attribute)
-            problems.add(errors.BAD_NAME, node.origin, name=name, what="the name of this", problem=problem)
-        seen.setdefault(attribute, f"line {node.origin.line}" if node.origin else "another declaration")
-
-
-__all__ = ["Overrides", "Poisoned", "elaborate"]

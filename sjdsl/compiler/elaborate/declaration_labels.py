@@ -1,4 +1,4 @@
-"""Where what a message speaks of is declared: a second place for messages about a name, a word or a number from elsewhere.
+"""Adds "declared here" labels to diagnostics: a second place for messages about a name, a word or a number from elsewhere.
 
 Often the mistake is there: the declaration is misspelt, and the use is right.
 """
@@ -16,7 +16,7 @@ from sjdsl.compiler.elaborate.scope import Static
 MANY = 4  # numbers shown beside a requirement
 
 
-def with_whereabouts(found: list[Diagnostic], game: Composition) -> list[Diagnostic]:
+def with_declaration_labels(found: list[Diagnostic], game: Composition) -> list[Diagnostic]:
     """Returns the diagnostics, those about a name or a word from another line with the place where it is declared."""
     named = {name.text: name.span for name in reversed(list(_names(game)))}
     types = dict(_types(game))

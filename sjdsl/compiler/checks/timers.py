@@ -1,0 +1,43 @@
+"""Timers and `tick`: one turn of the schedule at which timers fall, and rules that set a timer on one side of it only."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.problems import Problems
+
+
+def check_timers(game: ir.Game, composition: Composition, problems: Problems) -> None:
+    """Reports a missing, doubled or needless `tick`, and timers set on both sides of it."""
+    timers = [f for k in game.kinds for f in k.fields if f.timer]
+    timers += [f for f in (*game.agents.fields, *game.fields) if f.timer]
+    away = any(isinstance(n, ir.Send) and n.after is not None for n in ir.walk(game))
+    ticks = [t for t in game.schedule if isinstance(t, ir.Tick)]
+    assert composition.schedule is not None
+    span = composition.schedule.span
+    if (timers or away) and not ticks:
+        what = "there are timers" if timers else "agents are sent away for some steps (`after`)"
+        problems.add(errors.NoTick(span, what=what))
+    if len(ticks) > 1:
+        problems.add(errors.TickTwice(ticks[1].origin or span))
+    if len(ticks) == 1:
+        _check_sides(game, timers, problems)
+
+
+def _check_sides(game: ir.Game, timers: list[ir.VarField], problems: Problems) -> None:
+    at = next(i for i, t in enumerate(game.schedule) if isinstance(t, ir.Tick))
+    for timer in timers:
+        before = _sets(game.schedule[:at], timer)
+        after = _sets(game.schedule[at + 1 :], timer)
+        if before and after:
+            problems.add(errors.TimerBothSides(before[0].origin or timer.origin, name=timer.name))  # type: ignore[arg-type]
+
+
+def _sets(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
+    """Returns the sentences that set a timer to something that can be above 0."""
+    found = []
+    for node in (n for t in turns for n in ir.walk(t)):
+        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == timer.name:
+            same = timer.kind in node.target.kinds if timer.place == "cell" else node.target.place == timer.place
+            if same and node.value.type.high > 0:
+                found.append(node)
+    return found
