@@ -1,4 +1,4 @@
-"""Run-time parameters from Python: values by name, checked against the limits and promises of the game."""
+"""Run-time parameters from Python: values by name, checked against the limits and `require`s of the game."""
 
 from collections.abc import Mapping, Sequence
 from types import ModuleType
@@ -31,11 +31,11 @@ def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values)
     return sizes, rest
 
 
-def build_params(game: ir.Game, module: ModuleType, given: Values, keep_promises: bool = True) -> Any:
+def build_params(game: ir.Game, module: ModuleType, given: Values, check_requires: bool = True) -> Any:
     """Returns the game's `Params` with some values replaced; arguments and errors are those of `param_values`."""
     import jax.numpy as jnp
 
-    values = param_values(game, given, keep_promises)
+    values = param_values(game, given, check_requires)
     params = module.default_params()
     changed = {}
     for param in game.params:
@@ -46,13 +46,13 @@ def build_params(game: ir.Game, module: ModuleType, given: Values, keep_promises
     return params.replace(**changed)
 
 
-def param_values(game: ir.Game, given: Values, keep_promises: bool = True) -> dict[str, Any]:
+def param_values(game: ir.Game, given: Values, check_requires: bool = True) -> dict[str, Any]:
     """Returns the value of every parameter of the game by name, some replaced; tables as nested tuples.
 
     Args:
       given: by name: a number, a word, or for a table a mapping by word (whole or in part) or nested sequences in the order of
         the words.
-      keep_promises: whether a `require` of the game must hold.
+      check_requires: whether a `require` of the game must hold.
     Raises ValueError: unknown name or word, a value outside its limits, a `require` of the game that no longer holds.
     """
     values = {p.name: p.value for p in game.params}
@@ -62,8 +62,8 @@ def param_values(game: ir.Game, given: Values, keep_promises: bool = True) -> di
             raise ValueError(f"the game has no parameter `{name}`{meant(name, values, 'it has')}")
         values[name] = _merged(name, values[name], value, param.type.by, param.type)
     for check in game.checks:
-        if keep_promises and check.sort == "require" and not holds(check.values[0], values):
-            raise ValueError(f"these parameters break a promise of the game: require {expression(check.values[0])}")
+        if check_requires and check.sort == "require" and not holds(check.values[0], values):
+            raise ValueError(f"these parameters fail a check of the game: require {expression(check.values[0])}")
     return values
 
 

@@ -19,7 +19,7 @@ from sjdsl.near_names import meant
 from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
 
-FACTORS = (0.75, 1.25)  # times the game's own value: narrow enough that the promises of most games still hold
+FACTORS = (0.75, 1.25)  # times the game's own value: narrow enough that the `require`s of most games still hold
 
 
 @dataclass(frozen=True)

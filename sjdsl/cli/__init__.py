@@ -32,7 +32,7 @@ COMMANDS = {
     "record": "Keep whole episodes as arrays: observations, actions, rewards.",
     "render": "Draw a game as a GIF, MP4 or PNG.",
     "replay": "Show an episode that was recorded.",
-    "test": "Put the promises of a game to the test.",
+    "test": "Test the checks of a game.",
     "trace": "Tell what happens in a game, rule by rule and draw by draw.",
     "train": "Train agents in a game.",
 }

@@ -43,7 +43,7 @@ def next_steps(game: Path, tests: Path) -> list[tuple[str, str]]:
     return [
         (f"  sjdsl play {game}", "steer an agent; needs a terminal"),
         (f"  sjdsl check {game}", "after each change: what is wrong with it"),
-        (f"  sjdsl test {game}", "are its promises kept?"),
+        (f"  sjdsl test {game}", "test its checks"),
         (f"  pytest {tests}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
         (f"  sjdsl train {game} --preset two_cores", "agents that learn in it; takes minutes on two cores"),
     ]

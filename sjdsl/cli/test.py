@@ -1,4 +1,4 @@
-"""`sjdsl test`: are the promises of games kept?"""
+"""`sjdsl test`: tests the checks of games and prints a verdict on each."""
 
 import json
 import os
@@ -17,22 +17,24 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 if TYPE_CHECKING:
     from sjdsl.properties import Effort, Report, Verdict
 
-WORDS = {"kept": "kept", "untested": "untested", "broken": "BROKEN", "not decided": "not decided"}
+STATUS = {"passed": "passed", "untested": "untested", "failed": "FAILED", "not decided": "not decided"}
 
 
 @click.command("test")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--examples", type=click.IntRange(min=1), default=400, show_default=True, metavar="N", help="Random courses on small maps.")
+@click.option(
+    "--examples", type=click.IntRange(min=1), default=400, show_default=True, metavar="N", help="Random trajectories on small maps."
+)
 @click.option("--seed", type=click.IntRange(min=0, max=2**32 - 1), default=0, show_default=True, help="The same seed plays the same.")
 @variant_option
-@click.option("--strict", is_flag=True, help="A promise that is untested also makes the exit status 1.")
+@click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
 def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, as_json: bool) -> int:
-    """Puts the promises of games (`checks`) to the test: FILE is a `.sj` file or the name of a bundled game.
+    """Tests the checks of games: FILE is a `.sj` file or the name of a bundled game.
 
-    What can be decided is proved. The rest is played: random courses on small maps, whole episodes on the game's own map. A promise that
-    breaks is shown in the shortest course found. One that holds, but depends on a line that never ran, is untested, and the line is named.
-    The exit status is 1 if one breaks, or cannot be put to the test; with --strict also if one is untested.
+    A check is proved if possible. Otherwise the game is played: random trajectories on small maps, whole episodes on its own map. A check
+    that fails is shown with the shortest counterexample found. A check that depends on a line that never ran is untested, and the line is
+    named. The exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
     """
     os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
 
@@ -41,13 +43,13 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
     effort, documents, failed = Effort(examples, seed=seed), [], False
     for file in files:
         try:
-            with stages(f"testing the promises of {file}"):
+            with stages(f"testing the checks of {file}"):
                 report = test_file(file, variant, effort)
         except CompileError as error:
             print_diagnostics(error.diagnostics, err=as_json)
             failed = True
             continue
-        failed |= bool(report.faults) or not all(verdict.kept for verdict in report.verdicts)
+        failed |= bool(report.faults) or not all(verdict.passed for verdict in report.verdicts)
         failed |= strict and any(verdict.untested for verdict in report.verdicts)
         documents.append({"file": file, "variant": variant, **as_document(report)})
         if not as_json:
@@ -59,61 +61,61 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
 
 
 def test_file(file: str, variant: str | None, effort: "Effort") -> "Report":
-    """Returns what becomes of the promises of a game. Raises CompileError for what is wrong with it."""
-    from sjdsl.properties import Ground, examine
+    """Returns the verdicts on the checks of a game. Raises CompileError for what is wrong with it."""
+    from sjdsl.properties import GameFamily, verify_properties
 
-    return examine(Ground(open_game(file), split_variants(variant)), effort)
+    return verify_properties(GameFamily(open_game(file), split_variants(variant)), effort)
 
 
 def report_lines(name: str, report: "Report") -> Iterator[str]:
-    """Yields a line for each promise; under a broken one its trace, under an untested one the lines that never ran."""
+    """Yields a line for each check; under a failed one its counterexample, under an untested one the lines that never ran."""
     yield f"{name}: {summary(report)}"
     for verdict in (*report.verdicts, *report.faults):
-        yield f"  {WORDS[verdict.word]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
+        yield f"  {STATUS[verdict.status]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
         yield from (f"              {line}" for line in verdict.trace)
         if verdict.untested:
-            yield f"              depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran in any course:"
+            yield f"              depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran in any trajectory:"
             yield from (f"                {line}" for line in verdict.untested)
     if report.idle:
         lines = f"line{'s' * (len(report.idle) > 1)} {', '.join(map(str, report.idle))}"
-        yield f"  nothing that {lines} would change ever happened in a course: no promise was tested on it"
+        yield f"  nothing that {lines} would change ever happened in a trajectory: no check was tested on it"
 
 
 def summary(report: "Report") -> str:
-    """Returns how many promises there are, and how many of them are not kept or untested."""
+    """Returns how many checks there are, and how many of them did not pass or are untested."""
     verdicts = report.verdicts
-    count = f"{len(verdicts)} promise{'s' * (len(verdicts) != 1)}"
-    missed, untested = sum(not v.kept for v in verdicts), sum(v.word == "untested" for v in verdicts)
-    parts = [f"{missed} not kept"] * bool(missed) + [f"{untested} untested"] * bool(untested)
+    count = f"{len(verdicts)} check{'s' * (len(verdicts) != 1)}"
+    missed, untested = sum(not v.passed for v in verdicts), sum(v.status == "untested" for v in verdicts)
+    parts = [f"{missed} not passed"] * bool(missed) + [f"{untested} untested"] * bool(untested)
     parts += ["a real number leaves float32"] * bool(report.faults)
     if not verdicts:
         return f"{count} (write them in `checks {{ … }}`)"
-    return f"{count}, {', '.join(parts)}" if parts else f"{count} kept"
+    return f"{count}, {', '.join(parts)}" if parts else f"{count} passed"
 
 
 def how(verdict: "Verdict") -> str:
     """Returns how a verdict was found."""
-    return f"{verdict.how}: {verdict.said}" if verdict.how in ("proved", "decided") else verdict.said
+    return f"{verdict.how}: {verdict.reason}" if verdict.how in ("proved", "decided") else verdict.reason
 
 
 def as_document(report: "Report") -> dict[str, Any]:
     """Returns a report as values that JSON can hold."""
-    promises = [
+    checks = [
         {
-            "promise": v.text,
+            "check": v.text,
             "file": v.file,
             "line": v.line,
-            "verdict": v.word,
+            "verdict": v.status,
             "how": v.how,
-            "said": v.said,
+            "reason": v.reason,
             "trace": list(v.trace),
             "untested": list(v.untested),
         }
         for v in (*report.verdicts, *report.faults)
     ]
     return {
-        "promises": promises[: len(report.verdicts)],
-        "faults": promises[len(report.verdicts) :],
-        "courses": report.courses,
+        "checks": checks[: len(report.verdicts)],
+        "faults": checks[len(report.verdicts) :],
+        "trajectories": report.trajectories,
         "idle_lines": list(report.idle),
     }

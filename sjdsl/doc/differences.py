@@ -5,13 +5,13 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
+from sjdsl.doc.checks import check_line, episode, event_line, measure_line
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import blocking, field_line, forbidden, starts
 from sjdsl.doc.numbers import limits_of, unit_of
 from sjdsl.doc.observation import seen, unseen_fields
 from sjdsl.doc.order import schedule_changes
 from sjdsl.doc.pictures import picture_lines
-from sjdsl.doc.promises import episode, event_line, measure_line, promise_line
 from sjdsl.doc.sentences import block, tick_lines
 from sjdsl.doc.shapes import shape_lines
 from sjdsl.doc.vocabulary import Vocabulary
@@ -39,7 +39,7 @@ def differences(old: Written, new: Written) -> tuple[Section, ...]:
         ("Observation", _observation(a, b)),
         ("Episode", texts("episode", episode(a), episode(b))),
         ("Metrics", texts("metrics", _metrics(a), _metrics(b))),
-        ("Promises", texts("promises", [promise_line(c, a) for c in a.game.checks], [promise_line(c, b) for c in b.game.checks])),
+        ("Checks", texts("checks", [check_line(c, a) for c in a.game.checks], [check_line(c, b) for c in b.game.checks])),
         ("Pictures", texts("pictures", picture_lines(a), picture_lines(b))),
     )
     return tuple(Section(title, tuple(changes)) for title, changes in sections if changes)

@@ -1,13 +1,13 @@
 """The rule sheet of a game in plain English, in the order of the ODD protocol (Grimm et al. 2020, JASSS 23(2) 7)."""
 
 from sjdsl.compiler import ir
+from sjdsl.doc.checks import checks, episode, metrics
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.draws import draws
 from sjdsl.doc.entities import entities
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.observation import observation
 from sjdsl.doc.pictures import pictures
-from sjdsl.doc.promises import episode, metrics, promises
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
 from sjdsl.doc.sentences import block, tick_lines
@@ -32,7 +32,7 @@ def rule_sheet(w: Written) -> str:
         ("Observation", observation(v)),
         ("Episode", episode(v)),
         ("Metrics", metrics(v)),
-        ("Promises", promises(v)),
+        ("Checks", checks(v)),
         *([("Pictures", pictures(v))] if w.game.looks else []),
         ("Variants", variants(w)),
     )

@@ -1,4 +1,4 @@
-"""What a phase writes: collected while it runs, applied all at once at its end, with the promises of the compiler asserted."""
+"""What a phase writes: collected while it runs, applied all at once at its end, with the guarantees of the compiler asserted."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple

@@ -1,7 +1,7 @@
-"""Puts the promises of a game (`checks`) to the test: proofs, random courses on the interpreter, episodes of the compiled game."""
+"""Tests the checks of a game: proves them, searches for counterexamples on small maps, and plays whole episodes."""
 
-from sjdsl.properties.instances import Ground
+from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.verdict import Effort, Verdict
-from sjdsl.properties.verify_properties import Examination, Report, examine
+from sjdsl.properties.verify_properties import Report, Verification, verify_properties
 
-__all__ = ["Effort", "Examination", "Ground", "Report", "Verdict", "examine"]
+__all__ = ["Effort", "GameFamily", "Report", "Verdict", "Verification", "verify_properties"]

@@ -1,4 +1,4 @@
-"""What promises read of a compiled state, as array functions: values of their expressions, and where the members of a `seek` are.
+"""Compiles the expressions of checks to functions of the compiled state, and finds the targets of `seek` policies.
 
 ir.Game -> `values(state, params)`, one `seek(state, params)` for each policy that walks somewhere
 """
@@ -28,7 +28,7 @@ Total = tuple[str, str | None]  # an event, and its word or None
 class Lowered:
     """values: (state, params) -> float32 `[expressions]`. totals: the attributes of `params` that hold totals, by event and word.
 
-    seeks: (state, params) -> (map cells `[N, M]` int32 of the members for each agent, who of them is one `[N, M]` bool).
+    seeks: (state, params) -> (map cells `[N, M]` int32 of the members for each agent, whether each is a member `[N, M]` bool).
     """
 
     values: Callable[[Any, Any], Any]
@@ -36,7 +36,7 @@ class Lowered:
     seeks: tuple[Callable[[Any, Any], tuple[Any, Any]], ...]
 
 
-def lower_promises(game: ir.Game, expressions: list[ir.Expr], domains: list[ir.Domain]) -> Lowered:
+def lower_checks(game: ir.Game, expressions: list[ir.Expr], domains: list[ir.Domain]) -> Lowered:
     """Returns the functions. Raises NotSupported for what the compiler cannot say exactly."""
     module = Module(game, Layout(game))
     totals: dict[Total, str] = {}
@@ -49,12 +49,12 @@ def lower_promises(game: ir.Game, expressions: list[ir.Expr], domains: list[ir.D
 
 
 def with_totals(params: Any, totals: dict[str, Any]) -> Any:
-    """Returns parameters that have totals beside them."""
+    """Returns the parameters together with the totals of events."""
     return SimpleNamespace(**{name: getattr(params, name) for name in params.__dataclass_fields__}, **totals)
 
 
 def _total(node: Any, totals: dict[Total, str]) -> Any:
-    """Totals are read as if they were parameters of the game."""
+    """Replaces the total of an event by a parameter of the game."""
     if not isinstance(node, ir.EventTotal):
         return node
     name = identifier(f"_total_{node.name}" + (f"_of_{node.word}" if node.word else ""))

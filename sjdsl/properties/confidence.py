@@ -1,4 +1,4 @@
-"""How far what was counted in some episodes holds for all of them."""
+"""Confidence intervals for episode statistics: Clopper and Pearson for shares, Student's t for means."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ T = (
 
 
 def least_share(trials: int) -> float:
-    """Returns the smallest share of successes that goes with successes in all of so many trials, with confidence 95%; exact.
+    """Returns the 95% lower confidence bound of a probability of success after so many trials, all of them successes; exact.
 
     Source: Clopper and Pearson 1934, one-sided, all trials successes: share^n = 5%.
     """
@@ -20,7 +20,7 @@ def least_share(trials: int) -> float:
 
 
 def mean_and_half(values: Sequence[float]) -> tuple[float, float]:
-    """Returns the mean of episodes and half of its 95% interval (Student's t: about right for the means of many steps, not exact)."""
+    """Returns the mean over episodes and half of its 95% confidence interval (Student's t: approximate, as episodes are not normal)."""
     n = len(values)
     mean = sum(values) / n
     if n < 2:

@@ -1,4 +1,4 @@
-"""Courses worth going on with: cut off where something happened, or was so, that had seldom been before."""
+"""The corpus of the coverage-guided search: trajectories that reached something rare, kept to be continued."""
 
 import math
 from collections import Counter
@@ -12,101 +12,106 @@ import numpy as np
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Value
 from sjdsl.properties.coverage import Feature
-from sjdsl.properties.distance import Chains, Distances
+from sjdsl.properties.distance import Achievers, Distances
 from sjdsl.properties.preconditions import Goal
-from sjdsl.properties.trajectory import Course, Played
+from sjdsl.properties.trajectory import Scenario, Trajectory
 
-SELDOM = 3  # so often something happens and still makes a course worth going on with
-LONGEST = 48  # steps after which a course is not continued
-LOOKED_AT = 24  # courses of which those that are asked are the first on a map where a goal seems possible
-ASKED = 8  # courses of which one is chosen
-TIRING = 4  # after so many courses in vain on its map, or twice as many that went on from it, a course counts as twice as far from a goal
+SELDOM = 3  # a feature seen fewer times than this makes a trajectory worth keeping
+LONGEST = 48  # steps after which a trajectory is not continued
+LOOKED_AT = 24  # entries looked at; the first few on a map where a goal seems possible compete
+ASKED = 8  # random entries among which the best is chosen
+TIRING = 4  # after so many failed attempts on its map, or twice as many continuations, an entry counts as twice as far from a goal
 
 
 @dataclass
-class Kept:
-    """A course that ends where something was new: as made, as played, what was new in it, and how often it was gone on with."""
+class CorpusEntry:
+    """A trajectory that ends where something new happened, how to repeat it, what was new, and how often it was continued."""
 
-    course: Course
-    played: Played = field(compare=False, repr=False)
+    scenario: Scenario
+    trajectory: Trajectory = field(compare=False, repr=False)
     new: tuple[Feature, ...] = field(compare=False, repr=False)
     chosen: int = 0
     distances: Distances | None = field(default=None, compare=False, repr=False)
 
-    def distance(self, goal: Goal, chains: Chains) -> float:
-        """Returns how far the last state is from what a goal asks for."""
+    def distance(self, goal: Goal, achievers: Achievers) -> float:
+        """Returns the distance of its last state from a goal."""
         if self.distances is None:
-            self.distances = Distances(chains, self.played.game, self.played.worlds[-1])
-        return self.distances.of(goal.recipe, goal.many)
+            self.distances = Distances(achievers, self.trajectory.game, self.trajectory.worlds[-1])
+        return self.distances.of(goal.precondition, goal.many)
 
 
 @dataclass
 class Corpus:
-    """The courses kept, and how often everything was seen.
+    """The trajectories kept, and how often every feature was seen.
 
-    nearer: those that came nearer to a goal. vain: how often since then a course on a map, with a goal, has not: agents may be stuck there.
-    hopeless: maps, numbers of agents and goals, where from some state on no way to the goal was seen.
+    nearer: entries that came nearer to a goal. vain: for each map, how many attempts since then did not: its agents may be stuck.
+    hopeless: maps, numbers of agents and goals, where no way to the goal was seen from some state.
     """
 
-    kept: list[Kept] = field(default_factory=list)
+    entries: list[CorpusEntry] = field(default_factory=list)
     seen: Counter[Feature] = field(default_factory=Counter)
-    nearer: dict[Goal, list[Kept]] = field(default_factory=dict)
+    nearer: dict[Goal, list[CorpusEntry]] = field(default_factory=dict)
     vain: Counter[tuple[str, ...]] = field(default_factory=Counter)
     hopeless: set[tuple[tuple[str, ...], int, Goal]] = field(default_factory=set)
 
-    def add(self, course: Course, played: Played, since: int, promises: Sequence[int]) -> None:
-        """Remembers a course, up to each of its steps from `since` on in which something new is to be seen."""
+    def add(self, scenario: Scenario, trajectory: Trajectory, since: int, numbers: Sequence[int]) -> None:
+        """Keeps the trajectory up to each of its steps from `since` on that shows a rare feature."""
         before: set[Feature] = set()
-        for t in range(since, len(played.outcomes)):
-            found = set(played.happened[t]) | set(_so(played, t + 1, promises))
+        for t in range(since, len(trajectory.outcomes)):
+            found = set(trajectory.features[t]) | set(_state_features(trajectory, t + 1, numbers))
             new = found - before
             before |= found
             seldom = tuple(f for f in new if self.seen[f] < SELDOM)
             self.seen.update(new)
-            over = played.outcomes[t].terminated or played.outcomes[t].truncated
+            over = trajectory.outcomes[t].terminated or trajectory.outcomes[t].truncated
             if seldom and not over and t < LONGEST:
-                cut = replace(course, actions=tuple(played.actions[: t + 1]), luck=course.luck[: t + 1])
-                self.kept.append(Kept(cut, played.cut(t + 1), seldom))
+                cut = replace(scenario, actions=tuple(trajectory.actions[: t + 1]), bias=scenario.bias[: t + 1])
+                self.entries.append(CorpusEntry(cut, trajectory.cut(t + 1), seldom))
 
-    def add_nearer(self, course: Course, played: Played, goal: Goal) -> None:
-        """Remembers a course that came nearer to a goal than the one it went on from."""
-        self.kept.append(Kept(course, played, ()))
-        self.nearer.setdefault(goal, []).append(self.kept[-1])
+    def add_nearer(self, scenario: Scenario, trajectory: Trajectory, goal: Goal) -> None:
+        """Keeps a trajectory that came nearer to a goal than the one it continued."""
+        self.entries.append(CorpusEntry(scenario, trajectory, ()))
+        self.nearer.setdefault(goal, []).append(self.entries[-1])
 
-    def choose(self, random: Random, chains: Chains, goal: Goal | None = None) -> Kept:
-        """Returns a course to go on with, of some, rather one that was seldom gone on with.
+    def choose(self, random: Random, achievers: Achievers, goal: Goal | None = None) -> CorpusEntry:
+        """Returns an entry to continue: of a random few the one with the rarest features, or the nearest to the goal.
 
-        That in which the rarest happened; for a goal, the nearest to it, where those that came nearer to it before are always looked at.
+        Entries continued before count less. For a goal, the latest entries that came nearer to it are always looked at.
         """
-        some = [self.kept[random.randrange(len(self.kept))] for _ in range(ASKED if goal is None else LOOKED_AT)]
+        some = [self.entries[random.randrange(len(self.entries))] for _ in range(ASKED if goal is None else LOOKED_AT)]
         if goal is None:
-            best = min(some, key=lambda kept: (1 + kept.chosen) * min((self.seen[f] for f in kept.new), default=SELDOM))
+            best = min(some, key=lambda entry: (1 + entry.chosen) * min((self.seen[f] for f in entry.new), default=SELDOM))
         else:
-            some = [kept for kept in some if (kept.course.rows, kept.course.agents, goal) not in self.hopeless][:ASKED] or some[:ASKED]
+            some = [entry for entry in some if (entry.scenario.rows, entry.scenario.agents, goal) not in self.hopeless][:ASKED] or some[
+                :ASKED
+            ]
             some += self.nearer.get(goal, [])[-ASKED:]
-            lost = [kept.course for kept in some if kept.distance(goal, chains) == math.inf]
-            self.hopeless |= {(course.rows, course.agents, goal) for course in lost}
+            lost = [entry.scenario for entry in some if entry.distance(goal, achievers) == math.inf]
+            self.hopeless |= {(scenario.rows, scenario.agents, goal) for scenario in lost}
             best = min(
-                some, key=lambda kept: (1 + kept.distance(goal, chains)) * (1 + (self.vain[kept.course.rows] + kept.chosen / 2) / TIRING)
+                some,
+                key=lambda entry: (
+                    (1 + entry.distance(goal, achievers)) * (1 + (self.vain[entry.scenario.rows] + entry.chosen / 2) / TIRING)
+                ),
             )
         best.chosen += 1
         return best
 
 
-def _so(played: Played, at: int, promises: Sequence[int]) -> Iterator[Feature]:
-    """Yields, roughly, what a state is like: how many have which value of a field, who stands where, what promises read; and all pairs."""
-    world, board = played.worlds[at], board_of(played.game)
+def _state_features(trajectory: Trajectory, at: int, numbers: Sequence[int]) -> Iterator[Feature]:
+    """Yields features of a state: counts of field values, kinds stood on, values that checks read; and all pairs of them."""
+    world, board = trajectory.worlds[at], board_of(trajectory.game)
     fields = [*world.cells.items(), *world.agents.items(), *((name, [value]) for name, value in world.fields.items())]
     single: list[Feature] = []
     for name, values in fields:
-        single += [("so", name, value, min(n, 2)) for value, n in Counter(map(rough, values)).items()]
-    standing = Counter(board.kind_of[place] for place in world.position if place is not None)
+        single += [("so", name, value, min(n, 2)) for value, n in Counter(map(bucket, values)).items()]
+    standing = Counter(board.kind_of[cell] for cell in world.position if cell is not None)
     single += [("on", kind, min(n, 2)) for kind, n in standing.items()]
     single += [("away", min(2, sum(a is not None for a in world.away)))]
-    for number in promises:
-        check = played.game.checks[number]
-        ends = zip(played.values(check)[0], played.values(check)[at], strict=True)
-        single += [("read", number, place, rough(first), rough(value)) for place, (first, value) in enumerate(ends)]
+    for number in numbers:
+        check = trajectory.game.checks[number]
+        ends = zip(trajectory.values(check)[0], trajectory.values(check)[at], strict=True)
+        single += [("read", number, index, bucket(first), bucket(value)) for index, (first, value) in enumerate(ends)]
     yield from single
     yield from _pairs(single)
 
@@ -115,10 +120,10 @@ def _pairs(single: Iterable[Feature]) -> Iterator[Feature]:
     yield from (("pair", a, b) for a, b in combinations(sorted(single, key=repr), 2))
 
 
-def rough(value: Value) -> object:
-    """Returns a value with whole numbers above 4, and reals above 2, taken together; those below -4 and -2, too."""
+def bucket(value: Value) -> object:
+    """Returns a value with large numbers put into one bucket: whole numbers beyond 4 either way, reals beyond 2."""
     if isinstance(value, tuple):
-        return tuple(map(rough, value))
+        return tuple(map(bucket, value))
     if isinstance(value, frozenset):
         return min(len(value), 2)
     if isinstance(value, str | bool) or value is None:

@@ -1,4 +1,4 @@
-"""How a promise breaks, in pictures and words: the map, what the agents do, what each rule changes and by which draw."""
+"""Prints a counterexample to a check: the map, the actions, what each rule changes, and with which random draw."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,11 +9,11 @@ from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Value, World
 from sjdsl.interpreter.step import action_mask, read, step
 from sjdsl.interpreter.threefry import Draws
-from sjdsl.properties.float_overflow import tell_overflow
-from sjdsl.properties.instances import Ground
+from sjdsl.properties.float_overflow import describe_overflow
+from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import Totals
-from sjdsl.properties.search import Broken
-from sjdsl.properties.trajectory import words_of
+from sjdsl.properties.search import Counterexample
+from sjdsl.properties.trajectory import draws_of
 from sjdsl.trace.episode import Moment, Told, tell_of
 from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.picture import draw
@@ -24,41 +24,48 @@ from sjdsl.trace.wording import say_value
 _WORD = re.compile(r"  \(random word [0-9a-f]{8}: number \d+ of stream [0-9a-f]{8}\)")
 
 
-def tell_course(ground: Ground, broken: Broken) -> list[str]:
-    """Returns the whole course that breaks a promise."""
-    played, course = broken.played, broken.course
-    numbers = "".join(f", {name} = {shown(value)} (the file: {shown(_own(ground.own, name))})" for name, value in course.params)
-    lines = [f"{course.agents} agent{'s' * (course.agents != 1)} on a small map{numbers}", *legend(ground, played.game, played.worlds[0])]
-    leaves = played.left is not None and broken.where.at == len(played.worlds)
-    for t in range(broken.where.at - 1 if leaves else max(1, broken.where.at)):
-        lines += tell_step(ground, played.game, played.worlds[t], played.actions[t], played.params, words_of(course, t))
+def describe_counterexample(family: GameFamily, counterexample: Counterexample) -> list[str]:
+    """Returns the text of a whole counterexample."""
+    trajectory, scenario = counterexample.trajectory, counterexample.scenario
+    numbers = "".join(f", {name} = {shown(value)} (the file: {shown(_own(family.own, name))})" for name, value in scenario.params)
+    lines = [
+        f"{scenario.agents} agent{'s' * (scenario.agents != 1)} on a small map{numbers}",
+        *legend(family, trajectory.game, trajectory.worlds[0]),
+    ]
+    leaves = trajectory.left is not None and counterexample.where.at == len(trajectory.worlds)
+    for t in range(counterexample.where.at - 1 if leaves else max(1, counterexample.where.at)):
+        lines += describe_step(
+            family, trajectory.game, trajectory.worlds[t], trajectory.actions[t], trajectory.params, draws_of(scenario, t)
+        )
     if leaves:
-        return lines + tell_overflow(ground, played)
-    return lines + said_of_values(ground, broken)
+        return lines + describe_overflow(family, trajectory)
+    return lines + said_of_values(family, counterexample)
 
 
-def legend(ground: Ground, game: ir.Game, world: World) -> Iterator[str]:
-    """Yields what the characters of a map stand for, and the map."""
-    teller = make_teller(board_of(game), Rules(ground.composition.sources))
+def legend(family: GameFamily, game: ir.Game, world: World) -> Iterator[str]:
+    """Yields the legend of a map, and the map."""
+    teller = make_teller(board_of(game), Rules(family.composition.sources))
     here = {glyph for row in draw(teller.looks, teller.board, world) for glyph in row.split("  ")[0]}
     yield "    ".join(said for said in teller.looks.legend() if said[0] in here or said[0] in "".join(game.rows))
     yield from (f"    {row}" for row in draw(teller.looks, teller.board, world))
 
 
-def tell_step(ground: Ground, game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], words: Draws) -> list[str]:
-    """Returns one step, rule by rule, and the map after it."""
-    moment = take_step(game, world, actions, params, words)
-    return [in_short(line) for line in moment_lines(moment, make_teller(board_of(game), Rules(ground.composition.sources))) if line]
+def describe_step(
+    family: GameFamily, game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
+) -> list[str]:
+    """Returns the text of one step, rule by rule, and the map after it."""
+    moment = take_step(game, world, actions, params, draws)
+    return [in_short(line) for line in moment_lines(moment, make_teller(board_of(game), Rules(family.composition.sources))) if line]
 
 
 def in_short(line: str) -> str:
-    """Returns a line of a trace without where its random word comes from."""
+    """Returns a line of a trace without the source of its random number."""
     return _WORD.sub("", line)
 
 
-def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], words: Draws) -> Moment:
-    """Returns what there is to tell of a step."""
-    board, heard = board_of(game), Heard(words)
+def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws) -> Moment:
+    """Takes a step and returns everything that a trace tells of it."""
+    board, heard = board_of(game), Heard(draws)
     told: list[Told] = []
 
     def tell(account: Account) -> None:
@@ -71,38 +78,40 @@ def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mappi
     return Moment(world.step, (0, 0), after, tuple(told), tuple(actions), forbidden, outcome)
 
 
-def said_of_values(ground: Ground, broken: Broken) -> list[str]:
-    """Returns the numbers that the promise speaks of, before the break and after it."""
-    played, where, check = broken.played, broken.where, broken.played.game.checks[broken.promise]
+def said_of_values(family: GameFamily, counterexample: Counterexample) -> list[str]:
+    """Returns the values that the check reads, before the violation and after it."""
+    trajectory, where, check = counterexample.trajectory, counterexample.where, counterexample.trajectory.game.checks[counterexample.number]
     if check.sort == "symmetric":
         return []
     since = where.since if where.since is not None and check.sort != "once" else where.at - 1
-    return values_lines(ground, check, [(when(t), played.game, played.worlds[t], played.totals[t]) for t in (since, where.at) if t >= 0])
+    return values_lines(
+        family, check, [(when(t), trajectory.game, trajectory.worlds[t], trajectory.totals[t]) for t in (since, where.at) if t >= 0]
+    )
 
 
-def values_lines(ground: Ground, check: ir.Check, states: Sequence[tuple[str, ir.Game, World, Totals]]) -> list[str]:
-    """Returns `apples = 0 at the start, 1 after step 2` for each number that a promise speaks of."""
+def values_lines(family: GameFamily, check: ir.Check, states: Sequence[tuple[str, ir.Game, World, Totals]]) -> list[str]:
+    """Returns `apples = 0 at the start, 1 after step 2` for each value that a check reads."""
     lines = []
     for e in _told_of(check):
         values = ", ".join(f"{shown(read(game, world, e, totals))} {name}" for name, game, world, totals in states)
-        lines.append(f"{ground.text_of(e)} = {values}")
+        lines.append(f"{family.text_of(e)} = {values}")
     return list(dict.fromkeys(lines))
 
 
 def when(at: int) -> str:
-    """Returns when the state `at` is; steps are numbered as `step` is."""
+    """Returns the time of the state `at` in words; steps are numbered as `step` is."""
     return f"after step {at - 1}" if at else "at the start"
 
 
-def tell_symmetry(differing: tuple[str, list[str]] | None) -> list[str]:
-    """Returns what would have come of the last step under the turned rules."""
+def describe_asymmetry(differing: tuple[str, list[str]] | None) -> list[str]:
+    """Returns how the last step differs under the renumbered or mirrored rules."""
     assert differing is not None
     said, found = differing
     return [f"{said}, this step would give something else:", *(f"  {line} instead" for line in found)]
 
 
 def _told_of(check: ir.Check) -> list[ir.Expr]:
-    """Returns the sides of comparisons in a promise that depend on the state, or what it speaks of if it compares nothing."""
+    """Returns the sides of comparisons in a check that depend on the state, or its whole expressions if it compares nothing."""
     found: list[ir.Expr] = []
     for value in check.values:
         sides = [side for n in _open(value) if isinstance(n, ir.Compare) for side in (n.left, n.right)]
@@ -111,7 +120,7 @@ def _told_of(check: ir.Check) -> list[ir.Expr]:
 
 
 def _open(e: ir.Node) -> Iterator[ir.Node]:
-    """Yields the conditions that a condition is made of, those inside counts aside."""
+    """Yields the conditions that a condition is made of, except those inside counts."""
     yield e
     if isinstance(e, ir.Logic | ir.Not | ir.Named):
         for child in ir.children(e):

@@ -1,4 +1,4 @@
-"""What an expression reads of the state and what the rules ever write: what decides `conserved` without playing."""
+"""Read and write sets: which parts of the state an expression reads and a statement writes. This decides `conserved` statically."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ def is_untouched(e: ir.Expr, game: ir.Game) -> bool:
 
 
 def reads(node: ir.Node) -> Iterator[Part]:
-    """Yields what an expression reads; who is there (not away) is read wherever agents are counted."""
+    """Yields what an expression reads; whether agents are away is read wherever agents are counted."""
     for n in ir.walk(node):
         match n:
             case ir.FieldRead():
@@ -38,7 +38,7 @@ def reads(node: ir.Node) -> Iterator[Part]:
 
 
 def writes(game: ir.Game) -> Iterator[Part]:
-    """Yields what the turns of the schedule can write; nobody is away where every `send` is at once and nobody is removed."""
+    """Yields what the schedule can write. Agents can be away only if a `send` takes time or an agent is removed."""
     yield STEP
     if any(isinstance(turn, ir.Tick) for turn in game.schedule):
         fields = [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
@@ -48,7 +48,7 @@ def writes(game: ir.Game) -> Iterator[Part]:
 
 
 def written_by(n: ir.Node) -> Iterator[Part]:
-    """Yields what one sentence can write; nothing for one that has others in it."""
+    """Yields what one statement can write; nothing for a compound statement."""
     match n:
         case ir.Set() | ir.Add():
             yield from _target(n.target)

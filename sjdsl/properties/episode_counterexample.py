@@ -1,4 +1,4 @@
-"""How an episode on the game's own map breaks a promise: its end in numbers, and the step with which it happens, as small as it can be."""
+"""Prints how an episode on the game's own map violates a check: its totals, and the one step with the violation."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -9,10 +9,10 @@ from sjdsl.interpreter.state import Cell, World
 from sjdsl.interpreter.step import read
 from sjdsl.properties.counterexample import in_short, shown, take_step, when
 from sjdsl.properties.effects import AWAY, HEADING, MOVED, PLACE, Part, reads
-from sjdsl.properties.engines import Episode, Stretch
-from sjdsl.properties.instances import Ground
-from sjdsl.properties.monitors import Break
-from sjdsl.properties.trajectory import params_of, words_of
+from sjdsl.properties.engines import Episode, EpisodeRunner
+from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.monitors import Violation
+from sjdsl.properties.trajectory import draws_of, params_of
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
 from sjdsl.trace.lines import make_teller, turn_lines
@@ -23,52 +23,54 @@ AROUND = 2  # rows of the map shown above and below what changed
 PLACES = {"place": PLACE, "heading": HEADING, "moved": MOVED, "away": AWAY}
 
 
-def tell_episode(ground: Ground, stretch: Stretch, episode: Episode, policies: Sequence[ir.Policy], number: int, where: Break) -> list[str]:
-    """Returns the end of an episode, and of the step with which a promise breaks in it what the promise speaks of."""
-    check = ground.own.checks[number]
-    names = names_of(ground, policies)
+def describe_episode(
+    family: GameFamily, runner: EpisodeRunner, episode: Episode, policies: Sequence[ir.Policy], number: int, where: Violation
+) -> list[str]:
+    """Returns the totals of an episode, and of the step with the violation what the check reads."""
+    check = family.own.checks[number]
+    names = names_of(family, policies)
     totals = ", ".join(f"{name}{f'[{word}]' if word else ''} {count}" for (name, word), count in episode.totals.items())
     lines = [f"episode {episode.number} on the game's own map, the agents in turn: {names}"]
     lines += [f"at its end, after {len(episode.actions)} steps: {totals}"] if totals else []
     if where.at < 1 or (check.sort == "expect" and not any(holds for (holds,) in episode.values[number])):
-        return lines  # there is no step in which it breaks
-    world = stretch.world_before(episode, policies, where.at - 1)
-    moment = _still(ground.own, stretch, episode, world, policies, check, where)
-    lines += list(_step(ground, world, moment, check))
+        return lines  # no single step violates it
+    world = runner.world_before(episode, policies, where.at - 1)
+    moment = _still(family.own, runner, episode, world, policies, check, where)
+    lines += list(_step(family, world, moment, check))
     since = where.since if where.since is not None and check.sort != "once" else where.at - 1
     for e, before, after in zip(check.values, episode.values[number][since], episode.values[number][where.at], strict=True):
-        lines.append(f"{ground.text_of(e)}: {shown(before)} {when(since)}, {shown(after)} {when(where.at)}")
+        lines.append(f"{family.text_of(e)}: {shown(before)} {when(since)}, {shown(after)} {when(where.at)}")
     return lines
 
 
-def names_of(ground: Ground, policies: Sequence[ir.Policy]) -> str:
+def names_of(family: GameFamily, policies: Sequence[ir.Policy]) -> str:
     """Returns the policies as they are written."""
-    return ", ".join(dict.fromkeys(ground.text_of(p) if p.origin is not None else p.name for p in policies))
+    return ", ".join(dict.fromkeys(family.text_of(p) if p.origin is not None else p.name for p in policies))
 
 
 def _still(
-    game: ir.Game, stretch: Stretch, episode: Episode, world: World, policies: Sequence[ir.Policy], check: ir.Check, where: Break
+    game: ir.Game, runner: EpisodeRunner, episode: Episode, world: World, policies: Sequence[ir.Policy], check: ir.Check, where: Violation
 ) -> Moment:
-    """Returns the step that breaks a promise, in which all agents stay who need not act for that."""
-    course, params, stay = stretch.course(policies, episode.number), params_of(game, ()), game.agents.actions.index("stay")
-    words = words_of(course, where.at - 1)
-    moment = take_step(game, world, episode.actions[where.at - 1], params, words)
+    """Returns the step with the violation, in which every agent stays whose action is not needed for it."""
+    scenario, params, stay = runner.scenario(policies, episode.number), params_of(game, ()), game.agents.actions.index("stay")
+    draws = draws_of(scenario, where.at - 1)
+    moment = take_step(game, world, episode.actions[where.at - 1], params, draws)
     if any(isinstance(n, ir.EventTotal) for n in ir.walk(check)):
         return moment  # totals are those of the episode as it went
     wrong = [read(game, moment.world, e) for e in check.values]
     for agent in range(game.agents.number):
         actions = (*moment.actions[:agent], stay, *moment.actions[agent + 1 :])
-        quieter = take_step(game, world, actions, params, words)
+        quieter = take_step(game, world, actions, params, draws)
         if [read(game, quieter.world, e) for e in check.values] == wrong:
             moment = quieter
     return moment
 
 
-def _step(ground: Ground, world: World, moment: Moment, check: ir.Check) -> Iterator[str]:
-    """Yields the rules of a step that changed what a promise reads, between the parts of the map where they did."""
-    game, about = ground.own, {part for e in check.values for part in reads(e)}
+def _step(family: GameFamily, world: World, moment: Moment, check: ir.Check) -> Iterator[str]:
+    """Yields the rules of a step that changed what a check reads, between the affected rows of the map before and after."""
+    game, about = family.own, {part for e in check.values for part in reads(e)}
     board = board_of(game)
-    teller = make_teller(board, Rules(ground.composition.sources))
+    teller = make_teller(board, Rules(family.composition.sources))
     turns = [replace(turn, effects=tuple(e for e in turn.effects if _part(e, board) in about)) for turn in moment.turns]
     turns = [turn for turn in turns if turn.effects] or list(moment.turns)
     rows = _rows([e for turn in turns for e in turn.effects], moment.world, len(game.rows))
@@ -84,7 +86,7 @@ def _step(ground: Ground, world: World, moment: Moment, check: ir.Check) -> Iter
 
 
 def _part(effect: Effect, board: Board) -> Part:
-    """Returns what an effect changes, as `touches` names it."""
+    """Returns which part of the state an effect changes, as in `effects.py`."""
     name = effect.name.partition("[")[0]
     match effect.sort:
         case "field" if isinstance(effect.owner, Cell):
@@ -98,7 +100,7 @@ def _part(effect: Effect, board: Board) -> Part:
 
 
 def _rows(effects: Sequence[Effect], world: World, height: int) -> range:
-    """Returns the rows of the map around what changed; all if nothing has a place."""
+    """Returns the rows of the map around what changed; all if nothing has a cell."""
     cells = [e.owner if isinstance(e.owner, Cell) else world.position[e.owner] for e in effects if e.owner is not None]
     rows = [cell.row for cell in cells if cell is not None]
     return range(max(0, min(rows) - AROUND), min(height, max(rows) + AROUND + 1)) if rows else range(height)

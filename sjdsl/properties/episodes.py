@@ -1,4 +1,4 @@
-"""Whole episodes of the compiled game under scripted policies, and what its promises read after every step."""
+"""Plays whole episodes of the compiled game under scripted policies, and reads the values of its checks after every step."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ import numpy as np
 from jax import Array
 
 from sjdsl.compiler import ir
-from sjdsl.properties.biased_words import POLICY, RESET, STEP
-from sjdsl.properties.compiled_values import Lowered, lower_promises, with_totals
+from sjdsl.properties.biased_draws import POLICY, RESET, STEP
+from sjdsl.properties.compiled_values import Lowered, lower_checks, with_totals
 from sjdsl.properties.scripted_policies import WANDERS, allowed_by
-from sjdsl.properties.shortest_paths import FAR, Ways, ways_of
+from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
 from sjdsl.runtime.draws import below, words_at
 from sjdsl.runtime.env import Environment
 
@@ -22,7 +22,7 @@ BATCH = 10  # episodes played side by side
 
 @dataclass(frozen=True)
 class Episodes:
-    """Episodes as they went, B of them.
+    """B episodes.
 
     values: `[B, T + 1, K]`, of each expression in the first state and after each step; actions `[B, T, N]`; length `[B]`, steps
     until the end of each; totals: the final ones, (event, word or None) -> `[B]`. number: that of the first episode. left `[B]`: the first
@@ -47,14 +47,14 @@ class Script:
 
 
 class Player:
-    """Plays a compiled game. One compilation serves all policies of its promises."""
+    """Plays a compiled game. One compilation serves all policies of its checks."""
 
     def __init__(self, env: Environment, checks: Sequence[ir.Check]):
         self.env = env
         self.expressions = [e for check in checks for e in check.values]
         self.domains = list(dict.fromkeys(p.domain for check in checks for p in check.policies if p.domain is not None))
-        self._lowered = lower_promises(env.game, self.expressions, self.domains)
-        self._ways = ways_of(env.game) if self.domains else None
+        self._lowered = lower_checks(env.game, self.expressions, self.domains)
+        self._shortest_paths = shortest_paths_of(env.game) if self.domains else None
         self._steps = env.episode_length
         self._run = jax.jit(jax.vmap(self._episode, in_axes=(0, None)))
         self._step = jax.jit(env.step_env)
@@ -81,9 +81,9 @@ class Player:
     def state_before(self, actions: np.ndarray, seed: int, episode: int, step: int) -> Any:
         """Returns the state before a step of an episode whose actions are known."""
         key = jnp.asarray(np.array([seed & 0xFFFFFFFF, episode], np.uint32))
-        _, state = self.env.reset(_words(key, RESET, jnp.int32(0)))
+        _, state = self.env.reset(_derived_key(key, RESET, jnp.int32(0)))
         for t in range(step):
-            _, state, *_ = self._step(_words(key, STEP, jnp.int32(t)), state, jnp.asarray(actions[t]))
+            _, state, *_ = self._step(_derived_key(key, STEP, jnp.int32(t)), state, jnp.asarray(actions[t]))
         return state
 
     def _episode(self, key: Array, script: tuple[Array, Array, Array]) -> Any:
@@ -95,13 +95,13 @@ class Player:
 
         def advance(carry: Any, t: Array) -> Any:
             state, totals, over = carry
-            actions = self._choose(state, _words(key, POLICY, t), script)
-            _, state, reward, done, info = env.step_env(_words(key, STEP, t), state, actions)
+            actions = self._choose(state, _derived_key(key, POLICY, t), script)
+            _, state, reward, done, info = env.step_env(_derived_key(key, STEP, t), state, actions)
             counted = {name: totals[name] + jnp.where(over, 0, jnp.sum(info["events"][name])) for *_, name in names}
             values = read(state, counted)
             return (state, counted, over | done), (values, actions, over, _is_finite((state, reward, values)))
 
-        _, state = env.reset(_words(key, RESET, jnp.int32(0)))
+        _, state = env.reset(_derived_key(key, RESET, jnp.int32(0)))
         none = {name: jnp.int32(0) for *_, name in names}
         first = read(state, none)
         (_, totals, _), (values, actions, over, finite) = jax.lax.scan(advance, (state, none, jnp.bool_(False)), jnp.arange(self._steps))
@@ -110,36 +110,36 @@ class Player:
         return jnp.concatenate([first[None], values]), actions, length, {(e, w): totals[name] for e, w, name in names}, left
 
     def _choose(self, state: Any, key: Array, script: tuple[Array, Array, Array]) -> Array:
-        """Returns an action for each agent, as `policies.choose` does on the interpreter."""
+        """Returns an action for each agent, as `scripted_policies.choose` does on the interpreter."""
         table, count, seek = script
         agents = self.env.num_agents
-        words = words_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
-        actions = jnp.take_along_axis(table, below(words[:, 0], count)[:, None], axis=1)[:, 0]
-        if self._ways is None:
+        bits = words_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
+        actions = jnp.take_along_axis(table, below(bits[:, 0], count)[:, None], axis=1)[:, 0]
+        if self._shortest_paths is None:
             return actions
-        wandering = below(words[:, 1], jnp.int32(WANDERS)) == 0
+        wandering = below(bits[:, 1], jnp.int32(WANDERS)) == 0
         for i, where in enumerate(self._lowered.seeks):
             cells, members = where(state, self.env.params)
-            walks = self._walk(state, cells, members & ~wandering[:, None], words[:, 0], self._ways)
+            walks = self._walk(state, cells, members & ~wandering[:, None], bits[:, 0], self._shortest_paths)
             actions = jnp.where(seek == i, walks, actions)
         return actions
 
-    def _walk(self, state: Any, cells: Array, members: Array, words: Array, ways: Ways) -> Array:
+    def _walk(self, state: Any, cells: Array, members: Array, bits: Array, paths: ShortestPaths) -> Array:
         stay = jnp.int32(self.env.game.agents.actions.index("stay"))
-        if not ways.moves:
+        if not paths.moves:
             return jnp.full(self.env.num_agents, stay)
         row, col = self.env.cells(state)
         away = state.position == 0
-        node = jnp.where(away, 0, (row * ways.width + col) * 4 + state.heading)
-        columns = 1 if ways.headed else 4
-        distance, after, moves = jnp.asarray(ways.distance), jnp.asarray(ways.after), jnp.asarray(ways.moves, jnp.int32)
+        node = jnp.where(away, 0, (row * paths.width + col) * 4 + state.heading)
+        columns = 1 if paths.headed else 4
+        distance, after, moves = jnp.asarray(paths.distance), jnp.asarray(paths.after), jnp.asarray(paths.moves, jnp.int32)
         cells = jnp.where(members, cells, 0)
         away_by = jnp.where(members, distance[cells, (node // columns)[:, None]], FAR)
         nearest = jnp.argmin(away_by, axis=1)[:, None]
         least = jnp.take_along_axis(away_by, nearest, axis=1)[:, 0]
         target = jnp.take_along_axis(cells, nearest, axis=1)
         best = moves[jnp.argmin(distance[target, after[node] // columns], axis=1)]
-        lost = moves[below(words, jnp.int32(len(ways.moves)))]
+        lost = moves[below(bits, jnp.int32(len(paths.moves)))]
         return jnp.where(away | (least == 0), stay, jnp.where(least == FAR, lost, best))
 
 
@@ -150,7 +150,7 @@ def _is_finite(tree: Any) -> Array:
 
 
 def _read_totals(lowered: Lowered, totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:
-    """Returns what the expressions know totals by; of an event with words, without a word, the sum over them."""
+    """Returns what the expressions call the totals; the total of an event by words, if no word is given, is the sum over its words."""
     words = {e.name: e.by for e in game.events}
     found = {}
     for (event, word), attribute in lowered.totals.items():
@@ -159,6 +159,6 @@ def _read_totals(lowered: Lowered, totals: dict[str, Array], game: ir.Game) -> d
     return found
 
 
-def _words(key: Array, stream: int, number: Array) -> Array:
-    """Returns the two words of a key made from another, as `draws.step_key` does."""
+def _derived_key(key: Array, stream: int, number: Array) -> Array:
+    """Returns the two numbers of a key made from another, as `draws.step_key` does."""
     return words_at(key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32))

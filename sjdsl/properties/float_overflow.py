@@ -1,4 +1,4 @@
-"""How a real that leaves float32 is told: the step, the sentence that computes it, and the reals of the state before."""
+"""Describes a float32 overflow: the step, the statement that computes the real, and the reals of the state before."""
 
 from collections.abc import Iterator
 
@@ -6,28 +6,28 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import Value, World
-from sjdsl.properties.instances import Ground
-from sjdsl.properties.trajectory import Played
+from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.trajectory import Trajectory
 from sjdsl.trace.rules import Rules
 
 LARGEST = "3.4e38"  # of float32: (2 - 2^-23) * 2^127
 
 
-def tell_overflow(ground: Ground, played: Played) -> list[str]:
-    """Returns what the agents do in the last step of a course, the sentence, and the largest reals before it."""
-    assert played.left is not None
-    said = f"{place(ground, played.left.node)}  {Rules(ground.composition.sources).text(played.left.node)}"
-    if not played.worlds:
+def describe_overflow(family: GameFamily, trajectory: Trajectory) -> list[str]:
+    """Returns what the agents do in the last step of a trajectory, the statement, and the largest reals before it."""
+    assert trajectory.left is not None
+    said = f"{file_and_line(family, trajectory.left.node)}  {Rules(family.composition.sources).text(trajectory.left.node)}"
+    if not trajectory.worlds:
         return [f"in phase start: {said}"]
-    world, names = played.worlds[-1], played.game.agents.actions
-    acting = ", ".join(f"{agent} {names[action]}" for agent, action in enumerate(played.actions[-1]))
-    told = [f"step {world.step}: {acting}"] if len(played.actions) > len(played.outcomes) else []
+    world, names = trajectory.worlds[-1], trajectory.game.agents.actions
+    acting = ", ".join(f"{agent} {names[action]}" for agent, action in enumerate(trajectory.actions[-1]))
+    told = [f"step {world.step}: {acting}"] if len(trajectory.actions) > len(trajectory.outcomes) else []
     return [*told, f"  {said}: the result is larger than the largest float32, {LARGEST}, or no number", *_reals(world)]
 
 
-def place(ground: Ground, node: ir.Node) -> str:
+def file_and_line(family: GameFamily, node: ir.Node) -> str:
     """Returns the file and line of a part of the rules."""
-    return Rules(ground.composition.sources).place(node)
+    return Rules(family.composition.sources).place(node)
 
 
 def _reals(world: World) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""A game that can be laid out on other maps and for other numbers of agents, as its own text allows."""
+"""Instances of a game under test: the same rules on other maps and for other numbers of agents."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -23,8 +23,8 @@ FEW = range(1, 5)  # numbers of agents on small maps
 KEPT = 512  # layouts remembered
 
 
-class Ground:
-    """A composed game. `own`: as the file has it.
+class GameFamily:
+    """A composed game and its instances. `own`: the one that the file describes.
 
     Raises CompileError with every problem of the file.
     """
@@ -57,7 +57,7 @@ class Ground:
 
     @cached_property
     def doubled(self) -> ir.Game:
-        """The game on its own map twice, one under the other: what holds here only by the number of cells does not hold there.
+        """The game on its own map twice, one copy below the other: a check that holds only for the number of cells fails here.
 
         The game itself if the compiler does not take such a map.
         """
@@ -86,7 +86,7 @@ class Ground:
 
     @cached_property
     def destinations(self) -> tuple[tuple[ir.Send, tuple[str, ...]], ...]:
-        """Each place agents are sent to, and the glyphs of cells that are free for it at the start."""
+        """Each `send` that places agents, and the glyphs of cells that are free for it at the start."""
         found: dict[str, tuple[ir.Send, tuple[str, ...]]] = {}
         for phase in (self.own.start, *self.own.schedule):
             for node in ir.walk(phase):

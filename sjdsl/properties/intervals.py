@@ -1,10 +1,10 @@
-"""What the ranges of numbers alone decide: conditions that hold, or do not, whatever the state."""
+"""Interval analysis: decides conditions from the ranges of the numbers in them, whatever the state."""
 
 from sjdsl.compiler import ir
 
 
 def decide(e: ir.Expr) -> bool | None:
-    """Returns whether a condition holds in every state and for all numbers the game takes; None if its ranges do not tell."""
+    """Returns whether a condition holds in every state and for all parameters the game takes; None if the ranges do not decide it."""
     match e:
         case ir.Truth():
             return e.value
@@ -26,7 +26,7 @@ def decide(e: ir.Expr) -> bool | None:
 
 
 def range_of(e: ir.Expr) -> ir.Type:
-    """Returns the range of a number; all cells of a kind are as many as the map has."""
+    """Returns the interval of a number; a count of all cells of a kind is exact."""
     if isinstance(e, ir.Count) and e.domain.var.who == "cell" and e.domain.place is None and e.domain.where is None:
         return e.type.model_copy(update={"low": e.type.high})
     return e.type

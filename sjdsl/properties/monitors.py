@@ -1,4 +1,4 @@
-"""What a promise reads of a state, and where a course of states breaks it; the same for both engines."""
+"""Monitors: find the first violation of a check in the values it reads along a trajectory; the same for both engines."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,34 +8,34 @@ from sjdsl.compiler import ir
 
 Totals = Mapping[tuple[str, str | None], int]  # (event, its word or None) -> its count so far, over all agents
 REAL = 1e-6  # reals closer than this, relative, are equal
-DRIFT = 1e-4  # what sums of reals may lose in an episode, relative
-STATES = ("always", "once", "conserved", "monotone")  # promises about every course of play
+DRIFT = 1e-4  # rounding error allowed in sums of reals over an episode, relative
+STATES = ("always", "once", "conserved", "monotone")  # checks about the states of a trajectory
 
 
 @dataclass(frozen=True)
-class Break:
-    """Where a promise breaks: `at`, the state (0: the one an episode starts from), compared with an earlier one, `since`."""
+class Violation:
+    """Where a check is violated: the state `at` (0: the one an episode starts from), compared with an earlier state, `since`."""
 
     at: int
     since: int | None = None
 
 
-def find_break(check: ir.Check, values: Sequence[Sequence[Any]]) -> Break | None:
-    """Returns the first break of a promise in a course.
+def find_violation(check: ir.Check, values: Sequence[Sequence[Any]]) -> Violation | None:
+    """Returns the first violation of a check in a trajectory.
 
     Args:
       check: an `always`, `once`, `conserved` or `monotone`.
-      values: for the first state and the one after each step the values of the promise's expressions.
+      values: for the first state and the one after each step the values of the check's expressions.
     """
     match check.sort:
         case "always":
-            return next((Break(t) for t, (holds,) in enumerate(values) if t and not holds), None)
+            return next((Violation(t) for t, (holds,) in enumerate(values) if t and not holds), None)
         case "once":
             since = next((t for t, (trigger, _) in enumerate(values) if t and trigger), len(values))
-            return next((Break(t, since) for t in range(since, len(values)) if not values[t][1]), None)
+            return next((Violation(t, since) for t in range(since, len(values)) if not values[t][1]), None)
         case "conserved":
             first = values[0][0]
-            return next((Break(t, 0) for t, (value,) in enumerate(values) if not _same(value, first, DRIFT)), None)
+            return next((Violation(t, 0) for t, (value,) in enumerate(values) if not _same(value, first, DRIFT)), None)
         case "monotone":
             return _turn(values, rising=check.words[0] == "rising")
         case _:
@@ -50,8 +50,8 @@ def _same(a: Any, b: Any, tolerance: float = REAL) -> bool:
     return abs(float(a) - float(b)) <= tolerance * max(1.0, abs(float(a)), abs(float(b)))
 
 
-def _turn(values: Sequence[Sequence[Any]], rising: bool) -> Break | None:
-    """Returns the first state that, beside an earlier one, has more of the second value and the wrong change of the first."""
+def _turn(values: Sequence[Sequence[Any]], rising: bool) -> Violation | None:
+    """Returns the first state that, compared with an earlier one, changes the first value the wrong way for the second."""
     sign = 1 if rising else -1
     seen: dict[tuple[float, float], int] = {}
     for t, (value, argument) in enumerate(values):
@@ -61,7 +61,7 @@ def _turn(values: Sequence[Sequence[Any]], rising: bool) -> Break | None:
         for (other_value, other_argument), since in seen.items():
             change = sign * (here[0] - other_value) * (1 if here[1] > other_argument else -1)
             if change < 0 and not _same(here[0], other_value) and not _same(here[1], other_argument):
-                return Break(t, since)
+                return Violation(t, since)
         seen[here] = t
     return None
 

@@ -1,9 +1,9 @@
-"""Which way an expression goes when another grows: what decides `monotone` without playing.
+"""Monotonicity analysis: whether an expression rises or falls when another grows. This decides `monotone` statically.
 
-Every operation is followed with the ranges of its parts; numbers of the game (`param`) may have any value they can take.
+Every operation is followed with the intervals of its parts; parameters of the game may have any value they can take.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from sjdsl.compiler import ir
@@ -28,7 +28,7 @@ OPPOSITE: Mapping[Slope, Slope] = {"level": "level", "rising": "falling", "falli
 
 
 def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
-    """Returns whether the ranges alone tell that a `monotone` holds; False: they do not."""
+    """Returns whether a `monotone` is proved; False: it is not known."""
     value, argument = check.values
     wanted: Slope = "rising" if check.words[0] == "rising" else "falling"
     params = {p.name: p.value for p in game.params}
@@ -53,7 +53,7 @@ def _is_fixed(e: ir.Node, game: ir.Game) -> bool:
 
 
 def _atoms(e: ir.Node, game: ir.Game) -> set[str]:
-    """Returns the parts that read the state, each as a whole."""
+    """Returns the texts of the largest parts that read the state."""
     if _is_fixed(e, game):
         return set()
     if isinstance(e, READING) or not isinstance(e, ir.Expression):
@@ -62,7 +62,7 @@ def _atoms(e: ir.Node, game: ir.Game) -> set[str]:
 
 
 def _slope(e: ir.Expr, of: str, game: ir.Game, params: Mapping[str, Any]) -> Slope | None:
-    """Returns which way `e` goes when the expression with this text grows and all else stays; None: not known."""
+    """Returns the direction in which `e` changes when the expression with this text grows and all else stays; None: not known."""
     if text(e) == of or (isinstance(e, ir.Named) and text(e.value) == of):
         return "rising"
     if _is_fixed(e, game):
@@ -80,7 +80,7 @@ def _slope(e: ir.Expr, of: str, game: ir.Game, params: Mapping[str, Any]) -> Slo
 
 
 def _ramp(e: ir.Ramp, of: str, game: ir.Game, params: Mapping[str, Any]) -> Slope | None:
-    """The compiler has proved that the ends of a ramp never cross: their order in the file is their order always."""
+    """Returns the direction of a ramp. The compiler has proved that its ends never cross: their order in the file is their order always."""
     slope = _slope(e.value, of, game, params)
     if slope is None or not (_is_fixed(e.zero_at, game) and _is_fixed(e.one_at, game)):
         return None
@@ -113,7 +113,7 @@ def _scaled(slope: Slope | None, by: ir.Type) -> Slope | None:
     return slope if by.low >= 0 else OPPOSITE[slope] if by.high <= 0 else None
 
 
-def _together(slopes: list[Slope | None]) -> Slope | None:
-    """Returns the way a sum goes whose parts go these ways."""
+def _together(slopes: Sequence[Slope | None]) -> Slope | None:
+    """Returns the direction of a sum whose parts have these directions."""
     moving = set(slopes) - {"level"}
     return "level" if not moving else next(iter(moving)) if len(moving) == 1 else None

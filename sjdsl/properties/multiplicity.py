@@ -1,4 +1,4 @@
-"""How often a sentence can take place in one step at most: as often as the quantifiers around it have members."""
+"""Multiplicity of a statement: how often it can run in one step at most, by the quantifiers around it."""
 
 import math
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ Quantifier = ir.Each | ir.Pick | ir.First | ir.Match
 def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, int]:
     """Returns for the variables of quantifiers how many members each has at most, within one member of those around it.
 
-    The product is how often a sentence inside all of them takes place at most. Of two that are matched the second has one.
+    The product is how often a statement inside all of them runs at most. Of two that are matched the second has one.
     """
     found: dict[str, int] = {}
     for quantifier in quantifiers:
@@ -36,7 +36,7 @@ def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, i
 
 
 def is_always_once(quantifiers: Sequence[Quantifier]) -> bool:
-    """Returns whether a sentence takes place at most once in a step, on any map, with any agents: nothing around it but `pick 1`."""
+    """Returns whether a statement runs at most once in a step, on any map, with any agents: nothing around it but `pick 1`."""
     return all(isinstance(quantifier, ir.Pick) and quantifier.most == 1 for quantifier in quantifiers)
 
 
@@ -59,5 +59,5 @@ def _members(domain: ir.Domain, board: Board) -> int:
 
 
 def most(quantifiers: Sequence[Quantifier], board: Board, without: str | None = None) -> int:
-    """Returns how often a sentence can take place in one step; `without`: for each member of one of the variables."""
+    """Returns how often a statement can run in one step; `without`: for each member of one of the variables."""
     return math.prod(number for name, number in most_of_each(quantifiers, board).items() if name != without)

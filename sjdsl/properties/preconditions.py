@@ -1,4 +1,4 @@
-"""What a sentence needs to take place, read off its text: who acts how, and which cells or agents must be where they reach."""
+"""Preconditions of a statement, read off its text: which agents act how, and which cells or agents must be in reach."""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -15,29 +15,29 @@ from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.properties.effects import AWAY, STEP, reads, written_by
 from sjdsl.properties.effects import Part as Written
 from sjdsl.properties.multiplicity import Quantifier
-from sjdsl.properties.statements import Leaf, Place
+from sjdsl.properties.statements import LeafStatement, StatementId
 
-BACKWARDS = 0.95  # how often what a sentence lacks is brought about first
-JOINING = (1, 2, 2, 3)  # how many are sent where agents are gathered in a set
-MOST = 4  # sentences that are brought about at once
-NEVER = 4.0  # how much more often a sentence that never ran is looked for than one that ran once
+BACKWARDS = 0.95  # how often the unmet conditions of a statement are achieved first
+JOINING = (1, 2, 2, 3)  # how many agents are sent where agents join a set
+MOST = 4  # statements that are worked towards at once
+NEVER = 4.0  # how much more often a statement that never ran is chosen than one that ran once
 
 
-Bound = tuple[str, Value] | None  # a variable and which cell, or agent, it is
+Bound = tuple[str, Value] | None  # a variable and its value: a cell or an agent
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """What a sentence needs.
+class Precondition:
+    """What a statement needs to run, and what it writes.
 
-    agents, cells: the variables of its domains and guards; cells with the kinds they can be of. actions: what an agent must choose; on: kinds
-    of cells on which it must stand. reaches: (agent, shape, agent or cell that must be in it). tests: conditions, with the variables they
-    name. writes: what the sentence changes; sets, adds: what it sets that to, or adds to it; owner: whose field
-    that is; joins: which agent it adds to a set. gathers: agents that must be in a set, each with the condition that the set is not empty.
-    quantifiers: those around it; block: what else stands beside it under the same conditions takes place when it does.
+    agents, cells: the variables of its domains and guards; cells with the kinds they can be of. actions: what an agent must choose;
+    on: kinds of cells on which it must stand. reaches: (agent, shape, agent or cell that must be in it). tests: conditions, with the
+    variables they name. writes: what the statement changes; sets, adds: the value it sets, or adds; owner: whose field that is; joins:
+    which agent it adds to a set. gathers: agents that must be in a set, each with the condition that the set is not empty.
+    quantifiers: those around it; block: other statements under the same conditions, which run when it does.
     """
 
-    place: Place
+    statement_id: StatementId
     writes: frozenset[Written]
     sets: ir.Expr | None
     adds: ir.Expr | None
@@ -54,33 +54,33 @@ class Recipe:
     block: tuple[object, ...]
 
     def fitting_agents(self, name: str, game: ir.Game, world: World) -> list[int]:
-        """Returns the agents for which everything holds that is said of them, but what they choose and where they stand.
+        """Returns the agents for which all conditions hold, except on their action and on where they stand.
 
         They have a cell to reach for which the rest holds.
         """
-        here = [agent for agent, place in enumerate(world.position) if place is not None]
+        here = [agent for agent, cell in enumerate(world.position) if cell is not None]
         fitting = [agent for agent in here if self._holds({name: agent}, game, world)]
         wanted = [member for anchor, _, member in self.reaches if anchor == name and member in self.cells]
         return [a for a in fitting if not wanted or any(self.fitting_cells(member, game, world, {name: a}) for member in wanted)]
 
     def unmet(self, game: ir.Game, world: World, many: int, bound: Bound = None) -> list[ir.Expr]:
-        """Returns the conditions that hold for no agent and no cell, or not together, or for fewer than `many` agents.
+        """Returns the unmet conditions: those that hold for no agent and no cell, or not together, or for fewer than `many` agents.
 
         bound: a cell that is given.
         """
-        lacking = [test for named, test in self.tests if not self._is_met(named, test, game, world, bound)]
-        wanted = min(many, sum(place is not None for place in world.position))
+        unmet = [test for named, test in self.tests if not self._is_met(named, test, game, world, bound)]
+        wanted = min(many, sum(cell is not None for cell in world.position))
         for name in self.agents:
             if len(self.fitting_agents(name, game, world)) < wanted:
-                lacking += [test for named, test in self.tests if name in named]
+                unmet += [test for named, test in self.tests if name in named]
         for name in self.cells:
-            if not lacking and not self.fitting_cells(name, game, world, {}, bound):
-                lacking += [test for named, test in self.tests if named == {name}]
-        return list({id(test): test for test in lacking}.values())
+            if not unmet and not self.fitting_cells(name, game, world, {}, bound):
+                unmet += [test for named, test in self.tests if named == {name}]
+        return list({id(test): test for test in unmet}.values())
 
     def _is_met(self, named: frozenset[str], test: ir.Expr, game: ir.Game, world: World, bound: Bound) -> bool:
-        """Returns whether a condition holds for any choice of its variables; with more than two of them that is not looked at."""
-        here = [agent for agent, place in enumerate(world.position) if place is not None]
+        """Returns whether a condition holds for any choice of its variables; with more than two of them it is taken to hold."""
+        here = [agent for agent, cell in enumerate(world.position) if cell is not None]
         choices: list[list[Value]] = [self._cells(n, game, bound) if n in self.cells else list(here) for n in named]
         if len(named) > 2:
             return True
@@ -89,7 +89,7 @@ class Recipe:
             try:
                 if evaluate(test, here_now):
                     return True
-            except AssertionError:  # read of nobody: another test protects
+            except AssertionError:  # a field of no agent is read: another test guards it
                 continue
         return False
 
@@ -97,7 +97,7 @@ class Recipe:
         return [bound[1]] if bound is not None and bound[0] == name else list(cells_of(board_of(game), self.cells[name]))
 
     def cells_for(self, test: ir.Expr, game: ir.Game, world: World, bound: Bound) -> list[Value]:
-        """Returns of which cells a condition is best made true: those for which as many others as can be hold already; [] if it names no cell."""
+        """Returns the cells for which a condition is best made true: most of their other conditions hold; [] if it names no cell."""
         named = next(named for named, known in self.tests if known is test)
         name = next((n for n in self.cells if n in named), None)
         if name is None:
@@ -109,7 +109,7 @@ class Recipe:
         return [cell for cell, number in failing.items() if number == min(failing.values())]
 
     def fitting_cells(self, name: str, game: ir.Game, world: World, agent: Mapping[str, int], bound: Bound = None) -> list[Cell]:
-        """Returns the cells for which everything said of them, and of them and an agent, holds."""
+        """Returns the cells for which every condition on them, and on them and an agent, holds."""
         candidates = self._cells(name, game, bound)
         return [cell for cell in candidates if self._holds({**agent, name: cell}, game, world)]
 
@@ -117,95 +117,95 @@ class Recipe:
         here = Instance(board_of(game), world, names=names)
         try:
             return all(evaluate(test, here) for named, test in self.tests if named and named <= set(names))
-        except AssertionError:  # something is read of nobody, where a test that is not looked at here would protect
+        except AssertionError:  # a field of no agent is read, which a test that is not evaluated here would guard
             return False
 
 
-def recipes_of(leaves: Iterable[Leaf]) -> tuple[Recipe, ...]:
-    """Returns the recipes of sentences, without those that need nothing of agents."""
+def preconditions_of(leaves: Iterable[LeafStatement]) -> tuple[Precondition, ...]:
+    """Returns the preconditions of statements, without those that need nothing of agents."""
     gathering: dict[int, ir.Expr] = {}
-    return tuple(r for r in (_recipe(leaf, gathering) for leaf in leaves) if r.agents or r.cells)
+    return tuple(r for r in (_precondition(leaf, gathering) for leaf in leaves) if r.agents or r.cells)
 
 
-def choose_recipe(recipes: Collection[Recipe], ran: Counter[Place], random: Random) -> Recipe:
-    """Returns a recipe, rather one of a sentence that seldom ran."""
-    weights = [1 / (1 + ran[r.place]) ** 0.5 if ran[r.place] else NEVER for r in recipes]
-    return random.choices(list(recipes), weights)[0]
+def choose_precondition(preconditions: Collection[Precondition], ran: Counter[StatementId], random: Random) -> Precondition:
+    """Returns the precondition of a random statement, more often one that seldom ran."""
+    weights = [1 / (1 + ran[r.statement_id]) ** 0.5 if ran[r.statement_id] else NEVER for r in preconditions]
+    return random.choices(list(preconditions), weights)[0]
 
 
 @dataclass(frozen=True)
 class Goal:
-    """A sentence, by its place among the recipes, that is to take place for so many agents, or so many times, in one step."""
+    """A statement, by its index among the preconditions, that is to run for so many agents, or so many times, in one step."""
 
-    recipe: int
+    precondition: int
     many: int
 
 
 @dataclass(frozen=True)
-class Part:
-    """One agent's part in a sentence; `rather`: the agents that should have it, empty for any; `bound`: a cell of it that is given."""
+class Role:
+    """One agent's role in a statement; `rather`: the agents that should have it, empty for any; `bound`: a cell of it that is given."""
 
-    recipe: Recipe
+    precondition: Precondition
     name: str
     rather: tuple[int, ...] = ()
     bound: Bound = None
 
 
-def parts_towards(
+def roles_towards(
     goal: Goal,
-    recipes: Sequence[Recipe],
+    preconditions: Sequence[Precondition],
     game: ir.Game,
     world: World,
     random: Random,
-    seen: frozenset[Place] = frozenset(),
+    seen: frozenset[StatementId] = frozenset(),
     bound: Bound = None,
-) -> list[Part]:
-    """Returns what agents can do now so that a sentence can take place later: its own parts, or, for what it lacks, those of others."""
-    focus = recipes[goal.recipe]
-    lacking = focus.unmet(game, world, 1, bound) if random.random() < BACKWARDS else []
-    gathering = [test for test in lacking if any(test is gathered for _, gathered in focus.gathers)]
-    if not seen and len(gathering) == len(lacking):  # it could take place: perhaps first for more of them at once
-        lacking += focus.unmet(game, world, goal.many, bound)
-    lacking = [test for test in lacking if not any(test is gathered for gathered in gathering)] or gathering
-    seen |= {focus.place}
-    found: list[Part] = []
-    for test in random.sample(lacking, min(len(lacking), MOST)):
+) -> list[Role]:
+    """Returns roles that agents can take now so that a statement can run later: its own, or those of statements that achieve its conditions."""
+    focus = preconditions[goal.precondition]
+    unmet = focus.unmet(game, world, 1, bound) if random.random() < BACKWARDS else []
+    gathering = [test for test in unmet if any(test is gathered for _, gathered in focus.gathers)]
+    if not seen and len(gathering) == len(unmet):  # it could run: perhaps first for more of them at once
+        unmet += focus.unmet(game, world, goal.many, bound)
+    unmet = [test for test in unmet if not any(test is gathered for gathered in gathering)] or gathering
+    seen |= {focus.statement_id}
+    found: list[Role] = []
+    for test in random.sample(unmet, min(len(unmet), MOST)):
         gathered = [focus.fitting_agents(name, game, world) for name, condition in focus.gathers if condition is test]
         read = set(reads(test))
-        writers = [i for i, r in enumerate(recipes) if r.place not in seen and r.writes & read and can_make(r, test)]
-        if not writers or (gathered and not any(gathered)):  # those who could be gathered have to be made first
+        writers = [i for i, r in enumerate(preconditions) if r.statement_id not in seen and r.writes & read and can_make(r, test)]
+        if not writers or (gathered and not any(gathered)):  # the agents to gather have to fit first
             continue
         chosen = random.choice(writers)
-        writer = recipes[chosen]
+        writer = preconditions[chosen]
         wanted = tuple(agent for agents in gathered for agent in agents)
         cells = focus.cells_for(test, game, world, bound) if writer.owner in writer.cells else []
         given = (writer.owner, random.choice(cells)) if writer.owner is not None and cells else None
-        for part in parts_towards(Goal(chosen, 1), recipes, game, world, random, seen, given):
-            joining = part.recipe is writer and part.name == writer.joins
+        for part in roles_towards(Goal(chosen, 1), preconditions, game, world, random, seen, given):
+            joining = part.precondition is writer and part.name == writer.joins
             found += [replace(part, rather=wanted)] * (goal.many if goal.many > 1 else random.choice(JOINING)) if joining else [part]
-    return found[:MOST] or [Part(focus, name, (), bound) for name in focus.agents or ("",)] * goal.many
+    return found[:MOST] or [Role(focus, name, (), bound) for name in focus.agents or ("",)] * goal.many
 
 
-def can_make(recipe: Recipe, test: ir.Expr) -> bool:
-    """Returns whether a sentence could make a condition true; not if it sets the field to a value for which it is false, or moves it away."""
+def can_make(precondition: Precondition, test: ir.Expr) -> bool:
+    """Returns whether a statement could make a condition true; not if it sets the field to a wrong value, or moves it the wrong way."""
     match test:
-        case ir.Same(right=ir.Word(value=wanted)) if isinstance(recipe.sets, ir.Word):
-            return recipe.sets.value == wanted
-        case ir.InWords(words=words) if isinstance(recipe.sets, ir.Word):
-            return recipe.sets.value in words
+        case ir.Same(right=ir.Word(value=wanted)) if isinstance(precondition.sets, ir.Word):
+            return precondition.sets.value == wanted
+        case ir.InWords(words=words) if isinstance(precondition.sets, ir.Word):
+            return precondition.sets.value in words
         case ir.Not(value=ir.IsEmpty()):
-            return not isinstance(recipe.sets, ir.Nobody)
-        case ir.Compare(left=ir.FieldRead(), right=ir.Number(value=wanted)) if isinstance(recipe.sets, ir.Number):
-            return numbers.compare(test.fn, recipe.sets.value, wanted)
-        case ir.Compare(left=ir.FieldRead(), fn="<" | "<=" | ">" | ">=") if isinstance(recipe.adds, ir.Number):
-            return (recipe.adds.value > 0) == (test.fn in (">", ">="))
+            return not isinstance(precondition.sets, ir.Nobody)
+        case ir.Compare(left=ir.FieldRead(), right=ir.Number(value=wanted)) if isinstance(precondition.sets, ir.Number):
+            return numbers.compare(test.fn, precondition.sets.value, wanted)
+        case ir.Compare(left=ir.FieldRead(), fn="<" | "<=" | ">" | ">=") if isinstance(precondition.adds, ir.Number):
+            return (precondition.adds.value > 0) == (test.fn in (">", ">="))
         case _:
             return True
 
 
-def _recipe(leaf: Leaf, gathering: dict[int, ir.Expr]) -> Recipe:
-    """Returns what a sentence needs. gathering: by the identity of a set, that it is not empty: the same condition for all who are under it."""
-    nodes = [n for node in (*leaf.around, leaf.sentence) for n in ir.walk(node)]
+def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precondition:
+    """Returns what a statement needs. gathering: by the identity of a set, the condition that it is not empty, shared by all under it."""
+    nodes = [n for node in (*leaf.around, leaf.statement) for n in ir.walk(node)]
     domains = [n for n in nodes if isinstance(n, ir.Domain)]
     conditions = [part for d in domains if d.where is not None for part in _parts(d.where)]
     conditions += [part for node in leaf.around if node.__class__ is not ir.Domain for part in _parts(node)]
@@ -231,13 +231,13 @@ def _recipe(leaf: Leaf, gathering: dict[int, ir.Expr]) -> Recipe:
         (d.place.anchor.name, d.place.shape, d.var.name) for d in domains if isinstance(d.place, ir.Near) and d.place.anchor.who == "agent"
     ]
     agents = tuple(dict.fromkeys(d.var.name for d in domains if d.var.who == "agent"))
-    joins = leaf.sentence.value.name if isinstance(leaf.sentence, ir.Add) and isinstance(leaf.sentence.value, ir.Member) else None
-    return Recipe(
-        leaf.place,
-        frozenset(written_by(leaf.sentence)),
-        leaf.sentence.value if isinstance(leaf.sentence, ir.Set) else None,
-        leaf.sentence.value if isinstance(leaf.sentence, ir.Add) else None,
-        _owner(leaf.sentence),
+    joins = leaf.statement.value.name if isinstance(leaf.statement, ir.Add) and isinstance(leaf.statement.value, ir.Member) else None
+    return Precondition(
+        leaf.statement_id,
+        frozenset(written_by(leaf.statement)),
+        leaf.statement.value if isinstance(leaf.statement, ir.Set) else None,
+        leaf.statement.value if isinstance(leaf.statement, ir.Add) else None,
+        _owner(leaf.statement),
         joins,
         tuple(gathers),
         agents,
@@ -247,13 +247,13 @@ def _recipe(leaf: Leaf, gathering: dict[int, ir.Expr]) -> Recipe:
         tuple(reaches),
         tuple(tests),
         leaf.quantifiers,
-        (leaf.place[0], isinstance(leaf.sentence, ir.Move), *map(id, (*leaf.around, *leaf.quantifiers))),
+        (leaf.statement_id[0], isinstance(leaf.statement, ir.Move), *map(id, (*leaf.around, *leaf.quantifiers))),
     )
 
 
-def _owner(sentence: ir.Stmt) -> str | None:
-    """Returns the variable whose field a sentence writes."""
-    target: ir.Node | None = sentence.target if isinstance(sentence, ir.Set | ir.Add) else None
+def _owner(statement: ir.Stmt) -> str | None:
+    """Returns the variable whose field a statement writes."""
+    target: ir.Node | None = statement.target if isinstance(statement, ir.Set | ir.Add) else None
     while isinstance(target, ir.At):
         target = target.row
     return target.owner.name if isinstance(target, ir.FieldRead) and isinstance(target.owner, ir.Member) else None
@@ -263,12 +263,12 @@ def is_timed(test: ir.Expr, game: ir.Game) -> bool:
     """Returns whether a condition may come to hold by waiting: it reads a timer, who is away, or the number of the step."""
     timers = {(f.place, f.kind, f.name) for f in (*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields) if f.timer}
     read = set(reads(test))
-    parts = {(place, kind, name) if place == "cell" else (place, name) for place, kind, name in timers}
+    parts = {(owner, kind, name) if owner == "cell" else (owner, name) for owner, kind, name in timers}
     return bool(read & (parts | {STEP, AWAY}))
 
 
 def _parts(e: ir.Node) -> Iterator[ir.Node]:
-    """Yields the conditions that must all hold for a condition to hold."""
+    """Yields the conditions of a conjunction."""
     if isinstance(e, ir.Logic) and e.fn == "and":
         for arg in e.args:
             yield from _parts(arg)

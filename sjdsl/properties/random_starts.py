@@ -1,4 +1,4 @@
-"""Random starts of courses: a small map of the game's glyphs, few agents, numbers within their limits."""
+"""Random initial scenarios: a small map of the game's glyphs, few agents, parameters within their limits."""
 
 from random import Random
 from typing import Any
@@ -6,48 +6,48 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.interpreter.state import Value
-from sjdsl.properties.instances import Ground
-from sjdsl.properties.trajectory import Course
+from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.trajectory import Scenario
 
 MOST_ROWS, MOST_COLUMNS = 4, 5
-SMALL = 64  # cells of an own map that courses are also played on
-OWN_MAP = 0.25  # how often
+SMALL = 64  # own maps of at most so many cells are also used
+OWN_MAP = 0.25  # how often the own map is used
 OF_ALL = 0.5  # how often a map has a cell of every glyph that there is room for
 OTHERS = 0.3  # how often a number is not the file's
-PLAIN = (0, 3, 9, 27)  # how much oftener than all others one glyph is on a map: where little is left to use up, it is used up soon
+PLAIN = (0, 3, 9, 27)  # how many times as often one glyph is drawn: where there is little of something, it is soon used up
 WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
 COUNTS = (0, 1, 2, 5)  # of a whole number without limits
 
 
-def random_start(ground: Ground, random: Random) -> Course | None:
-    """Returns a course without a step, from a random start; None if the compiler refuses its map."""
-    agents = min(random.choice(ground.few_agents), random.choice(ground.few_agents))
-    rows = ground.own.rows if _is_small(ground) and random.random() < OWN_MAP else random_map(ground, agents, random)
-    if ground.on(rows, agents) is None:
-        rows += _of_each(ground.glyphs, len(rows[0]))
-    game = ground.on(rows, agents)
+def random_start(family: GameFamily, random: Random) -> Scenario | None:
+    """Returns a random scenario without a step; None if the compiler refuses its map."""
+    agents = min(random.choice(family.few_agents), random.choice(family.few_agents))
+    rows = family.own.rows if _is_small(family) and random.random() < OWN_MAP else random_map(family, agents, random)
+    if family.on(rows, agents) is None:
+        rows += _of_each(family.glyphs, len(rows[0]))
+    game = family.on(rows, agents)
     if game is None:
         return None
     params = _required(game, random_numbers(game, random))
-    return Course(rows, agents, params, random.randrange(2**16), (), (), (None,) * agents)
+    return Scenario(rows, agents, params, random.randrange(2**16), (), (), (None,) * agents)
 
 
-def own_start(ground: Ground, random: Random) -> Course:
-    """Returns a course without a step on the game's own map, with all its agents and the numbers of the file."""
-    agents = ground.own.agents.number
-    return Course(ground.own.rows, agents, (), random.randrange(2**16), (), (), (None,) * agents)
+def own_start(family: GameFamily, random: Random) -> Scenario:
+    """Returns a scenario without a step on the game's own map, with all its agents and the parameters of the file."""
+    agents = family.own.agents.number
+    return Scenario(family.own.rows, agents, (), random.randrange(2**16), (), (), (None,) * agents)
 
 
-def random_map(ground: Ground, agents: int, random: Random) -> tuple[str, ...]:
-    """Returns a small map: any glyphs of the game, with enough cells for all the agents wherever they are sent."""
-    needed = agents * len(ground.destinations) + random.randrange(2 * len(ground.glyphs))
+def random_map(family: GameFamily, agents: int, random: Random) -> tuple[str, ...]:
+    """Returns a small map: any glyphs of the game, with enough cells for all agents wherever they are sent."""
+    needed = agents * len(family.destinations) + random.randrange(2 * len(family.glyphs))
     width = random.randint(2, MOST_COLUMNS)
     least = max(2, -(-needed // width))
     height = random.randint(least, max(MOST_ROWS, least))
-    often = (*ground.glyphs, *[random.choice(ground.open_glyphs or ground.glyphs)] * random.choice(PLAIN))
+    often = (*family.glyphs, *[random.choice(family.open_glyphs or family.glyphs)] * random.choice(PLAIN))
     cells = [random.choice(often) for _ in range(width * height)]
     kept: set[int] = set()
-    for _, glyphs in ground.destinations:
+    for _, glyphs in family.destinations:
         here = [i for i, glyph in enumerate(cells) if glyph in glyphs and i not in kept][:agents]
         free = [i for i in range(len(cells)) if i not in kept and i not in here]
         more = random.sample(free, agents - len(here))
@@ -56,25 +56,25 @@ def random_map(ground: Ground, agents: int, random: Random) -> tuple[str, ...]:
         kept.update(here, more)
     if random.random() < OF_ALL:
         free = [i for i in range(len(cells)) if i not in kept and cells.count(cells[i]) > 1]
-        missing = [glyph for glyph in ground.glyphs if glyph not in cells]
+        missing = [glyph for glyph in family.glyphs if glyph not in cells]
         for i, glyph in zip(random.sample(free, len(free)), missing, strict=False):
             cells[i] = glyph
     return tuple("".join(cells[r * width : (r + 1) * width]) for r in range(height))
 
 
-def _is_small(ground: Ground) -> bool:
-    """Returns whether the game's own map is one on which the interpreter is quick."""
-    return len(ground.own.rows) * len(ground.own.rows[0]) <= SMALL
+def _is_small(family: GameFamily) -> bool:
+    """Returns whether the interpreter is quick on the game's own map."""
+    return len(family.own.rows) * len(family.own.rows[0]) <= SMALL
 
 
 def _of_each(glyphs: tuple[str, ...], width: int) -> tuple[str, ...]:
-    """Returns rows with every glyph: some games need a cell of each kind, to divide by their number, say."""
+    """Returns rows with every glyph, for games that need a cell of each kind (to divide by their number, for example)."""
     rows = ["".join(glyphs[i : i + width]) for i in range(0, len(glyphs), width)]
     return tuple(row.ljust(width, glyphs[0]) for row in rows)
 
 
 def random_numbers(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...]:
-    """Returns some numbers that differ from the file's, inside their limits; the length of an episode stays."""
+    """Returns some parameters that differ from the file's, inside their limits; the length of an episode stays."""
     fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
     changed = [p for p in game.params if p.name not in fixed and random.random() < OTHERS]
     return tuple((p.name, _value(p.value, p.type, random)) for p in changed)
@@ -95,7 +95,7 @@ def _value(own: Any, type_: ir.Type, random: Random) -> Value:
 
 
 def _required(game: ir.Game, changed: tuple[tuple[str, Value], ...]) -> tuple[tuple[str, Value], ...]:
-    """Returns the changed numbers, without those of a `require` that they break: the file's keep it."""
+    """Returns the changed parameters, without those of a `require` that they violate."""
     own = {p.name: p.value for p in game.params}
     requires = [c for c in game.checks if c.sort == "require"]
     for check in requires:

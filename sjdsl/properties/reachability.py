@@ -1,4 +1,4 @@
-"""How many moves an agent is from where a shape of it reaches a cell, or from a cell itself."""
+"""Reachability of cells: how many moves an agent needs to stand on a cell, or to have it in a shape such as a beam."""
 
 from functools import lru_cache
 
@@ -12,18 +12,18 @@ from sjdsl.properties.shortest_paths import FAR, moves_of, moves_to
 
 
 def node_of(agent: int, world: World, board: Board) -> int | None:
-    """Returns the cell and heading of an agent as one number, see `ways.Ways`; None for one who is away."""
-    place = world.position[agent]
-    return None if place is None else _number(place, board) * 4 + world.heading[agent]
+    """Returns the cell and heading of an agent as one number, see `shortest_paths.ShortestPaths`; None for an agent that is away."""
+    cell = world.position[agent]
+    return None if cell is None else _number(cell, board) * 4 + world.heading[agent]
 
 
 def others_of(agent: int, world: World) -> frozenset[Cell]:
     """Returns the cells on which other agents are."""
-    return frozenset(place for other, place in enumerate(world.position) if place is not None and other != agent)
+    return frozenset(cell for other, cell in enumerate(world.position) if cell is not None and other != agent)
 
 
 def closed_to(agent: int, world: World, board: Board) -> frozenset[Cell]:
-    """Returns the cells that an agent cannot enter as things are now: their kinds block agents under a condition, and it holds."""
+    """Returns the cells that an agent cannot enter now: their kinds block agents under a condition that holds."""
     cells = _closing(board)
     if not cells:
         return frozenset()
@@ -41,9 +41,9 @@ def _closing(board: Board) -> tuple[Cell, ...]:
 def moves_until(
     board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None, around: frozenset[Cell] = frozenset()
 ) -> np.ndarray:
-    """Returns how many moves it takes from each node to stand on a cell, or to have it in a shape, nothing in between; `ways.FAR` without a way.
+    """Returns from each node the number of moves until an agent stands on a cell, or has it in a shape; walls aside. FAR without a path.
 
-    at: where one has to stand; None: anywhere. around: cells that cannot be entered now, because others are there.
+    at: where it has to stand; None: anywhere. around: cells that cannot be entered now, because others are there.
     """
     nodes = [node for node in _goals(cell, shape, board) if at is None or node // 4 == _number(at, board)]
     after = _moves_around(board, around)
@@ -52,7 +52,7 @@ def moves_until(
 
 @lru_cache(maxsize=2048)
 def stands(board: Board, cell: Cell, shape: str | None = None) -> tuple[Cell, ...]:
-    """Returns the cells that agents can enter and on which one can stand for that."""
+    """Returns the cells that agents can enter and from which they reach a cell."""
     width = len(board.game.rows[0])
     found = dict.fromkeys(Cell(*divmod(node // 4, width)) for node in _goals(cell, shape, board))
     return tuple(
@@ -63,13 +63,13 @@ def stands(board: Board, cell: Cell, shape: str | None = None) -> tuple[Cell, ..
 def can_go(
     node: int | None, board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None, around: frozenset[Cell] = frozenset()
 ) -> bool:
-    """Returns whether there is a way for one at a node, as `moves_until` counts; so it is for one who is away."""
+    """Returns whether there is a path from a node, as `moves_until` counts; True for an agent that is away."""
     return node is None or bool(moves_until(board, cell, shape, at, around)[node] < FAR)
 
 
 @lru_cache(maxsize=256)
 def _moves_around(board: Board, around: frozenset[Cell]) -> np.ndarray:
-    """Returns where moves lead, `shortest_paths.Ways.after`; those into some cells nowhere."""
+    """Returns where moves lead, `shortest_paths.ShortestPaths.after`; moves into some cells lead nowhere."""
     after = moves_of(board.game)[1]
     if not around:
         return after
@@ -92,7 +92,7 @@ def _nodes_on(cell: Cell, board: Board) -> list[int]:
 
 
 def _nodes_around(target: Cell, shape: str, board: Board) -> list[int]:
-    """Returns the nodes from which a shape, nothing in between, reaches a cell."""
+    """Returns the nodes from which a shape reaches a cell if nothing is in between."""
     declared, found = board.shapes[shape], []
     for lane in declared.lanes:
         for ahead, right in lane:

@@ -1,4 +1,4 @@
-"""Looks for courses that break a promise, guided by what has not happened yet, and shrinks them; all on the interpreter."""
+"""Searches for counterexamples on the interpreter, guided by coverage and by distance from goals, and shrinks them."""
 
 import math
 from collections import Counter
@@ -8,186 +8,188 @@ from random import Random
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import World
-from sjdsl.properties.biased_words import LUCKS
-from sjdsl.properties.corpus import Corpus, Kept
-from sjdsl.properties.coverage import MANY, places_run
-from sjdsl.properties.distance import Chains, Distances
-from sjdsl.properties.goals import random_stretch
-from sjdsl.properties.instances import Ground
-from sjdsl.properties.monitors import STATES, Break, find_break
+from sjdsl.properties.biased_draws import BIASES
+from sjdsl.properties.corpus import Corpus, CorpusEntry
+from sjdsl.properties.coverage import MANY, statements_run
+from sjdsl.properties.distance import Achievers, Distances
+from sjdsl.properties.goals import guided_driver
+from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.monitors import STATES, Violation, find_violation
 from sjdsl.properties.multiplicity import is_always_once
-from sjdsl.properties.preconditions import NEVER, Goal, Recipe, recipes_of
+from sjdsl.properties.preconditions import NEVER, Goal, Precondition, preconditions_of
 from sjdsl.properties.random_starts import own_start, random_start
 from sjdsl.properties.shrinking import shrink
-from sjdsl.properties.statements import STARTING, Place, leaves_of
-from sjdsl.properties.trajectory import Course, Played, play
+from sjdsl.properties.statements import STARTING, StatementId, leaf_statements
+from sjdsl.properties.trajectory import Scenario, Trajectory, play
 from sjdsl.properties.verdict import Effort
 
-AGAIN = 0.75  # how often an older course goes on
-ERRANDS = 0.75  # how often agents have errands
-CLOSEST = 0.6  # how often these go on from the course nearest to what they are for
-OWN = 0.05  # how often, while lines are missing after all courses asked for, one begins on the game's own map
-MOST_STEPS = 18  # in one stretch of a course towards a goal
-FEW_STEPS = 10  # of those without a goal, or with one that was often reached or often missed
+AGAIN = 0.75  # how often an earlier trajectory is continued
+GUIDED = 0.75  # how often agents work towards a goal
+CLOSEST = 0.6  # how often these continue the trajectory nearest to their goal
+OWN = 0.05  # how often, while statements are uncovered after all trajectories asked for, one begins on the game's own map
+MOST_STEPS = 18  # of one continuation towards a goal
+FEW_STEPS = 10  # of one without a goal, or with a goal that was often reached or often missed
 LEAST_STEPS = 10  # of the others
-SELDOM = 10  # so often a goal is reached and courses still look for it by its distance
-GIVEN_UP = 24  # so often a goal is missed, since a course came nearer to it than ever before, and then no more
-VAIN = 1.0  # how fast a goal is given up, the more often courses came no nearer to it
-NEARER = 0.5  # by so much a course comes nearer to a goal if it has done something towards it, and not only gone there
-STARTS = 4  # starts of which one is looked for from which there is a way to a goal
-GOALS = 4  # goals that are tried until there is a way to one
-LONGEST = 64  # steps added to a course while it comes nearer to a goal
-FLOATS = -1  # stands for the promise that every real stays inside float32
-Breaks = Callable[[ir.Check, Played, Course, int], Break | None]  # the last one: the first state that is new
+SELDOM = 10  # distances are measured for a goal until it was reached so often
+GIVEN_UP = 24  # and until it was missed so often since a trajectory came nearest to it
+VAIN = 1.0  # how fast a goal is given up, the more often trajectories came no nearer to it
+NEARER = 0.5  # a trajectory comes nearer to a goal by so much if it did something towards it, and did not only go there
+STARTS = 4  # random starts, of which the first with a path to the goal is taken
+GOALS = 4  # goals that are tried until one has a path to it
+LONGEST = 64  # steps added to a trajectory while it comes nearer to a goal
+FLOATS = -1  # stands for the check that every real stays inside float32
+ViolationFinder = Callable[[ir.Check, Trajectory, Scenario, int], Violation | None]  # the last argument: the first new state
 
 
 @dataclass(frozen=True)
-class Broken:
-    """A course that breaks a promise: which one (its place among the game's checks, or FLOATS), and where."""
+class Counterexample:
+    """A trajectory that violates a check: which one (its index among the game's checks, or FLOATS), and where."""
 
-    promise: int
-    course: Course
-    played: Played
-    where: Break
+    number: int
+    scenario: Scenario
+    trajectory: Trajectory
+    where: Violation
 
 
 @dataclass
-class Tried:
-    """How many courses were played, `refused` ones, with a map the game does not take, among them; `ran`: how often each sentence did.
+class SearchRecord:
+    """How many trajectories were played, how many of them `refused` because the game does not take the map; `ran`: runs of each statement.
 
-    triggers: for each `once`, in how many courses its first condition held.
+    triggers: for each `once`, in how many trajectories its first condition held.
     """
 
-    played: int = 0
+    number: int = 0
     refused: int = 0
-    ran: Counter[Place] = field(default_factory=Counter)
+    ran: Counter[StatementId] = field(default_factory=Counter)
     corpus: Corpus = field(default_factory=Corpus)
     triggers: Counter[int] = field(default_factory=Counter)
 
 
-def breaks_in_states(check: ir.Check, played: Played, course: Course, since: int) -> Break | None:
-    """Returns where a promise about states breaks in a course."""
-    del course, since
-    return find_break(check, played.values(check))
+def violation_in_states(check: ir.Check, trajectory: Trajectory, scenario: Scenario, since: int) -> Violation | None:
+    """Returns where a check about states is violated in a trajectory."""
+    del scenario, since
+    return find_violation(check, trajectory.values(check))
 
 
 class Search:
-    """Courses played for some promises of a game together, until all are broken or there have been enough."""
+    """Plays trajectories for some checks of a game together, until each has a counterexample or enough were played."""
 
-    def __init__(self, ground: Ground, promises: list[int], effort: Effort, breaks: Breaks, needed: Mapping[int, Collection[Place]]):
-        self.ground, self.effort, self.breaks = ground, effort, breaks
-        self.left, self.found, self.tried = list(promises), list[Broken](), Tried()
-        self.recipes = recipes_of(leaves_of(ground.own))
+    def __init__(
+        self, family: GameFamily, numbers: list[int], effort: Effort, find: ViolationFinder, needed: Mapping[int, Collection[StatementId]]
+    ):
+        self.family, self.effort, self.find = family, effort, find
+        self.left, self.found, self.record = list(numbers), list[Counterexample](), SearchRecord()
+        self.preconditions = preconditions_of(leaf_statements(family.own))
         self._needed, self._random = dict(needed), Random(effort.seed)
-        self._chains = Chains(self.recipes)
-        self._beside = _blocks(self.recipes)
-        self._aims = [i for i in self._beside if self.recipes[i].place[0] != STARTING] or list(self._beside)
+        self._achievers = Achievers(self.preconditions)
+        self._beside = _blocks(self.preconditions)
+        self._aims = [i for i in self._beside if self.preconditions[i].statement_id[0] != STARTING] or list(self._beside)
         self._latest: tuple[World, Distances] | None = None
         self._nearest = dict[Goal, float]()
         self._vain = Counter[Goal | None]()
 
     def run(self) -> None:
-        """Plays as many courses as asked for, and up to as many again while lines that promises depend on never ran."""
-        while self.tried.played < 2 * self.effort.examples:
-            missing = {place for places in self._needed.values() for place in places} - set(self.tried.ran)
-            if not missing and (not self.left or self.tried.played >= self.effort.examples):
+        """Plays as many trajectories as asked for, and up to as many again while statements that checks depend on never ran."""
+        while self.record.number < 2 * self.effort.examples:
+            missing = set[StatementId]().union(*self._needed.values()) - set(self.record.ran)
+            if not missing and (not self.left or self.record.number >= self.effort.examples):
                 break
-            self.one(missing if self.tried.played >= self.effort.examples else set())
+            self.one(missing if self.record.number >= self.effort.examples else set())
 
-    def one(self, missing: Collection[Place] = ()) -> None:
-        """Plays one more stretch of a course."""
-        self.tried.played += 1
+    def one(self, missing: Collection[StatementId] = ()) -> None:
+        """Plays one new or continued trajectory."""
+        self.record.number += 1
         random = self._random
-        goal = self._choose_goal(missing) if self.recipes and random.random() < ERRANDS else None
+        goal = self._choose_goal(missing) if self.preconditions and random.random() < GUIDED else None
         begun = self._begin(bool(missing), goal, random.random() < CLOSEST)
         if begun is None:
-            self.tried.refused += 1
+            self.record.refused += 1
             return
-        course, since = begun
-        if self._is_hot(goal) and self.tried.corpus.kept and self._distance(since, goal) == math.inf:
-            older = self.tried.corpus.choose(random, self._chains, goal)
-            course, since = older.course, older.played
-        played = since
+        scenario, since = begun
+        if self._is_hot(goal) and self.record.corpus.entries and self._distance(since, goal) == math.inf:
+            older = self.record.corpus.choose(random, self._achievers, goal)
+            scenario, since = older.scenario, older.trajectory
+        trajectory = since
         if since.worlds and not since.is_over:
             for _ in range(GOALS):
                 if not self._is_hot(goal) or self._distance(since, goal) < math.inf:
                     break
                 goal = self._choose_goal(missing)
-            course, played = self._go_on(course, since, goal)
-        self._look(course, played, len(since.outcomes))
+            scenario, trajectory = self._go_on(scenario, since, goal)
+        self._look(scenario, trajectory, len(since.outcomes))
 
-    def _go_on(self, course: Course, played: Played, goal: Goal | None) -> tuple[Course, Played]:
-        """Returns a course with one more stretch; with several as long as each comes nearer to the goal."""
-        game, random, corpus = played.game, self._random, self.tried.corpus
+    def _go_on(self, scenario: Scenario, trajectory: Trajectory, goal: Goal | None) -> tuple[Scenario, Trajectory]:
+        """Returns a trajectory continued once, or several times as long as it comes nearer to the goal each time."""
+        game, random, corpus = trajectory.game, self._random, self.record.corpus
         hot = self._is_hot(goal)
-        near, most = self._distance(played, goal) if hot else math.inf, LONGEST
+        near, most = self._distance(trajectory, goal) if hot else math.inf, LONGEST
         steps = random.randint(LEAST_STEPS, MOST_STEPS) if hot else random.randint(1, FEW_STEPS)
         while steps > 0 and most > 0:
-            first = len(played.outcomes)
-            driver = random_stretch(game, self.recipes, goal, self.tried.ran, steps, random)
-            course = replace(course, luck=course.luck + (random.choice(LUCKS),) * steps)
-            played = play(game, course, first + steps, self._checks(game), played, driver)
-            course = replace(course, actions=tuple(played.actions), luck=course.luck[: len(played.actions)])
-            taken = len(played.outcomes) - first
+            first = len(trajectory.outcomes)
+            driver = guided_driver(game, self.preconditions, goal, self.record.ran, steps, random)
+            scenario = replace(scenario, bias=scenario.bias + (random.choice(BIASES),) * steps)
+            trajectory = play(game, scenario, first + steps, self._checks(game), trajectory, driver)
+            scenario = replace(scenario, actions=tuple(trajectory.actions), bias=scenario.bias[: len(trajectory.actions)])
+            taken = len(trajectory.outcomes) - first
             steps, most = steps - max(1, taken), most - max(1, taken)
-            if goal is None or played.is_over:
+            if goal is None or trajectory.is_over:
                 break
-            now = self._distance(played, goal) if hot else math.inf
+            now = self._distance(trajectory, goal) if hot else math.inf
             if now < near - NEARER:
-                near, steps, corpus.vain[course.rows] = now, MOST_STEPS, 0
-                corpus.add_nearer(course, played, goal)
+                near, steps, corpus.vain[scenario.rows] = now, MOST_STEPS, 0
+                corpus.add_nearer(scenario, trajectory, goal)
                 if now < self._nearest.get(goal, math.inf) - NEARER:
                     self._nearest[goal], self._vain[goal] = now, 0
             elif steps <= 0:
-                corpus.vain[course.rows] += hot and 0 < near < math.inf
+                corpus.vain[scenario.rows] += hot and 0 < near < math.inf
                 self._vain[goal] += 1
-        return course, played
+        return scenario, trajectory
 
-    def _distance(self, played: Played, goal: Goal | None) -> float:
-        if goal is None or played.is_over:
+    def _distance(self, trajectory: Trajectory, goal: Goal | None) -> float:
+        if goal is None or trajectory.is_over:
             return math.inf
-        world = played.worlds[-1]
+        world = trajectory.worlds[-1]
         if self._latest is None or self._latest[0] is not world:
-            self._latest = (world, Distances(self._chains, played.game, world))
-        return self._latest[1].of(goal.recipe, goal.many)
+            self._latest = (world, Distances(self._achievers, trajectory.game, world))
+        return self._latest[1].of(goal.precondition, goal.many)
 
     def _times(self, goal: Goal) -> int:
         """Returns how often a goal was reached, as far as that is counted."""
-        place = self.recipes[goal.recipe].place
-        return self.tried.ran[place] if goal.many == 1 else self.tried.corpus.seen["times", place, goal.many]
+        statement = self.preconditions[goal.precondition].statement_id
+        return self.record.ran[statement] if goal.many == 1 else self.record.corpus.seen["times", statement, goal.many]
 
     def _is_hot(self, goal: Goal | None) -> bool:
-        """Returns whether distances are measured for a goal: it was seldom reached, and not often missed since a course came nearest to it."""
+        """Returns whether distances are measured for a goal: seldom reached, and not often missed since a trajectory came nearest to it."""
         return goal is not None and self._times(goal) < SELDOM and self._vain[goal] < GIVEN_UP
 
-    def _choose_goal(self, missing: Collection[Place]) -> Goal:
-        """Returns a goal, rather one that was seldom reached and seldom tried; of the missing sentences, if any can be a goal."""
+    def _choose_goal(self, missing: Collection[StatementId]) -> Goal:
+        """Returns a random goal, more often one seldom reached and seldom tried; of the uncovered statements, if any can be a goal."""
         goals = dict[Goal, float]()
-        wanted = [i for i in self._aims if any(self.recipes[j].place in missing for j in self._beside[i])] or self._aims
+        wanted = [i for i in self._aims if any(self.preconditions[j].statement_id in missing for j in self._beside[i])] or self._aims
         for i in wanted:
-            for many in range(1, 2 if is_always_once(self.recipes[i].quantifiers) else MANY + 1):
+            for many in range(1, 2 if is_always_once(self.preconditions[i].quantifiers) else MANY + 1):
                 times = self._times(Goal(i, many))
                 goals[Goal(i, many)] = (1 / (1 + times) ** 0.5 if times else NEVER) / (1 + self._vain[Goal(i, many)]) ** VAIN
                 if not times:
                     break
         return self._random.choices(list(goals), list(goals.values()))[0]
 
-    def _begin(self, on_own: bool, goal: Goal | None, closest: bool) -> tuple[Course, Played] | None:
-        """Returns the course to go on with, an older one or a new start; None if the game does not take its map.
+    def _begin(self, on_own: bool, goal: Goal | None, closest: bool) -> tuple[Scenario, Trajectory] | None:
+        """Returns the trajectory to continue, an earlier one or a new start; None if the game does not take its map.
 
-        A start from which a way to the goal is seen, if that is soon found; an older course is rather a close one for `closest`.
+        A start with a path to the goal, if one is soon found; with `closest`, more often the entry nearest to the goal.
         """
-        random, kept = self._random, self.tried.corpus.kept
-        if kept and random.random() < AGAIN:
-            older: Kept = self.tried.corpus.choose(random, self._chains, goal if closest and self._is_hot(goal) else None)
-            return older.course, older.played
-        found: tuple[Course, Played] | None = None
+        random, entries = self._random, self.record.corpus.entries
+        if entries and random.random() < AGAIN:
+            older: CorpusEntry = self.record.corpus.choose(random, self._achievers, goal if closest and self._is_hot(goal) else None)
+            return older.scenario, older.trajectory
+        found: tuple[Scenario, Trajectory] | None = None
         for _ in range(STARTS):
-            course = own_start(self.ground, random) if on_own and random.random() < OWN else random_start(self.ground, random)
-            game = None if course is None else self.ground.on(course.rows, course.agents)
-            if course is None or game is None:
+            scenario = own_start(self.family, random) if on_own and random.random() < OWN else random_start(self.family, random)
+            game = None if scenario is None else self.family.on(scenario.rows, scenario.agents)
+            if scenario is None or game is None:
                 return found
-            found = course, play(game, course, 0, self._checks(game))
+            found = scenario, play(game, scenario, 0, self._checks(game))
             if not self._is_hot(goal) or self._distance(found[1], goal) < math.inf:
                 break
         return found
@@ -195,87 +197,95 @@ class Search:
     def _checks(self, game: ir.Game) -> list[ir.Check]:
         return [game.checks[number] for number in self.left if game.checks[number].sort in STATES]
 
-    def _look(self, course: Course, played: Played, first: int) -> None:
-        """Counts what happened in the new steps of a course, looks for promises that it breaks, and keeps it if it has something new."""
-        self.tried.ran.update(place for t in range(first, len(played.happened)) for place in places_run(played.happened[t]))
+    def _look(self, scenario: Scenario, trajectory: Trajectory, first: int) -> None:
+        """Counts the features of the new steps of a trajectory, looks for violations, and keeps it if it has new features."""
+        self.record.ran.update(s for t in range(first, len(trajectory.features)) for s in statements_run(trajectory.features[t]))
         if not first:
-            self.tried.ran.update(places_run(played.began))
-        checks = played.game.checks
+            self.record.ran.update(statements_run(trajectory.start_features))
+        checks = trajectory.game.checks
         for number in self.left:
             if checks[number].sort == "once":
-                self.tried.triggers[number] += any(trigger for trigger, _ in played.values(checks[number])[first + 1 :])
-        unbroken = [*self.left, *([] if any(b.promise == FLOATS for b in self.found) else [FLOATS])]
-        for number in unbroken:
-            broken = first_broken(played, [number], course, self.breaks, first)
-            if broken is not None:
-                self.found.append(simplest(self.ground, broken, self.breaks, self.effort.tries))
+                self.record.triggers[number] += any(trigger for trigger, _ in trajectory.values(checks[number])[first + 1 :])
+        unrefuted = [*self.left, *([] if any(b.number == FLOATS for b in self.found) else [FLOATS])]
+        for number in unrefuted:
+            counterexample = first_counterexample(trajectory, [number], scenario, self.find, first)
+            if counterexample is not None:
+                self.found.append(simplest_counterexample(self.family, counterexample, self.find, self.effort.tries))
                 self.left = [left for left in self.left if left != number]
                 self._needed.pop(number, None)
-        self.tried.corpus.add(course, played, first, [n for n in self.left if checks[n].sort in STATES])
+        self.record.corpus.add(scenario, trajectory, first, [n for n in self.left if checks[n].sort in STATES])
 
 
 def search(
-    ground: Ground,
-    promises: list[int],
+    family: GameFamily,
+    numbers: list[int],
     effort: Effort,
-    breaks: Breaks = breaks_in_states,
-    needed: Mapping[int, Collection[Place]] | None = None,
-) -> tuple[list[Broken], Tried]:
-    """Returns for each promise that courses break the simplest course found, and what was played.
+    find: ViolationFinder = violation_in_states,
+    needed: Mapping[int, Collection[StatementId]] | None = None,
+) -> tuple[list[Counterexample], SearchRecord]:
+    """Returns the simplest counterexample found to each check that has one, and a record of the search.
 
     Args:
-      promises: places among the game's checks.
-      breaks: where a promise breaks in a course.
-      needed: sentences on which promises depend, perhaps others than those: while one never ran, more courses are played.
+      numbers: indices among the game's checks.
+      find: returns where a check is violated in a trajectory.
+      needed: statements on which checks depend, also checks not in `numbers`: while one never ran, more trajectories are played.
     """
-    searching = Search(ground, promises, effort, breaks, needed or {})
+    searching = Search(family, numbers, effort, find, needed or {})
     searching.run()
-    return searching.found, searching.tried
+    return searching.found, searching.record
 
 
-def simplest(ground: Ground, broken: Broken, breaks: Breaks, tries: int) -> Broken:
-    """Returns the break of a promise in the simplest course that can be made of one."""
+def simplest_counterexample(family: GameFamily, counterexample: Counterexample, find: ViolationFinder, tries: int) -> Counterexample:
+    """Returns the simplest counterexample that shrinking makes of one."""
 
-    def attempt(course: Course) -> Broken | None:
-        game = ground.on(course.rows, course.agents)
-        if game is None or course.agents not in (*ground.few_agents, broken.course.agents):
+    def attempt(scenario: Scenario) -> Counterexample | None:
+        game = family.on(scenario.rows, scenario.agents)
+        if game is None or scenario.agents not in (*family.few_agents, counterexample.scenario.agents):
             return None
-        checks = [game.checks[broken.promise]] if broken.promise != FLOATS and game.checks[broken.promise].sort in STATES else []
-        return first_broken(play(game, course, None, checks), [broken.promise], course, breaks, 0)
+        checks = (
+            [game.checks[counterexample.number]]
+            if counterexample.number != FLOATS and game.checks[counterexample.number].sort in STATES
+            else []
+        )
+        return first_counterexample(play(game, scenario, None, checks), [counterexample.number], scenario, find, 0)
 
-    def shorter(course: Course) -> Course | None:
-        found = attempt(course)
+    def shorter(scenario: Scenario) -> Scenario | None:
+        found = attempt(scenario)
         return (
-            None if found is None else replace(found.course, actions=course.actions[: _length(found)], luck=course.luck[: _length(found)])
+            None
+            if found is None
+            else replace(found.scenario, actions=scenario.actions[: _length(found)], bias=scenario.bias[: _length(found)])
         )
 
-    first = shorter(broken.course)
-    assert first is not None, "a course that is played again goes another way"
-    found = attempt(shrink(first, ground.own, ground.glyphs[0], shorter, tries))
+    first = shorter(counterexample.scenario)
+    assert first is not None, "a scenario that is played again leads elsewhere"
+    found = attempt(shrink(first, family.own, family.glyphs[0], shorter, tries))
     assert found is not None
     return found
 
 
-def _blocks(recipes: Sequence[Recipe]) -> dict[int, list[int]]:
-    """Returns the sentences that always take place together, by the first of them: one goal."""
+def _blocks(preconditions: Sequence[Precondition]) -> dict[int, list[int]]:
+    """Returns the statements that always run together, by the first of them: one goal."""
     firsts: dict[tuple[object, ...], int] = {}
     found: dict[int, list[int]] = {}
-    for i, recipe in enumerate(recipes):
-        found.setdefault(firsts.setdefault(recipe.block, i), []).append(i)
+    for i, precondition in enumerate(preconditions):
+        found.setdefault(firsts.setdefault(precondition.block, i), []).append(i)
     return found
 
 
-def _length(broken: Broken) -> int:
-    return max(1, broken.where.at)
+def _length(counterexample: Counterexample) -> int:
+    return max(1, counterexample.where.at)
 
 
-def first_broken(played: Played, promises: Collection[int], course: Course, breaks: Breaks, since: int) -> Broken | None:
-    """Returns the first of the promises that a course breaks, if any."""
-    for number in promises:
+def first_counterexample(
+    trajectory: Trajectory, numbers: Collection[int], scenario: Scenario, find: ViolationFinder, since: int
+) -> Counterexample | None:
+    """Returns the first counterexample that a trajectory gives to one of the checks, if any."""
+    for number in numbers:
         if number == FLOATS:
-            where = None if played.left is None else Break(len(played.worlds))
+            where = None if trajectory.left is None else Violation(len(trajectory.worlds))
         else:
-            where = breaks(played.game.checks[number], played, course, since)
+            where = find(trajectory.game.checks[number], trajectory, scenario, since)
         if where is not None:
-            return Broken(number, course, played, where)
+            return Counterexample(number, scenario, trajectory, where)
     return None

@@ -1,4 +1,4 @@
-"""Ways over a map: where each move leads from each cell, and how many moves it takes to get somewhere."""
+"""Shortest paths over a map: where each move leads from each cell and heading, and how many moves it takes to arrive."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 
-FAR = 65535  # no way
+FAR = 65535  # no path
 STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 TURNS = {"turn_left": 3, "turn_right": 1}
 DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))
@@ -20,14 +20,14 @@ class TooLarge(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class ShortestPaths:
     """Where moves lead. A node is a cell and a heading, `4 * cell + heading`; cells are numbered row by row.
 
     moves: numbers of the actions that are moves, in the order of `acts`, without `stay`.
     after: `[nodes, moves]` int32, the node after each move, other agents aside. A step off the map or into a cell whose kind blocks agents
       leads nowhere; one that blocks under a condition is counted as open.
-    distance: `[cells, nodes or cells]` uint16, moves from a node to a cell, FAR without a way. `headed`: whether it has a column for each
-      node; if all four steps can be taken, how an agent stands does not matter, and there is one for each cell.
+    distance: `[cells, nodes or cells]` uint16, moves from a node to a cell, FAR without a path. `headed`: whether it has a column for each
+      node; if all four steps can be taken, the heading does not matter, and there is one for each cell.
     """
 
     width: int
@@ -42,7 +42,7 @@ class Ways:
 
 
 @lru_cache(maxsize=64)
-def _ways(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool) -> Ways:
+def _shortest_paths(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool) -> ShortestPaths:
     height, width = len(rows), len(rows[0])
     moves = tuple(i for i, a in enumerate(actions) if a in STEPS or a in TURNS)
     headed = relative and not set(STEPS) <= set(actions)
@@ -51,7 +51,7 @@ def _ways(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relati
         raise TooLarge(f"`seek` on a map of {cells} cells")
     after = _after(rows, blocking, actions, moves, relative)
     steps = after if headed else after[::4] // 4  # facing north: all four directions are among the moves
-    return Ways(width, moves, after, _distances(steps, cells, headed), headed)
+    return ShortestPaths(width, moves, after, _distances(steps, cells, headed), headed)
 
 
 @lru_cache(maxsize=64)
@@ -61,12 +61,12 @@ def _moves(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relat
 
 
 def moves_of(game: ir.Game) -> tuple[tuple[int, ...], np.ndarray]:
-    """Returns the numbers of the moves and where they lead, `Ways.moves` and `Ways.after`, for a map of any size."""
+    """Returns the numbers of the moves and where they lead, `ShortestPaths.moves` and `ShortestPaths.after`, for a map of any size."""
     return _moves(game.rows, _blocking(game), game.agents.actions, game.agents.relative)
 
 
 def moves_to(goals: Collection[int], after: np.ndarray) -> np.ndarray:
-    """Returns how many moves it takes from each node to the nearest of some nodes, `[nodes]` int64; FAR without a way."""
+    """Returns how many moves it takes from each node to the nearest of some nodes, `[nodes]` int64; FAR without a path."""
     distance = np.full(after.shape[0], FAR, np.int64)
     distance[list(goals)] = 0
     while after.shape[1]:
@@ -77,9 +77,9 @@ def moves_to(goals: Collection[int], after: np.ndarray) -> np.ndarray:
     return np.minimum(distance, FAR)
 
 
-def ways_of(game: ir.Game) -> Ways:
-    """Returns the ways over a game's map. Raises TooLarge."""
-    return _ways(game.rows, _blocking(game), game.agents.actions, game.agents.relative)
+def shortest_paths_of(game: ir.Game) -> ShortestPaths:
+    """Returns the shortest paths over a game's map. Raises TooLarge."""
+    return _shortest_paths(game.rows, _blocking(game), game.agents.actions, game.agents.relative)
 
 
 def _blocking(game: ir.Game) -> str:
@@ -113,7 +113,7 @@ def _after(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], moves
 
 
 def _distances(after: np.ndarray, cells: int, headed: bool) -> np.ndarray:
-    """Returns how many moves it takes: one more move at a time, from all places to all cells at once."""
+    """Returns distances by breadth-first search: one more move at a time, from all nodes to all cells at once."""
     there = np.arange(after.shape[0]) // (4 if headed else 1)
     distance = np.where(np.arange(cells)[:, None] == there[None], 0, FAR).astype(np.uint16)
     for moves in range(1, FAR):

@@ -1,4 +1,4 @@
-"""A state of the compiled game as the interpreter has it: what a long episode has led to, told from there on."""
+"""Converts a state of the compiled game to the interpreter's, so that the interpreter can go on from it."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from sjdsl.testing.states import FACINGS, pool_numbers
 
 
 def world_of(env: Environment, state: Any) -> World:
-    """Returns a compiled state, without its marks, as a world of the interpreter with the numbers of the file."""
+    """Returns a compiled state, without its marks, as a world of the interpreter with the parameters of the file."""
     game = env.game
     rows, cols = (np.asarray(x).tolist() for x in env.cells(state))
     here = (np.asarray(state.position) > 0).tolist()

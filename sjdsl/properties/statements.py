@@ -1,4 +1,4 @@
-"""The sentences of a game that change something: each with what stands around it, and with what a promise depends on."""
+"""The statements of a game that change something, each with its guards, and the dependency of checks on them."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -7,32 +7,32 @@ from sjdsl.compiler import ir
 from sjdsl.properties.effects import Part, reads, written_by
 from sjdsl.properties.multiplicity import Quantifier
 
-Place = tuple[str, str, int]  # (the turn of the schedule as written there, the file, where in it): one sentence in one use of a phase
+StatementId = tuple[str, str, int]  # (use of a phase in the schedule, file, offset): one statement in one use of a phase
 STARTING = "start"
 
 
 @dataclass(frozen=True)
-class Leaf:
-    """A sentence that changes something, in one use of its phase.
+class LeafStatement:
+    """A statement without others in it, in one use of its phase.
 
-    around: the domains, guards, chances and values on which it depends whether, and on whom, the sentence works; outermost first.
+    around: the domains, guards, chances and values that decide whether, and on whom, the statement works; outermost first.
     quantifiers: those for each of whose members it works.
     """
 
-    place: Place
-    sentence: ir.Stmt
+    statement_id: StatementId
+    statement: ir.Stmt
     around: tuple[ir.Node, ...]
     quantifiers: tuple[Quantifier, ...] = ()
 
 
-def place_of(label: str, sentence: ir.Node) -> Place:
-    """Returns the name of a sentence in one use of a phase, the same on every map."""
-    origin = sentence.origin
+def statement_id(label: str, statement: ir.Node) -> StatementId:
+    """Returns the name of a statement in one use of a phase, the same on every map."""
+    origin = statement.origin
     return (label, "", -1) if origin is None else (label, origin.file, origin.start)
 
 
-def leaves_of(game: ir.Game) -> tuple[Leaf, ...]:
-    """Returns the sentences of the phase `start` and of the schedule that change the state, pay, count or end, in that order."""
+def leaf_statements(game: ir.Game) -> tuple[LeafStatement, ...]:
+    """Returns the statements of the phase `start` and of the schedule that change the state, pay, count or end, in that order."""
     found = list(_leaves(game.start.body, STARTING, (), ()))
     for turn in game.schedule:
         if isinstance(turn, ir.Phase):
@@ -40,59 +40,60 @@ def leaves_of(game: ir.Game) -> tuple[Leaf, ...]:
     return tuple(found)
 
 
-def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...], each: tuple[Quantifier, ...]) -> Iterator[Leaf]:
-    for sentence in body:
-        match sentence:
+def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...], each: tuple[Quantifier, ...]) -> Iterator[LeafStatement]:
+    for statement in body:
+        match statement:
             case ir.Let():
-                around = (*around, sentence.value)
+                around = (*around, statement.value)
             case ir.Draw():
-                around = (*around, *ir.children(sentence))
+                around = (*around, *ir.children(statement))
             case ir.Each():
-                yield from _leaves(sentence.body, label, (*around, sentence.domain), (*each, sentence))
+                yield from _leaves(statement.body, label, (*around, statement.domain), (*each, statement))
             case ir.First():
-                yield from _leaves((*sentence.body, *sentence.otherwise), label, (*around, sentence.domain), (*each, sentence))
+                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.domain), (*each, statement))
             case ir.Pick():
-                inside = (*around, sentence.number, sentence.domain)
-                yield from _leaves(sentence.body, label, inside, (*each, sentence))
-                yield from _leaves(sentence.otherwise, label, inside, each)
+                inside = (*around, statement.number, statement.domain)
+                yield from _leaves(statement.body, label, inside, (*each, statement))
+                yield from _leaves(statement.otherwise, label, inside, each)
             case ir.Match():
-                yield from _leaves(sentence.body, label, (*around, sentence.left, sentence.right), (*each, sentence))
+                yield from _leaves(statement.body, label, (*around, statement.left, statement.right), (*each, statement))
             case ir.When() | ir.Chance():
                 tests: tuple[ir.Node, ...] = ()
-                for branch in sentence.branches:
+                for branch in statement.branches:
                     tests = (*tests, branch.test)
                     yield from _leaves(branch.body, label, (*around, *tests), each)
-                yield from _leaves(sentence.otherwise, label, (*around, *tests), each)
+                yield from _leaves(statement.otherwise, label, (*around, *tests), each)
             case ir.Mark():
                 pass  # for the picture only
             case _:
-                yield Leaf(place_of(label, sentence), sentence, around, each)
+                yield LeafStatement(statement_id(label, statement), statement, around, each)
 
 
-def needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[Leaf]) -> frozenset[Place]:
-    """Returns the sentences on which a promise depends: those that write what it reads, those that write what these read, and so on.
+def statements_needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[LeafStatement]) -> frozenset[StatementId]:
+    """Returns the statements on which a check depends: those that write what it reads, those that write what these read, and so on.
 
-    A symmetry speaks of everything that a step does.
+    A symmetry depends on every statement.
     """
     leaves = tuple(leaves)
     if check.sort == "symmetric":
-        return frozenset(leaf.place for leaf in leaves)
+        return frozenset(leaf.statement_id for leaf in leaves)
     wanted: set[Part] = {part for e in check.values for part in reads(e)}
-    waiting, found = {i: set(written_by(leaf.sentence)) for i, leaf in enumerate(leaves)}, set()
+    waiting = {i: set(written_by(leaf.statement)) for i, leaf in enumerate(leaves)}
+    found: set[StatementId] = set()
     while True:
         now = [i for i, written in waiting.items() if written & wanted]
         if not now:
             return frozenset(found)
         for i in now:
             del waiting[i]
-            found.add(leaves[i].place)
+            found.add(leaves[i].statement_id)
             wanted |= set(_read_by(leaves[i], game))
 
 
-def _read_by(leaf: Leaf, game: ir.Game) -> Iterator[Part]:
-    """Yields what decides whether, where and with which value a sentence works."""
-    nodes = [n for node in (*leaf.around, leaf.sentence) for n in ir.walk(node)]
-    for node in (*leaf.around, leaf.sentence):
+def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
+    """Yields what decides whether, where and with which value a statement works."""
+    nodes = [n for node in (*leaf.around, leaf.statement) for n in ir.walk(node)]
+    for node in (*leaf.around, leaf.statement):
         yield from reads(node)
     if any(isinstance(n, ir.Chose | ir.Move) for n in nodes):
         for forbid in game.agents.forbids:

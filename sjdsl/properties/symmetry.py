@@ -1,8 +1,8 @@
-"""The rules of a game as they look to agents with other numbers, or in a mirror; equal rules are symmetric, others are played.
+"""Symmetry of the rules under renumbered agents or a mirrored map: equal rules are symmetric, others are compared by play.
 
-Renumbering agents and turning the rules instead come to the same: everything in a game but `agent.index` goes by who and where, never
-by a number, so that a game whose agents swap numbers goes as the game does in which `agent.index` gives the swapped ones. In the same
-way a mirrored map under the rules is the map under mirrored rules.
+Instead of renumbering the agents, the rules are changed. Everything but `agent.index` refers to agents and cells, never to numbers.
+So a game whose agents swap numbers goes as the game in which `agent.index` gives the swapped numbers. In the same way a mirrored map
+under the rules is the map under mirrored rules.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -14,7 +14,7 @@ from sjdsl.compiler.optimise.rewrite import rewrite
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws
-from sjdsl.properties.biased_words import SameForAll
+from sjdsl.properties.biased_draws import SameForAll
 
 PAIRS = {"turn_left": "turn_right", "step_left": "step_right"}
 SIDES = {**PAIRS, **{b: a for a, b in PAIRS.items()}}
@@ -22,29 +22,29 @@ MIRRORED = {"east": "west", "west": "east"}
 
 
 @dataclass(frozen=True)
-class Turned:
-    """A game with other rules, and what the difference is, in words."""
+class TransformedGame:
+    """A game with changed rules, and what the difference is, in words."""
 
     game: ir.Game
     said: str
 
 
-def turned(check: ir.Check, game: ir.Game) -> list[Turned]:
-    """Returns the games that must go as this one does for it to be symmetric; none if its rules say the same both ways."""
+def transformed_games(check: ir.Check, game: ir.Game) -> list[TransformedGame]:
+    """Returns the games that must play as this one does for it to be symmetric; none if its rules stay equal."""
     if check.words[0] == "mirror":
         return list(_mirrored(game))
     return list(_renumbered(game))
 
 
-def lonely_action(check: ir.Check, game: ir.Game) -> str:
-    """Returns what the agents can do to one side only, in words, if the promise is about the mirror; else nothing."""
+def one_sided_action(check: ir.Check, game: ir.Game) -> str:
+    """Returns which action the agents can take to one side only, in words, if the check is about the mirror; else nothing."""
     actions = game.agents.actions
     lonely = [a for a in actions if a in SIDES and SIDES[a] not in actions] if check.words[0] == "mirror" else []
     return f"the agents can {lonely[0]}, but not {SIDES[lonely[0]]}" if lonely else ""
 
 
-def reason(check: ir.Check, game: ir.Game) -> str:
-    """Returns why a game is symmetric for which `turned` gives nothing."""
+def why_symmetric(check: ir.Check, game: ir.Game) -> str:
+    """Returns why a game is symmetric for which `transformed_games` gives nothing."""
     if check.words[0] == "mirror":
         return "no rule tells left from right"
     sends = [n for turn in game.schedule for n in ir.walk(turn) if isinstance(n, ir.Send) and n.stay and n.origin is not None]
@@ -53,7 +53,7 @@ def reason(check: ir.Check, game: ir.Game) -> str:
 
 
 def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
-    """Returns a game with everything but the phase `start` rewritten: the promise is about steps."""
+    """Returns a game with everything but the phase `start` rewritten, as symmetry is about steps."""
     return game.model_copy(
         update={
             "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
@@ -63,7 +63,7 @@ def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
     )
 
 
-def _renumbered(game: ir.Game) -> Iterator[Turned]:
+def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
     """Yields the game with two neighbouring numbers swapped: these swaps make up all others."""
     rules = (*game.schedule, game.agents, *game.kinds)
     if not any(isinstance(n, ir.Attribute) and n.name == "index" for rule in rules for n in ir.walk(rule)):
@@ -75,7 +75,7 @@ def _renumbered(game: ir.Game) -> Iterator[Turned]:
         def rule(node: Any, order: list[int] = order) -> Any:
             return _numbered(node, order) if isinstance(node, ir.Attribute) and node.name == "index" else node
 
-        yield Turned(_of_rules(game, rule), f"if agents {first} and {first + 1} swapped numbers")
+        yield TransformedGame(_of_rules(game, rule), f"if agents {first} and {first + 1} swapped numbers")
 
 
 def _numbered(index: ir.Attribute, order: list[int]) -> ir.Case:
@@ -83,7 +83,7 @@ def _numbered(index: ir.Attribute, order: list[int]) -> ir.Case:
     return ir.Case(type=index.type, subject=index, arms=tuple(arms), origin=index.origin)
 
 
-def _mirrored(game: ir.Game) -> Iterator[Turned]:
+def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
     actions, width = game.agents.actions, len(game.rows[0])
     other = {i: actions.index(SIDES[a]) for i, a in enumerate(actions) if a in SIDES and SIDES[a] in actions}
     ordered = {n.domain.place.shape for n in ir.walk(game) if isinstance(n, ir.First) and isinstance(n.domain.place, ir.Near)}
@@ -109,7 +109,7 @@ def _mirrored(game: ir.Game) -> Iterator[Turned]:
 
     changed = _of_rules(game, rule).model_copy(update={"shapes": tuple(rewrite(shape, rule) for shape in game.shapes)})
     if changed != _of_rules(game, lambda node: node):
-        yield Turned(changed, "if left and right were swapped")
+        yield TransformedGame(changed, "if left and right were swapped")
 
 
 def _flipped(shape: ir.Shape) -> tuple[tuple[tuple[int, int], ...], ...]:
@@ -117,7 +117,7 @@ def _flipped(shape: ir.Shape) -> tuple[tuple[tuple[int, int], ...], ...]:
 
 
 def _is_even(shape: ir.Shape, ordered: bool) -> bool:
-    """Returns whether a shape is its own mirror image, lane by lane; where no lane ends and no `first` goes by their order, cell by cell."""
+    """Returns whether a shape is its own mirror image: lane by lane, or cell by cell where neither a lane's end nor an order matters."""
     if shape.see_through and not ordered:
         cells = {cell for lane in shape.lanes for cell in lane}
         return cells == {(ahead, -right) for ahead, right in cells}
@@ -127,7 +127,7 @@ def _is_even(shape: ir.Shape, ordered: bool) -> bool:
 def compare_step(
     game: ir.Game, other: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
 ) -> list[str]:
-    """Takes one step under both rules with the same luck and returns what differs afterwards, in words."""
+    """Takes one step under both rules with the same draws and returns what differs afterwards, in words."""
     same = SameForAll(draws)
     mine, theirs = step(game, world, actions, params, same), step(other, world, actions, params, same)
     found = differences(mine, theirs)
@@ -160,4 +160,4 @@ def _few(values: Any) -> str:
     return shown if len(shown) <= 60 else f"{shown[:57]}..."
 
 
-__all__ = ["Turned", "compare_step", "lonely_action", "reason", "turned"]
+__all__ = ["TransformedGame", "compare_step", "one_sided_action", "transformed_games", "why_symmetric"]

@@ -1,113 +1,123 @@
-"""What courses on small maps tell of promises: which break, which are kept, and which lines nothing was seen of."""
+"""Verdicts from trajectories on small maps: which checks fail, which pass, and which statements never ran."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.properties.counterexample import tell_course, tell_symmetry
-from sjdsl.properties.float_overflow import LARGEST, tell_overflow
-from sjdsl.properties.instances import Ground
-from sjdsl.properties.monitors import STATES, Break, find_break
-from sjdsl.properties.search import FLOATS, Broken, Tried, search
-from sjdsl.properties.statements import Place, leaves_of, needed_by
-from sjdsl.properties.symmetry import Turned, compare_step, turned
-from sjdsl.properties.trajectory import Course, Played, words_of
+from sjdsl.properties.counterexample import describe_asymmetry, describe_counterexample
+from sjdsl.properties.float_overflow import LARGEST, describe_overflow
+from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.monitors import STATES, Violation, find_violation
+from sjdsl.properties.search import FLOATS, Counterexample, SearchRecord, search
+from sjdsl.properties.statements import StatementId, leaf_statements, statements_needed_by
+from sjdsl.properties.symmetry import TransformedGame, compare_step, transformed_games
+from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of
 from sjdsl.properties.verdict import Effort, How, Verdict
 from sjdsl.trace.rules import Rules
 
 
-def make_verdict(ground: Ground, check: ir.Check, kept: bool | None, how: How, said: str, trace: list[str] | None = None) -> Verdict:
-    """Returns a verdict on a promise where it is written."""
+def make_verdict(family: GameFamily, check: ir.Check, passed: bool | None, how: How, said: str, trace: list[str] | None = None) -> Verdict:
+    """Returns a verdict on a check, with the file and line where it is written."""
     assert check.origin is not None
-    return Verdict(ground.text_of(check), check.origin.file, check.origin.line, kept, how, said, tuple(trace or ()))
+    return Verdict(family.text_of(check), check.origin.file, check.origin.line, passed, how, said, tuple(trace or ()))
 
 
-def overflow_verdict(ground: Ground, played: Played, how: How, trace: Sequence[str]) -> Verdict:
-    """Returns the verdict on a real that leaves float32 at the end of a course; `trace`: how it got there."""
-    assert played.left is not None
-    node = played.left.node
+def overflow_verdict(family: GameFamily, trajectory: Trajectory, how: How, trace: Sequence[str]) -> Verdict:
+    """Returns the verdict on a real that leaves float32 at the end of a trajectory; `trace`: the trajectory in words."""
+    assert trajectory.left is not None
+    node = trajectory.left.node
     file, line = ("", 0) if node.origin is None else (node.origin.file, node.origin.line)
-    steps = played.left.before
-    said = f"a real leaves float32, which ends at {LARGEST}, " + (f"in step {steps}" if played.worlds else "in phase start")
-    told = list(trace) if how == "examples" else [*trace, *tell_overflow(ground, played)]
-    return Verdict(ground.text_of(node), file, line, False, how, said, tuple(told))
+    steps = trajectory.left.before
+    said = f"a real leaves float32, which ends at {LARGEST}, " + (f"in step {steps}" if trajectory.worlds else "in phase start")
+    told = list(trace) if how == "examples" else [*trace, *describe_overflow(family, trajectory)]
+    return Verdict(family.text_of(node), file, line, False, how, said, tuple(told))
 
 
-class Courses:
-    """Random courses on small maps, played for all promises together."""
+class SmallMapVerdicts:
+    """Random trajectories on small maps, played for all checks together."""
 
-    def __init__(self, ground: Ground, effort: Effort, promises: list[int], expected: Sequence[int] = ()):
-        """`promises`: those to be broken by a course; `expected`: others, for which it only matters which lines ran."""
-        self.ground, self.promises, self._effort = ground, promises, effort
-        self._turned: dict[tuple[int, int], list[Turned]] = {}
-        self._leaves = leaves_of(ground.own)
-        checks = ground.own.checks
-        self._needed = {i: needed_by(checks[i], ground.own, self._leaves) for i in (*promises, *expected)}
-        self._found, self.tried = search(ground, promises, effort, self._breaks, self._needed) if self._needed else ([], Tried())
+    def __init__(self, family: GameFamily, effort: Effort, numbers: list[int], expected: Sequence[int] = ()):
+        """`numbers`: checks to find counterexamples to; `expected`: others, for which only coverage matters."""
+        self.family, self.numbers, self._effort = family, numbers, effort
+        self._transformed: dict[tuple[int, int], list[TransformedGame]] = {}
+        self._leaves = leaf_statements(family.own)
+        checks = family.own.checks
+        self._needed = {i: statements_needed_by(checks[i], family.own, self._leaves) for i in (*numbers, *expected)}
+        self._found, self.record = search(family, numbers, effort, self._violation, self._needed) if self._needed else ([], SearchRecord())
 
-    def broken(self) -> dict[int, Verdict]:
-        """Returns the verdicts on the promises that a course breaks."""
-        return {broken.promise: self._verdict(broken) for broken in self._found if broken.promise != FLOATS}
+    def failed(self) -> dict[int, Verdict]:
+        """Returns the verdicts on the checks that have a counterexample."""
+        return {counterexample.number: self._verdict(counterexample) for counterexample in self._found if counterexample.number != FLOATS}
 
     def faults(self) -> list[Verdict]:
-        """Returns the verdict on a real that leaves float32 in a course, if one did."""
-        found = (broken for broken in self._found if broken.promise == FLOATS)
-        return [overflow_verdict(self.ground, b.played, "examples", tell_course(self.ground, b)) for b in found]
+        """Returns the verdict on a real that leaves float32 in a trajectory, if one did."""
+        found = (counterexample for counterexample in self._found if counterexample.number == FLOATS)
+        return [overflow_verdict(self.family, b.trajectory, "examples", describe_counterexample(self.family, b)) for b in found]
 
     def missing(self, number: int) -> tuple[str, ...]:
-        """Returns the lines that a promise depends on and that never ran in a course, with what stands there, in the order of the rules."""
-        needed, rules = self._needed[number], Rules(self.ground.composition.sources)
-        never = [leaf for leaf in self._leaves if leaf.place in needed and not self.tried.ran[leaf.place]]
-        said = [f"{rules.place(leaf.sentence)}  {rules.text(leaf.sentence)}{self._use(leaf.place)}" for leaf in never]
-        check = self.ground.own.checks[number]
-        if check.sort == "once" and not self.tried.triggers[number]:
+        """Returns the lines that a check depends on and that never ran, with their text, in the order of the rules."""
+        needed, rules = self._needed[number], Rules(self.family.composition.sources)
+        never = [leaf for leaf in self._leaves if leaf.statement_id in needed and not self.record.ran[leaf.statement_id]]
+        said = [f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}{self._use(leaf.statement_id)}" for leaf in never]
+        check = self.family.own.checks[number]
+        if check.sort == "once" and not self.record.triggers[number]:
             said.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
         return tuple(dict.fromkeys(said))
 
-    def kept(self, number: int) -> Verdict:
-        """Returns the verdict on a promise that no course breaks."""
-        check, played = self.ground.own.checks[number], self.tried.played - self.tried.refused
-        said = f"{played} courses on small maps"
+    def passed(self, number: int) -> Verdict:
+        """Returns the verdict on a check without a counterexample."""
+        check, played = self.family.own.checks[number], self.record.number - self.record.refused
+        said = f"{played} trajectories on small maps"
         if check.sort in STATES and self._effort.episodes:
             said += f", {self._effort.episodes} episodes of random play"
         if check.sort == "once":
-            came = self.tried.triggers[number]
-            said += f"; its first condition held in {came} of the courses" if came else "; its first condition never held in the courses"
-        return replace(make_verdict(self.ground, check, True, "examples", said), untested=self.missing(number))
+            came = self.record.triggers[number]
+            said += (
+                f"; its first condition held in {came} of the trajectories"
+                if came
+                else "; its first condition never held in the trajectories"
+            )
+        return replace(make_verdict(self.family, check, True, "examples", said), untested=self.missing(number))
 
     def idle(self) -> tuple[int, ...]:
-        """Returns the lines of sentences that change something and never took place; none where no courses were played."""
-        if not self.tried.played:
+        """Returns the lines of statements that change something and never ran; none where nothing was played."""
+        if not self.record.number:
             return ()
-        lines = {leaf.sentence.origin.line for leaf in self._leaves if leaf.sentence.origin is not None and not self.tried.ran[leaf.place]}
+        lines = {
+            leaf.statement.origin.line
+            for leaf in self._leaves
+            if leaf.statement.origin is not None and not self.record.ran[leaf.statement_id]
+        }
         return tuple(sorted(lines))
 
-    def _use(self, place: Place) -> str:
-        """Returns in which use of a phase a sentence stands, if its phase is used several times."""
-        return f"  (in {place[0]})" if sum(leaf.place[1:] == place[1:] for leaf in self._leaves) > 1 else ""
+    def _use(self, statement: StatementId) -> str:
+        """Returns in which use of a phase a statement stands, if its phase is used several times."""
+        return f"  (in {statement[0]})" if sum(leaf.statement_id[1:] == statement[1:] for leaf in self._leaves) > 1 else ""
 
-    def _verdict(self, broken: Broken) -> Verdict:
-        check = self.ground.own.checks[broken.promise]
-        said = f"broken after step {broken.where.at - 1}" if broken.where.at else "broken at the start"
-        trace = tell_course(self.ground, broken)
+    def _verdict(self, counterexample: Counterexample) -> Verdict:
+        check = self.family.own.checks[counterexample.number]
+        said = f"fails after step {counterexample.where.at - 1}" if counterexample.where.at else "fails at the start"
+        trace = describe_counterexample(self.family, counterexample)
         if check.sort == "symmetric":
-            trace += tell_symmetry(self._differing(check, broken.played, broken.course, broken.where.at - 1))
-        return make_verdict(self.ground, check, False, "examples", said, trace)
+            trace += describe_asymmetry(
+                self._differing(check, counterexample.trajectory, counterexample.scenario, counterexample.where.at - 1)
+            )
+        return make_verdict(self.family, check, False, "examples", said, trace)
 
-    def _breaks(self, check: ir.Check, played: Played, course: Course, since: int) -> Break | None:
+    def _violation(self, check: ir.Check, trajectory: Trajectory, scenario: Scenario, since: int) -> Violation | None:
         if check.sort != "symmetric":
-            return find_break(check, played.values(check))
-        steps = range(since, len(played.outcomes))
-        return next((Break(t + 1) for t in steps if self._differing(check, played, course, t)), None)
+            return find_violation(check, trajectory.values(check))
+        steps = range(since, len(trajectory.outcomes))
+        return next((Violation(t + 1) for t in steps if self._differing(check, trajectory, scenario, t)), None)
 
-    def _differing(self, check: ir.Check, played: Played, course: Course, at: int) -> tuple[str, list[str]] | None:
-        """Returns what differs in a step under the turned rules of a symmetry."""
-        key = (id(played.game), id(check))
-        if key not in self._turned:
-            self._turned[key] = turned(check, played.game)
-        for other in self._turned[key]:
-            words = words_of(course, at)
-            found = compare_step(played.game, other.game, played.worlds[at], played.actions[at], played.params, words)
+    def _differing(self, check: ir.Check, trajectory: Trajectory, scenario: Scenario, at: int) -> tuple[str, list[str]] | None:
+        """Returns what differs in a step under the changed rules of a symmetry."""
+        key = (id(trajectory.game), id(check))
+        if key not in self._transformed:
+            self._transformed[key] = transformed_games(check, trajectory.game)
+        for other in self._transformed[key]:
+            draws = draws_of(scenario, at)
+            found = compare_step(trajectory.game, other.game, trajectory.worlds[at], trajectory.actions[at], trajectory.params, draws)
             if found:
                 return other.said, found
         return None

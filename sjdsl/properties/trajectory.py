@@ -1,4 +1,4 @@
-"""A course of play on the interpreter: a layout, numbers, words and actions, and every state on the way."""
+"""Trajectories on the interpreter: a scenario (map, parameters, seed, actions) and every state and outcome it leads to."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,36 +11,36 @@ from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, Value, World, default_params
 from sjdsl.interpreter.step import read, reset, step
 from sjdsl.interpreter.threefry import Draws, Threefry
-from sjdsl.properties.biased_words import Luck, Lucky, episode_key, policy_words, reset_key, step_key
-from sjdsl.properties.coverage import Feature, happened_in
+from sjdsl.properties.biased_draws import Bias, BiasedDraws, episode_key, policy_bits, reset_key, step_key
+from sjdsl.properties.coverage import Feature, features_of
 from sjdsl.properties.monitors import Totals, add_totals
 from sjdsl.properties.scripted_policies import choose
 
 
 @dataclass(frozen=True)
-class Course:
-    """What a course is made of.
+class Scenario:
+    """Everything that determines a trajectory.
 
-    rows: the map. params: numbers that differ from the file's. seed, episode: where the words come from; luck: of each step.
-    actions: what each agent does in each step, or would do; policies: for each agent a scripted policy, or None: as in `actions`.
+    rows: the map. params: parameters that differ from the file's. seed, episode: of the random draws; bias: of the draws of each step.
+    actions: of each agent in each step; policies: for each agent a scripted policy, or None: it takes `actions`.
     """
 
     rows: tuple[str, ...]
     agents: int
     params: tuple[tuple[str, Value], ...]
     seed: int
-    luck: tuple[Luck, ...]
+    bias: tuple[Bias, ...]
     actions: tuple[tuple[int, ...], ...]
     policies: tuple[ir.Policy | None, ...]
     episode: int = 0
 
 
 @dataclass
-class Played:
-    """A course as it went. `worlds`, `totals`: the first state and the one after each step; the other lists: of each step.
+class Trajectory:
+    """The states and outcomes of a scenario. `worlds`, `totals`: of the first state and after each step; the other lists: of each step.
 
-    happened: see `coverage.py`; began: the same of the phase `start`. left: the real that left float32 in the step after the last state,
-      whose actions are the last of `actions`; None if none did. known: what promises read of the states, by the identity of the promise.
+    features: see `coverage.py`; start_features: of the phase `start`. left: the real that left float32 in the step after the last state,
+      whose actions are the last of `actions`; None if none did. known: values that checks read in the states, by the identity of the check.
     """
 
     game: ir.Game
@@ -49,8 +49,8 @@ class Played:
     totals: list[Totals] = field(default_factory=list)
     actions: list[tuple[int, ...]] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
-    happened: list[frozenset[Feature]] = field(default_factory=list)
-    began: frozenset[Feature] = frozenset()
+    features: list[frozenset[Feature]] = field(default_factory=list)
+    start_features: frozenset[Feature] = frozenset()
     left: LeavesFloat32 | None = None
     known: dict[int, list[tuple[Any, ...]]] = field(default_factory=dict)
 
@@ -61,110 +61,117 @@ class Played:
         return bool(last) or self.left is not None
 
     def values(self, check: ir.Check) -> list[tuple[Any, ...]]:
-        """Returns what a promise of the game reads of each state."""
+        """Returns the values that a check of the game reads in each state."""
         known = self.known.setdefault(id(check), [])
         known += [self._read(check, self.worlds[at], self.totals[at]) for at in range(len(known), len(self.worlds))]
         return known
 
     def add(self, world: World, totals: Totals, checks: Sequence[ir.Check]) -> None:
-        """Adds a state. Raises LeavesFloat32, and adds nothing, if a promise cannot be read of it."""
+        """Adds a state. Raises LeavesFloat32, and adds nothing, if a check cannot be read in it."""
         read_now = [self._read(check, world, totals) for check in checks]
         for check, values in zip(checks, read_now, strict=True):
             self.known.setdefault(id(check), []).append(values)
         self.worlds.append(world)
         self.totals.append(totals)
 
-    def cut(self, steps: int) -> "Played":
-        """Returns the course up to the state after so many steps."""
+    def cut(self, steps: int) -> "Trajectory":
+        """Returns the trajectory up to the state after so many steps."""
         known = {check: values[: steps + 1] for check, values in self.known.items()}
-        lists = (self.actions, self.outcomes, self.happened)
-        return Played(
-            self.game, self.params, self.worlds[: steps + 1], self.totals[: steps + 1], *(x[:steps] for x in lists), self.began, None, known
+        lists = (self.actions, self.outcomes, self.features)
+        return Trajectory(
+            self.game,
+            self.params,
+            self.worlds[: steps + 1],
+            self.totals[: steps + 1],
+            *(x[:steps] for x in lists),
+            self.start_features,
+            None,
+            known,
         )
 
     def _read(self, check: ir.Check, world: World, totals: Totals) -> tuple[Any, ...]:
         return tuple(read(self.game, world, e, totals) for e in check.values)
 
 
-Driver = Callable[[World, int], Sequence[int] | None]  # state, number of the step -> an action for each agent; None: enough
+Driver = Callable[[World, int], Sequence[int] | None]  # (state, number of the step) -> an action for each agent; None to stop
 
 
 def params_of(game: ir.Game, given: Sequence[tuple[str, Value]]) -> dict[str, Value]:
-    """Returns the numbers of a course as the interpreter has them."""
+    """Returns the parameters of a scenario as the interpreter has them."""
     types = {p.name: p.type for p in game.params}
     return default_params(game) | {name: real(value) if types[name].kind == "real" else value for name, value in given}
 
 
-def words_of(course: Course, at: int) -> Draws:
-    """Returns the words of a step (0, 1, …), or of the phase `start` (-1)."""
-    key = episode_key(course.seed, course.episode)
+def draws_of(scenario: Scenario, at: int) -> Draws:
+    """Returns the draws of a step (0, 1, …), or of the phase `start` (-1)."""
+    key = episode_key(scenario.seed, scenario.episode)
     if at < 0:
         return reset_key(key)
-    return Lucky(step_key(key, at), course.luck[at]) if course.luck else step_key(key, at)
+    return BiasedDraws(step_key(key, at), scenario.bias[at]) if scenario.bias else step_key(key, at)
 
 
 def play(
     game: ir.Game,
-    course: Course,
+    scenario: Scenario,
     steps: int | None = None,
     checks: Sequence[ir.Check] = (),
-    since: Played | None = None,
+    since: Trajectory | None = None,
     driver: Driver | None = None,
-) -> Played:
-    """Plays a course to its end, to that of the episode, or until a real leaves float32.
+) -> Trajectory:
+    """Plays a scenario to its end, to that of the episode, or until a real leaves float32.
 
     Args:
-      steps: at most so many, if the policies say all that is done.
-      checks: promises that are read of every state.
-      since: how the course begins, as it was played before.
-      driver: says what the agents do, in place of the course.
+      steps: at most so many, if the policies choose all actions.
+      checks: those whose values are read in every state.
+      since: the beginning, as it was played before.
+      driver: chooses the actions, in place of the scenario.
     """
-    params, key = params_of(game, course.params), episode_key(course.seed, course.episode)
+    params, key = params_of(game, scenario.params), episode_key(scenario.seed, scenario.episode)
     if since is None:
-        played = _begin(game, course, params, checks)
+        trajectory = _begin(game, scenario, params, checks)
     else:
-        played = since.cut(len(since.outcomes))
-    for number in range(len(played.outcomes), len(course.actions) if steps is None else steps):
-        if played.is_over:
+        trajectory = since.cut(len(since.outcomes))
+    for number in range(len(trajectory.outcomes), len(scenario.actions) if steps is None else steps):
+        if trajectory.is_over:
             break
-        world = played.worlds[-1]
-        actions = _actions(game, course, world, number, key) if driver is None else driver(world, number)
+        world = trajectory.worlds[-1]
+        actions = _actions(game, scenario, world, number, key) if driver is None else driver(world, number)
         if actions is None:
             break
-        played.actions.append(tuple(actions))
-        _follow(played, words_of(course, number), checks)
-    return played
+        trajectory.actions.append(tuple(actions))
+        _follow(trajectory, draws_of(scenario, number), checks)
+    return trajectory
 
 
-def _begin(game: ir.Game, course: Course, params: Mapping[str, Value], checks: Sequence[ir.Check]) -> Played:
-    told: list[Account] = []
-    played = Played(game, params)
+def _begin(game: ir.Game, scenario: Scenario, params: Mapping[str, Value], checks: Sequence[ir.Check]) -> Trajectory:
+    accounts: list[Account] = []
+    trajectory = Trajectory(game, params)
     try:
-        played.add(reset(game, params, words_of(course, -1), told.append), add_totals({}, _nothing(game), game), checks)
+        trajectory.add(reset(game, params, draws_of(scenario, -1), accounts.append), add_totals({}, _nothing(game), game), checks)
     except LeavesFloat32 as left:
-        played.left = left
-    played.began = happened_in(told)
-    return played
+        trajectory.left = left
+    trajectory.start_features = features_of(accounts)
+    return trajectory
 
 
-def _follow(played: Played, words: Draws, checks: Sequence[ir.Check]) -> None:
+def _follow(trajectory: Trajectory, draws: Draws, checks: Sequence[ir.Check]) -> None:
     """Takes the step whose actions are the last ones."""
-    told: list[Account] = []
+    accounts: list[Account] = []
     try:
-        world, outcome = step(played.game, played.worlds[-1], played.actions[-1], played.params, words, told.append)
-        played.add(world, add_totals(played.totals[-1], outcome.events, played.game), checks)
+        world, outcome = step(trajectory.game, trajectory.worlds[-1], trajectory.actions[-1], trajectory.params, draws, accounts.append)
+        trajectory.add(world, add_totals(trajectory.totals[-1], outcome.events, trajectory.game), checks)
     except LeavesFloat32 as left:
-        played.left = left
+        trajectory.left = left
         return
-    played.happened.append(happened_in(told))
-    played.outcomes.append(outcome)
+    trajectory.features.append(features_of(accounts))
+    trajectory.outcomes.append(outcome)
 
 
-def _actions(game: ir.Game, course: Course, world: World, number: int, key: Threefry) -> tuple[int, ...]:
-    words = policy_words(key, number, course.agents) if any(course.policies) else []
+def _actions(game: ir.Game, scenario: Scenario, world: World, number: int, key: Threefry) -> tuple[int, ...]:
+    bits = policy_bits(key, number, scenario.agents) if any(scenario.policies) else []
     return tuple(
-        course.actions[number][agent] if policy is None else choose(policy, game, world, agent, words[agent])
-        for agent, policy in enumerate(course.policies)
+        scenario.actions[number][agent] if policy is None else choose(policy, game, world, agent, bits[agent])
+        for agent, policy in enumerate(scenario.policies)
     )
 
 

@@ -1,4 +1,4 @@
-"""What became of a promise: kept or broken, how that is known, and the trace that shows it."""
+"""The verdict on a check: passed, untested, failed or not decided, how that is known, and the trace that shows it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,36 +8,36 @@ How = Literal["decided", "proved", "examples", "episodes", "not decided"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """One promise of a game.
+    """The verdict on one check of a game.
 
-    text: as written, on one line; file, line: where. kept: None if it could not be put to the test.
-    untested: of a kept one, the lines it depends on that never ran in any course: then nothing speaks against it, and too little for it.
+    text: as written, on one line; file, line: where. passed: None if it could not be tested.
+    untested: lines that a passed check depends on and that never ran in any trajectory. Then a fault in them would not have been seen.
     how: `decided` when compiled; `proved` without playing; `examples` on random small maps, and episodes on the game's own; `episodes` of
-      the scripted policies. said: the same in words, with bounds. trace: how it breaks, step by step. figures: numbers behind `said`.
+      the scripted policies. reason: the same in words, with confidence bounds. trace: the counterexample, step by step.
     """
 
     text: str
     file: str
     line: int
-    kept: bool | None
+    passed: bool | None
     how: How
-    said: str
+    reason: str
     trace: tuple[str, ...] = ()
     untested: tuple[str, ...] = ()
 
     @property
-    def word(self) -> Literal["kept", "untested", "broken", "not decided"]:
-        """What became of the promise, in a word."""
-        if self.kept:
-            return "untested" if self.untested else "kept"
-        return "broken" if self.kept is False else "not decided"
+    def status(self) -> Literal["passed", "untested", "failed", "not decided"]:
+        """The verdict in a word."""
+        if self.passed:
+            return "untested" if self.untested else "passed"
+        return "failed" if self.passed is False else "not decided"
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard promises are tried: courses on small maps, episodes on the own map of random play (0: none), the seed of both.
+    """The effort of a test: trajectories on small maps, episodes of random play on the own map (0: none), the seed of both.
 
-    tries: courses played to make one that breaks a promise as simple as it can be.
+    tries: trajectories played to shrink one counterexample.
     """
 
     examples: int = 400

@@ -70,7 +70,7 @@ class Stage:
         if key not in self._numbers:
             run_time = {p.name for p in self.env.game.params}
             fixed = {name: value for name, value in self.params.items() if name in run_time}
-            made = build_params(self.env.game, self.env.module, merged(fixed, params), keep_promises=False)
+            made = build_params(self.env.game, self.env.module, merged(fixed, params), check_requires=False)
             self._numbers[key] = Numbers(made, interpreter_params(self.env, made))
         return self._numbers[key]
 

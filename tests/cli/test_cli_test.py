@@ -1,4 +1,4 @@
-"""`sjdsl test`: what it prints of kept and of broken promises, its options, and its exit statuses."""
+"""`sjdsl test`: what it prints of passed and of failed checks, its options, and its exit statuses."""
 
 import json
 from collections.abc import Callable
@@ -7,17 +7,17 @@ from pathlib import Path
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.properties import Effort, Ground, Report
-from sjdsl.properties.verify_properties import settle
+from sjdsl.properties import Effort, GameFamily, Report
+from sjdsl.properties.verify_properties import decide_statically
 
 HERE = Path(__file__).parent
-KEPT = """require apple >= 0
+PASSING = """require apple >= 0
     conserved count(agent)
     always count(soil where soil.fruit is ripe) <= count(soil)
     always count(agent on wall) == 0
     symmetric agents
     expect eaten == 0 with never(forward) over 3 episodes"""
-BROKEN = """require apple < 9.5
+FAILING = """require apple < 9.5
     always count(agent on soil where soil.fruit is ripe) == 0
     symmetric mirror
     expect eaten > 0 with seek soil, random over 2 episodes
@@ -30,78 +30,78 @@ def with_checks(checks: str, game: str = GAME) -> str:
 
 @pytest.fixture
 def games(folder: Path) -> Path:
-    """The folder, with a game that keeps its promises, one that does not, one without promises, and one with a mistake."""
-    (folder / "kept.sj").write_text(with_checks(KEPT))
-    (folder / "broken.sj").write_text(with_checks(BROKEN))
+    """The folder, with a game whose checks pass, one with failing checks, one without checks, and one with a mistake."""
+    (folder / "passing.sj").write_text(with_checks(PASSING))
+    (folder / "failing.sj").write_text(with_checks(FAILING))
     (folder / "wrong.sj").write_text(with_checks("always cuont(agent) > 0"))
     return folder
 
 
 @pytest.mark.usefixtures("games")
-def test_promises_that_are_kept(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
-    shown = sjdsl("test", "kept.sj", "--examples", "30")
+def test_checks_that_pass(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
+    shown = sjdsl("test", "passing.sj", "--examples", "30")
     assert shown.status == 0
-    assert shown.err == "testing the promises of kept.sj\n"
-    golden(HERE / "promises_kept.txt", shown.out)
+    assert shown.err == "testing the checks of passing.sj\n"
+    golden(HERE / "checks_passed.txt", shown.out)
 
 
 @pytest.mark.usefixtures("games")
-def test_promises_that_are_not(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
-    shown = sjdsl("test", "broken.sj")
+def test_checks_that_fail(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
+    shown = sjdsl("test", "failing.sj")
     assert shown.status == 1
-    assert shown.err == "testing the promises of broken.sj\n"
-    golden(HERE / "promises_broken.txt", shown.out)
+    assert shown.err == "testing the checks of failing.sj\n"
+    golden(HERE / "checks_failed.txt", shown.out)
 
 
 @pytest.mark.usefixtures("games")
 def test_all_files_are_tested_though_one_fails(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("test", "wrong.sj", "orchard.sj", "kept.sj", "--examples", "5")
+    shown = sjdsl("test", "wrong.sj", "orchard.sj", "passing.sj", "--examples", "5")
     assert shown.status == 1
     assert "`cuont` is not known here" in shown.text
     assert "Traceback" not in shown.text
-    assert "orchard.sj: 0 promises (write them in `checks { … }`)" in shown.out
-    assert "kept.sj: 6 promises kept" in shown.out
+    assert "orchard.sj: 0 checks (write them in `checks { … }`)" in shown.out
+    assert "passing.sj: 6 checks passed" in shown.out
 
 
 @pytest.mark.usefixtures("games")
 def test_examples_and_seed(sjdsl: Sjdsl) -> None:
-    def courses(*options: str) -> str:
-        found = json.loads(sjdsl("test", "kept.sj", "--json", *options).out)
-        return next(p["said"] for p in found[0]["promises"] if p["how"] == "examples")
+    def trajectories(*options: str) -> str:
+        found = json.loads(sjdsl("test", "passing.sj", "--json", *options).out)
+        return next(p["reason"] for p in found[0]["checks"] if p["how"] == "examples")
 
-    few, more = courses("--examples", "7"), courses("--examples", "20")
-    assert few.endswith(" courses on small maps, 10 episodes of random play")
+    few, more = trajectories("--examples", "7"), trajectories("--examples", "20")
+    assert few.endswith(" trajectories on small maps, 10 episodes of random play")
     assert 7 <= int(few.split()[0]) <= 14 < int(more.split()[0]) <= 40  # up to as many again while a line has not run
-    shown = [sjdsl("test", "broken.sj", "--examples", "40", "--seed", seed).out for seed in ("5", "5", "6")]
+    shown = [sjdsl("test", "failing.sj", "--examples", "40", "--seed", seed).out for seed in ("5", "5", "6")]
     assert shown[0] == shown[1]
     assert shown[0] != shown[2]  # the mean over other episodes
 
 
 @pytest.mark.usefixtures("games")
 def test_json_has_verdicts_and_traces(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("test", "broken.sj", "--examples", "60", "--json")
+    shown = sjdsl("test", "failing.sj", "--examples", "60", "--json")
     assert shown.status == 1
     (document,) = json.loads(shown.out)
-    assert document["file"] == "broken.sj"
-    assert [(p["verdict"], p["how"]) for p in document["promises"]] == [
-        ("kept", "decided"),
-        ("broken", "examples"),
-        ("kept", "proved"),
-        ("kept", "episodes"),
-        ("broken", "episodes"),
+    assert document["file"] == "failing.sj"
+    assert [(p["verdict"], p["how"]) for p in document["checks"]] == [
+        ("passed", "decided"),
+        ("failed", "examples"),
+        ("passed", "proved"),
+        ("passed", "episodes"),
+        ("failed", "episodes"),
     ]
-    assert "    chance growth[soil.fruit]" in "\n".join(document["promises"][1]["trace"])
-    lines = with_checks(BROKEN).splitlines()
-    assert all(p["promise"] in lines[p["line"] - 1] for p in document["promises"])
+    assert "    chance growth[soil.fruit]" in "\n".join(document["checks"][1]["trace"])
+    lines = with_checks(FAILING).splitlines()
+    assert all(p["check"] in lines[p["line"] - 1] for p in document["checks"])
 
 
-def test_a_variant_has_its_own_promises(sjdsl: Sjdsl, folder: Path) -> None:
+def test_a_variant_has_its_own_checks(sjdsl: Sjdsl, folder: Path) -> None:
     game = with_checks("always true").replace("checks {\n    always true", "checks worth {\n    always eaten >= 0")
     (folder / "two.sj").write_text(game.replace("{ set apple = 2 }", "{ set apple = 2  checks worth { always eaten < 0 } }"))
     assert sjdsl("test", "two.sj", "--examples", "5").status == 0
     shown = sjdsl("test", "two.sj", "--examples", "5", "--variant", "rich")
     assert shown.status == 1
-    assert "two.sj, variant rich: 1 promise, 1 not kept" in shown.out
+    assert "two.sj, variant rich: 1 check, 1 not passed" in shown.out
     none = sjdsl("test", "two.sj", "--variant", "poor")
     assert none.status == 1
     assert "no variant `poor`" in none.text
@@ -111,12 +111,12 @@ def test_a_variant_has_its_own_promises(sjdsl: Sjdsl, folder: Path) -> None:
 def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only what needs no playing: `tests/properties/test_games.py` plays the games, with shorter episodes."""
 
-    def only_settled(ground: Ground, effort: Effort) -> Report:
+    def only_static(family: GameFamily, effort: Effort) -> Report:
         del effort
-        verdicts = [settle(ground, number) for number in range(len(ground.own.checks))]
+        verdicts = [decide_statically(family, number) for number in range(len(family.own.checks))]
         return Report(tuple(v for v in verdicts if v is not None), 0)
 
-    monkeypatch.setattr("sjdsl.properties.verify_properties", only_settled)
+    monkeypatch.setattr("sjdsl.properties.verify_properties", only_static)
     shown = sjdsl("test", "pd_arena")
     assert shown.status == 0
     assert "pd_arena: " in shown.out

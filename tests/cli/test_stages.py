@@ -61,4 +61,4 @@ def test_stages_have_their_time_on_a_terminal(capsys: pytest.CaptureFixture[str]
 
 def test_tests_say_what_they_are_at(sjdsl: Sjdsl) -> None:
     shown = sjdsl("test", "orchard.sj", "--examples", "1")
-    assert "testing the promises of orchard.sj" in shown.err
+    assert "testing the checks of orchard.sj" in shown.err

@@ -74,12 +74,12 @@ def test_stay_cannot_be_forbidden(tmp_path: Path) -> None:
     assert game(tmp_path, "agents { forbid all when agent.bag > 2 }").agents.forbids
 
 
-PROMISES = "checks { require apple > 0 }  checks cheap { require apple < 2  conserved count(agent) }  variant rich"
+CHECKS = "checks { require apple > 0 }  checks cheap { require apple < 2  conserved count(agent) }  variant rich"
 
 
 def test_checks_are_added_and_those_with_a_name_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Otherwise no game on this one could break a promise that belongs to the numbers of this one."""
-    monkeypatch.setitem(globals(), "BASE", BASE.replace("variant rich", PROMISES))
+    """Otherwise no game on this one could fail a check that belongs to the numbers of this one."""
+    monkeypatch.setitem(globals(), "BASE", BASE.replace("variant rich", CHECKS))
 
     def sorts(changes: str, variant: str = "", *variants: str) -> list[str]:
         return [check.sort for check in game(tmp_path, changes, variant, *variants).checks]

@@ -157,9 +157,9 @@ PAIRS = {
         "Metrics | metrics | - `fruit`: the mean over the steps of an episode of `ripe_trees`, read at the end of each step. |"
         " + `fruit`: at the last step of an episode `ripe_trees`, read at the end of each step.",
     ),
-    "promises": (
+    "checks": (
         [("always ripe_trees <= 3", "conserved ripe_trees")],
-        "Promises | promises | - After every step: `ripe_trees` is at most 3. | + Never changes: `ripe_trees`.",
+        "Checks | checks | - After every step: `ripe_trees` is at most 3. | + Never changes: `ripe_trees`.",
     ),
 }  # fmt: skip
 

@@ -11,11 +11,11 @@ from random import Random
 from hypothesis import strategies as st
 
 from sjdsl.compiler import ir
+from tests.fuzz.checked import checks, metrics, observe
 from tests.fuzz.conditions import condition
 from tests.fuzz.declared import Define, Lines, Number, World
 from tests.fuzz.declaring import a_field, declare, param
 from tests.fuzz.members import domain
-from tests.fuzz.promised import checks, metrics, observe
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Variable
 from tests.fuzz.sentences import Phase, block, braces, destination, indented

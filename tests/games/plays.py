@@ -104,7 +104,7 @@ def crowded(env: Environment, start: Any, random: np.random.Generator) -> Any:
 
 
 def busy_params(env: Environment) -> Any:
-    """Returns the parameters with every chance raised, if the promises of the game admit it."""
+    """Returns the parameters with every chance raised, if the `require`s of the game allow it."""
 
     def raised(value: Any, high: float) -> Any:
         return [raised(entry, high) for entry in value] if isinstance(value, tuple) else min(max(value, OFTEN), high)

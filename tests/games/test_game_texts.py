@@ -47,7 +47,7 @@ def counted_lines(source: Source) -> int:
 def numbers_of(source: Source) -> Iterator[tuple[str, set[int]]]:
     """Yields each number of the game: what it is, and the lines of which one must name its source.
 
-    Of `size`, `param` and `set`: whatever its value. Of all else outside of the checks, where promises choose their own
+    Of `size`, `param` and `set`: whatever its value. Of all else outside of the checks, where checks choose their own
     numbers: what is neither 0 nor 1.
     """
     lines, sections = lines_of(source.text), list(all_sections(parse(source).game.sections))

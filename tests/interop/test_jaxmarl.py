@@ -34,7 +34,7 @@ def coins() -> JaxMARLGame:
 
 @pytest.mark.parametrize("flat", [True, False])
 @pytest.mark.parametrize("game", ["coins", "clean_up"])
-def test_what_the_base_class_promises(game: str, flat: bool) -> None:
+def test_the_contract_of_the_base_class(game: str, flat: bool) -> None:
     env = JaxMARLGame(game, flat=flat, **SHORT)
     assert isinstance(env, MultiAgentEnv)
     assert env.name == game

@@ -1,4 +1,4 @@
-"""The Stable-Baselines3 adapter: what a `VecEnv` promises, and PPO trained on it."""
+"""The Stable-Baselines3 adapter: the contract of a `VecEnv`, and PPO trained on it."""
 
 import numpy as np
 import pytest

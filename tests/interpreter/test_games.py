@@ -1,4 +1,4 @@
-"""The games of the repository, played at random: what their own checks promise holds in every state."""
+"""The games of the repository, played at random: their own checks hold in every state."""
 
 import random
 from pathlib import Path
@@ -69,7 +69,7 @@ class Play:
 
 
 @pytest.mark.parametrize(("name", "variants"), FORMS)
-def test_every_game_keeps_its_promises(name, variants):
+def test_every_game_passes_its_checks(name, variants):
     game = load(name, *variants)
     assert all(read(game, Play(game).world, v) for c in game.checks if c.sort == "require" for v in c.values)
     play = Play(game)

@@ -1,4 +1,4 @@
-"""Long random play of a game built by hand: the promises every state keeps."""
+"""Long random play of a game built by hand: the invariants of every state."""
 
 import random
 
@@ -52,7 +52,7 @@ def orchard() -> ir.Game:
     )
 
 
-def test_three_hundred_steps_keep_every_promise():
+def test_three_hundred_steps_keep_every_invariant():
     game, choose = orchard(), random.Random(0)
     params = default_params(game)
     world = reset(game, params, Threefry(1, 2))

@@ -1,1 +1,1 @@
-"""Laws between runs: what must stay the same, or change in step, when a game, a state or its luck is changed in a known way."""
+"""Laws between runs (metamorphic tests): what must not change when a game, a state or its random draws change in a known way."""

@@ -16,7 +16,7 @@ from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import Cell, World, default_params
 from sjdsl.interpreter.step import reset
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.properties.biased_words import Lucky
+from sjdsl.properties.biased_draws import BiasedDraws
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
 from tests.fuzz.together import interpret, on_numpy, random_play, run
@@ -98,9 +98,9 @@ def _nearest(start: Cell, cells: set[Cell], number: int) -> list[Cell]:
     return found[:number]
 
 
-def luck(random: Random) -> Lucky:
-    """Returns the words of a step in which what is rare comes often."""
-    return Lucky(Threefry(random.getrandbits(32), random.getrandbits(32)), random.choice(("fair", "mixed", "mixed")))
+def biased_draws(random: Random) -> BiasedDraws:
+    """Returns the draws of a step in which rare events happen often."""
+    return BiasedDraws(Threefry(random.getrandbits(32), random.getrandbits(32)), random.choice(("fair", "mixed", "mixed")))
 
 
 def some_actions(game: ir.Game, random: Random, world: World | None = None) -> list[int]:

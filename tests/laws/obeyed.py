@@ -18,7 +18,7 @@ from sjdsl.testing.differences import outcome_differences as differs_from_outcom
 from sjdsl.testing.differences import state_differences
 from tests.fuzz import numpy_jax
 from tests.fuzz.together import OnNumPy, on_numpy, runs_away
-from tests.laws.corpus import begun, crowded, luck, some_actions
+from tests.laws.corpus import begun, biased_draws, crowded, some_actions
 from tests.laws.numpy_state import numpy_state
 from tests.laws.other_draws import RunsOut, Table, other_draws
 from tests.laws.other_game import other_game
@@ -46,7 +46,7 @@ def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: boo
     for number in range(steps):
         if tried.fault:
             return tried
-        actions, drawn = some_actions(game, random, world), Recorded(luck(random))
+        actions, drawn = some_actions(game, random, world), Recorded(biased_draws(random))
         before = world
         world, outcome = step(game, before, actions, before.params, drawn)
         if runs_away(world):  # sums in another order differ by more and more
@@ -73,7 +73,7 @@ def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: boo
 
 
 def _reset(game: ir.Game, changed: ir.Game, s: Symmetry, random: Random) -> str:
-    drawn = Recorded(luck(random))
+    drawn = Recorded(biased_draws(random))
     world = begun(game, random)
     world = reset(game, world.params, drawn)
     try:

@@ -17,7 +17,7 @@ from tests.laws.symmetry import Symmetry
 
 
 def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
-    """Returns the rules under a symmetry. Promises are left out: they are not played."""
+    """Returns the rules under a symmetry. Checks are left out: they are not played."""
     rule = _rule(s)
     agents = rewrite(game.agents, rule)
     window = game.window

@@ -1,6 +1,6 @@
-"""One deliberate fault for each promise of each game: changes of its text after which that promise, and not only another, must break.
+"""One deliberate fault for each check of each game: changes of its text after which that check, and not only another, must fail.
 
-A promise that `extends` hands down is listed with the file that states it.
+A check that `extends` inherits is listed with the file that states it.
 """
 
 from typing import NamedTuple
@@ -9,10 +9,10 @@ Change = tuple[str, str]
 
 
 class Mutation(NamedTuple):
-    """`promise`: how the promise begins. `changes`: text -> text, each found once. `refused`: the compiler itself says so."""
+    """`check`: how the check begins. `changes`: text -> text, each found once. `refused`: the compiler itself says so."""
 
     game: str
-    promise: str
+    check: str
     changes: tuple[Change, ...]
     refused: bool = False
 

@@ -1,7 +1,7 @@
-"""Small games for the tests of promises, made of a few lines each."""
+"""Small games for the tests of checks, made of a few lines each."""
 
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.properties import Ground
+from sjdsl.properties import GameFamily
 
 ORCHARD = """sj 1
 game orchard "Orchard" {{
@@ -39,6 +39,6 @@ game orchard "Orchard" {{
 TALLY = "each agent where agent chose zap { set agent.tired = 2  tally zaps for agent }"
 
 
-def ground(checks: str, rule: str = TALLY, more: str = "", text: str = ORCHARD) -> Ground:
-    """Returns a small orchard with these promises, one more rule, and more declarations."""
-    return Ground(Source("orchard.sj", text.format(rule=rule, checks=checks, more=more), None))
+def small_game(checks: str, rule: str = TALLY, more: str = "", text: str = ORCHARD) -> GameFamily:
+    """Returns a small orchard with these checks, one more rule, and more declarations."""
+    return GameFamily(Source("orchard.sj", text.format(rule=rule, checks=checks, more=more), None))

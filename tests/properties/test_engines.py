@@ -1,17 +1,17 @@
-"""The compiled game and the interpreter play the same episodes under the scripted policies, and read the same of them."""
+"""The compiled game and the interpreter play the same episodes under the scripted policies, and their checks read the same values."""
 
 import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.properties import Ground
-from sjdsl.properties.engines import Stretch
+from sjdsl.properties import GameFamily
+from sjdsl.properties.engines import EpisodeRunner
 from sjdsl.properties.scripted_policies import choose
-from sjdsl.properties.shortest_paths import FAR, TooLarge, ways_of
+from sjdsl.properties.shortest_paths import FAR, TooLarge, shortest_paths_of
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.properties.trajectory import play
 
-from .small_games import ORCHARD, ground
+from .small_games import ORCHARD, small_game
 
 CHECKS = """always fruit <= 2  always eaten <= 2 and zaps >= 0  conserved count(agent)  monotone bare falling in fruit
   expect eaten == 0 with never(zap, forward), seek tree where tree.fruit is ripe over 3 episodes
@@ -23,16 +23,16 @@ RULE = """each agent where agent chose zap { set agent.tired = 2  tally zaps for
 
 
 @pytest.fixture(scope="module")
-def orchard() -> Ground:
+def orchard() -> GameFamily:
     text = ORCHARD.replace('"..T" ".T."', '"..T." ".T#." "...."')
-    return ground(CHECKS, RULE, text=text)
+    return small_game(CHECKS, RULE, text=text)
 
 
-def test_both_engines_play_the_same(orchard: Ground) -> None:
-    stretch = Stretch(orchard, seed=5)
+def test_both_engines_play_the_same(orchard: GameFamily) -> None:
+    runner = EpisodeRunner(orchard, seed=5)
     for check in (c for c in orchard.own.checks if c.sort == "expect"):
-        compiled = stretch._compiled(check.policies, 0, 3)
-        interpreted = [stretch._interpreted(check.policies, number) for number in range(3)]
+        compiled = runner._compiled(check.policies, 0, 3)
+        interpreted = [runner._interpreted(check.policies, number) for number in range(3)]
         for mine, theirs in zip(compiled, interpreted, strict=True):
             assert mine.actions == theirs.actions
             assert mine.totals == theirs.totals
@@ -41,15 +41,15 @@ def test_both_engines_play_the_same(orchard: Ground) -> None:
         assert any(len(set(values)) > 1 for episode in compiled for values in episode.values), "nothing that is read ever changed"
 
 
-def test_a_state_of_an_episode_is_the_interpreters(orchard: Ground) -> None:
+def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:
     """Also with agents that are away, and sets and timers that are not at their start."""
-    stretch, policies = Stretch(orchard, seed=1), orchard.own.checks[4].policies
-    (episode,) = stretch._compiled(policies, 0, 1)
-    played = play(orchard.own, stretch.course(policies, 0), len(episode.actions))
-    player, away = stretch._player, 0
+    runner, policies = EpisodeRunner(orchard, seed=1), orchard.own.checks[4].policies
+    (episode,) = runner._compiled(policies, 0, 1)
+    trajectory = play(orchard.own, runner.scenario(policies, 0), len(episode.actions))
+    player, away = runner._player, 0
     for step in range(len(episode.actions)):
         found = world_of(player.env, player.state_before(np.asarray(episode.actions), 1, 0, step))
-        wanted = played.worlds[step]
+        wanted = trajectory.worlds[step]
         for part in ("step", "cells", "agents", "fields", "position", "heading", "away"):
             assert getattr(found, part) == getattr(wanted, part), (step, part)
         away += sum(a is not None for a in wanted.away)
@@ -61,22 +61,22 @@ def test_distances_are_those_of_a_walk() -> None:
     for acts in ("turn_left, turn_right, step_left, step_right, forward, backward, stay, zap", "turn_left, forward, stay, zap"):
         text = ORCHARD.replace('"..T" ".T."', '"..#." ".#.." "...T"')
         text = text.replace("turn_left, turn_right, step_left, step_right, forward, backward, stay, zap", acts)
-        ways = ways_of(ground("", text=text).own)
-        for start in range(ways.after.shape[0]):
+        paths = shortest_paths_of(small_game("", text=text).own)
+        for start in range(paths.after.shape[0]):
             reached, edge, moves = {start: 0}, [start], 0
             while edge:
                 moves += 1
-                edge = [int(n) for node in edge for n in ways.after[node] if int(n) not in reached and not reached.update({int(n): moves})]
+                edge = [int(n) for node in edge for n in paths.after[node] if int(n) not in reached and not reached.update({int(n): moves})]
             nearest = [min((m for node, m in reached.items() if node // 4 == cell), default=FAR) for cell in range(12)]
-            assert ways.distance[:, ways.column(start)].tolist() == nearest
+            assert paths.distance[:, paths.column(start)].tolist() == nearest
 
 
 def test_a_seeker_arrives_and_stays() -> None:
-    game = ground("", text=ORCHARD.replace('"..T" ".T."', '"....." "#.##." "....T"')).own
+    game = small_game("", text=ORCHARD.replace('"..T" ".T."', '"....." "#.##." "....T"')).own
     seek = ir.Policy(name="seek", domain=ir.Domain(var=ir.Member(name="tree", who="cell", kinds=("tree",))))
     from sjdsl.interpreter.state import Cell, default_params
     from sjdsl.interpreter.step import reset, step
-    from sjdsl.properties.biased_words import episode_key, step_key
+    from sjdsl.properties.biased_draws import episode_key, step_key
 
     world = reset(game, default_params(game), step_key(episode_key(0, 0), 0))
     world.position = [Cell(0, 0), Cell(2, 0)]
@@ -90,13 +90,13 @@ def test_a_seeker_arrives_and_stays() -> None:
 
 
 def test_a_map_too_large_to_walk_over_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sjdsl.properties import examine, shortest_paths
+    from sjdsl.properties import shortest_paths, verify_properties
 
     monkeypatch.setattr(shortest_paths, "MOST", 10)
-    shortest_paths._ways.cache_clear()
-    orchard = ground("expect eaten > 0 with seek tree over 2 episodes")
+    shortest_paths._shortest_paths.cache_clear()
+    orchard = small_game("expect eaten > 0 with seek tree over 2 episodes")
     with pytest.raises(TooLarge):
-        ways_of(orchard.own)
-    (verdict,) = examine(orchard).verdicts
-    assert verdict.kept is None
-    assert "on a map of 6 cells" in verdict.said
+        shortest_paths_of(orchard.own)
+    (verdict,) = verify_properties(orchard).verdicts
+    assert verdict.passed is None
+    assert "on a map of 6 cells" in verdict.reason

@@ -1,4 +1,4 @@
-"""Reals that leave float32: said by `sjdsl test` and `sjdsl trace` with the line, the step and the state before; never a traceback."""
+"""Reals that leave float32 (overflow): reported by `sjdsl test` and `sjdsl trace` with the line, the step and the state before; never a traceback."""
 
 import warnings
 from pathlib import Path
@@ -8,9 +8,9 @@ import pytest
 from sjdsl.cli import run
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.interpreter.overflow import LeavesFloat32
-from sjdsl.properties import Effort, Ground, examine
-from sjdsl.properties.engines import Stretch
-from sjdsl.properties.verify_properties import RANDOM, in_episodes
+from sjdsl.properties import Effort, GameFamily, verify_properties
+from sjdsl.properties.engines import EpisodeRunner
+from sjdsl.properties.verify_properties import RANDOM, check_in_episodes
 
 GAME = """sj 1
 game growth "Wealth that grows" {{
@@ -34,8 +34,8 @@ def text(rule: str, steps: int = 20, checks: str = ALWAYS) -> str:
     return GAME.format(rule=rule, steps=steps, checks=checks)
 
 
-def growth(rule: str, steps: int = 20, checks: str = ALWAYS) -> Ground:
-    return Ground(Source("growth.sj", text(rule, steps, checks), None))
+def growth(rule: str, steps: int = 20, checks: str = ALWAYS) -> GameFamily:
+    return GameFamily(Source("growth.sj", text(rule, steps, checks), None))
 
 
 @pytest.mark.parametrize(
@@ -48,40 +48,42 @@ def growth(rule: str, steps: int = 20, checks: str = ALWAYS) -> Ground:
         "each agent { set agent.wealth = agent.wealth / 0.0000000005 }",
     ],
 )
-def test_a_course_shows_the_line_and_the_step(rule: str) -> None:
+def test_a_trajectory_shows_the_line_and_the_step(rule: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        report = examine(growth(rule), Effort(examples=30, episodes=0))
+        report = verify_properties(growth(rule), Effort(examples=30, episodes=0))
     (fault,) = report.faults
-    assert fault.word == "broken"
+    assert fault.status == "failed"
     assert fault.line == 10
-    assert "a real leaves float32" in fault.said
+    assert "a real leaves float32" in fault.reason
     assert any("agent.wealth before this step" in line for line in fault.trace)
 
 
-def test_the_shortest_course_is_shown() -> None:
+def test_the_shortest_trajectory_is_shown() -> None:
     """Five steps: (2e9)^4 = 1.6e37 is a float32, (2e9)^5 is none."""
-    (fault,) = examine(growth(FAST), Effort(examples=30, episodes=0)).faults
-    assert fault.said.endswith("in step 4")
+    (fault,) = verify_properties(growth(FAST), Effort(examples=30, episodes=0)).faults
+    assert fault.reason.endswith("in step 4")
     assert sum(line.startswith("step ") for line in fault.trace) == 5
     assert any("up to 1.6e+37" in line for line in fault.trace)
 
 
 def test_both_engines_say_the_same_of_a_long_episode() -> None:
     """Of the compiled game too, where infinity is a value like others."""
-    ground = growth(SLOW, steps=200)
-    _, (interpreted,) = in_episodes(ground, Stretch(ground, 0), Effort(episodes=2), [0])
-    stretch = Stretch(ground, 0)
-    stretch.play = stretch._compiled  # type: ignore[method-assign]
-    _, (compiled,) = in_episodes(ground, stretch, Effort(episodes=2), [0])
+    family = growth(SLOW, steps=200)
+    _, (interpreted,) = check_in_episodes(family, EpisodeRunner(family, 0), Effort(episodes=2), [0])
+    runner = EpisodeRunner(family, 0)
+    runner.play = runner._compiled  # type: ignore[method-assign]
+    _, (compiled,) = check_in_episodes(family, runner, Effort(episodes=2), [0])
     assert compiled == interpreted
-    assert compiled.said.endswith("in step 127")
+    assert compiled.reason.endswith("in step 127")
     assert RANDOM[0].name in compiled.trace[0]
 
 
 def test_an_expectation_whose_episodes_leave_float32_is_not_decided() -> None:
-    report = examine(growth(SLOW, 200, f"expect {ALWAYS.removeprefix('always ')} with random over 2 episodes"), Effort(examples=5))
-    assert [v.word for v in report.verdicts] == ["not decided"]
+    report = verify_properties(
+        growth(SLOW, 200, f"expect {ALWAYS.removeprefix('always ')} with random over 2 episodes"), Effort(examples=5)
+    )
+    assert [v.status for v in report.verdicts] == ["not decided"]
     assert len(report.faults) == 1
 
 
@@ -96,7 +98,7 @@ def test_the_commands_end_without_a_traceback(tmp_path: Path, capsys: pytest.Cap
         assert "Traceback" not in shown
 
 
-def test_the_interpreter_names_the_sentence() -> None:
+def test_the_interpreter_names_the_statement() -> None:
     from sjdsl.interpreter.state import default_params
     from sjdsl.interpreter.step import reset, step
     from sjdsl.interpreter.threefry import Threefry

@@ -1,7 +1,7 @@
-"""The promises of all bundled games: each is kept, and each is found broken after a deliberate fault (`mutations.py`).
+"""The checks of all bundled games: each passes, and each fails after a deliberate fault (`mutations.py`).
 
 On few examples, and `expect` over few short episodes on a small map; the whole test is `sjdsl test` on each game. The faults are looked for
-with other courses by `pytest tests/properties/test_games.py -k fault --sj-seed N`.
+with other trajectories by `pytest tests/properties/test_games.py -k fault --sj-seed N`.
 """
 
 import re
@@ -15,11 +15,11 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game, games_folder
-from sjdsl.properties import Effort, Ground, examine
+from sjdsl.properties import Effort, GameFamily, verify_properties
 
 from .mutations import MUTATIONS, Mutation
 
-KEPT = Effort(examples=6, episodes=0, tries=0)
+FEW = Effort(examples=6, episodes=0, tries=0)
 STEPS, EPISODES = 40, 3
 SMALL = {  # a map on which the policies of the expectations have something to do, and how many agents play on it
     "coins": (("PCCCP", "CCCCC"), 2),
@@ -55,7 +55,7 @@ def folder_of(game: str, changes: tuple[tuple[str, str], ...], base: Path) -> Pa
     return folder
 
 
-def shortened(folder: Path, game: str) -> Ground:
+def shortened(folder: Path, game: str) -> GameFamily:
     """Returns a game for its expectations: few short episodes, on a small map if one is given."""
     for path in folder.glob("*.sj"):
         text = re.sub(r"(param length +: steps +=) \d+", rf"\1 {STEPS}", path.read_text(encoding="utf-8"))
@@ -64,57 +64,59 @@ def shortened(folder: Path, game: str) -> Ground:
             text = text.replace(before, after)
         path.write_text(re.sub(r"over \d+ episodes", f"over {EPISODES} episodes", text), encoding="utf-8")
     rows, agents = SMALL.get(game, (None, None))
-    return Ground(read_source(folder / f"{game}.sj"), overrides=Overrides(num_agents=agents, rows=rows, row_spans=()))
+    return GameFamily(read_source(folder / f"{game}.sj"), overrides=Overrides(num_agents=agents, rows=rows, row_spans=()))
 
 
-def number_of(ground: Ground, promise: str) -> int:
-    """Returns the place of the promise that begins so."""
-    checks = ground.own.checks
+def number_of(family: GameFamily, check_text: str) -> int:
+    """Returns the index of the check that begins so."""
+    checks = family.own.checks
     found = [
-        i for i, check in enumerate(checks) if ground.text_of(check).startswith(promise) or check.sort == promise.split()[0] == "symmetric"
+        i
+        for i, check in enumerate(checks)
+        if family.text_of(check).startswith(check_text) or check.sort == check_text.split()[0] == "symmetric"
     ]
-    assert len(found) == 1, f"{promise}: {len(found)} promises begin so"
+    assert len(found) == 1, f"{check_text}: {len(found)} checks begin so"
     return found[0]
 
 
 @pytest.mark.parametrize("game", bundled())
-def test_promises_are_kept(game: str) -> None:
-    ground = Ground(read_source(find_game(game)))
-    played = [i for i, check in enumerate(ground.own.checks) if check.sort != "expect"]
-    report = examine(ground, KEPT, played)
-    assert [v.text for v in report.verdicts if not v.kept] == []
+def test_checks_pass(game: str) -> None:
+    family = GameFamily(read_source(find_game(game)))
+    played = [i for i, check in enumerate(family.own.checks) if check.sort != "expect"]
+    report = verify_properties(family, FEW, played)
+    assert [v.text for v in report.verdicts if not v.passed] == []
 
 
 @pytest.mark.parametrize("game", sorted(SMALL))
-def test_expectations_are_kept_on_the_small_map(game: str, tmp_path: Path) -> None:
-    """What the faults are compared with: without a fault these short episodes keep every expectation."""
-    ground = shortened(folder_of(game, (), tmp_path), game)
-    expects = [i for i, check in enumerate(ground.own.checks) if check.sort == "expect"]
-    assert [v.text for v in examine(ground, KEPT, expects).verdicts if not v.kept] == []
+def test_expectations_pass_on_the_small_map(game: str, tmp_path: Path) -> None:
+    """What the faults are compared with: without a fault these short episodes meet every expectation."""
+    family = shortened(folder_of(game, (), tmp_path), game)
+    expects = [i for i, check in enumerate(family.own.checks) if check.sort == "expect"]
+    assert [v.text for v in verify_properties(family, FEW, expects).verdicts if not v.passed] == []
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda m: f"{m.game}: {m.promise}")
-def test_a_fault_breaks_its_promise(mutation: Mutation, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda m: f"{m.game}: {m.check}")
+def test_a_fault_fails_its_check(mutation: Mutation, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     folder = folder_of(mutation.game, mutation.changes, tmp_path)
     source = read_source(folder / f"{mutation.game}.sj")
     if mutation.refused:
         with pytest.raises(CompileError) as refused:
-            Ground(source)
+            GameFamily(source)
         assert "SJ212" in {d.code for d in refused.value.diagnostics}
         return
-    short = mutation.promise.startswith("expect")
-    ground = shortened(folder, mutation.game) if short else Ground(source)
+    short = mutation.check.startswith("expect")
+    family = shortened(folder, mutation.game) if short else GameFamily(source)
     effort = Effort(examples=200, episodes=0, tries=0, seed=request.config.getoption("sj_seed"))
-    (verdict,) = examine(ground, effort, [number_of(ground, mutation.promise)]).verdicts
-    assert verdict.kept is False
+    (verdict,) = verify_properties(family, effort, [number_of(family, mutation.check)]).verdicts
+    assert verdict.passed is False
     assert verdict.trace
 
 
-def test_every_promise_of_every_game_has_a_fault() -> None:
-    listed = {(m.game, m.promise) for m in MUTATIONS}
+def test_every_check_of_every_game_has_a_fault() -> None:
+    listed = {(m.game, m.check) for m in MUTATIONS}
     for game in bundled():
-        ground = Ground(read_source(find_game(game)))
-        for check in ground.own.checks:
+        family = GameFamily(read_source(find_game(game)))
+        for check in family.own.checks:
             assert check.origin is not None
-            home, text = Path(check.origin.file).stem, ground.text_of(check)
+            home, text = Path(check.origin.file).stem, family.text_of(check)
             assert any(home == g and text.startswith(p) for g, p in listed), f"{home}.sj: no fault in mutations.py for `{text}`"

@@ -1,4 +1,4 @@
-"""How often a sentence can take place at most, who can stand apart, and ways around others: so courses are not wasted on what cannot be."""
+"""How often a statement can run, which agents can stand apart, and paths around others, so that no trajectory is wasted."""
 
 import math
 
@@ -8,38 +8,40 @@ from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Cell
 from sjdsl.properties.distance import cheapest
 from sjdsl.properties.multiplicity import is_always_once, most
-from sjdsl.properties.preconditions import recipes_of
+from sjdsl.properties.preconditions import preconditions_of
 from sjdsl.properties.reachability import moves_until
 from sjdsl.properties.shortest_paths import FAR
-from sjdsl.properties.statements import leaves_of
+from sjdsl.properties.statements import leaf_statements
 
 from .planted_faults import planted
-from .small_games import ground
+from .small_games import small_game
 
 HERE, THERE = Cell(0, 0), Cell(0, 1)
 
 
 @pytest.mark.parametrize(("variant", "times"), [(None, 1), ("fault", 3)])
-def test_a_sentence_takes_place_as_often_as_its_quantifiers_allow(variant: str | None, times: int) -> None:
+def test_a_statement_runs_as_often_as_its_quantifiers_allow(variant: str | None, times: int) -> None:
     """One pot and three cooks: `pick 1` takes one of them, `each` all."""
     game = planted("soup", variant).own
-    taking = [leaf for leaf in leaves_of(game) if leaf.place[0] == "take"]
+    taking = [leaf for leaf in leaf_statements(game) if leaf.statement_id[0] == "take"]
     assert {most(leaf.quantifiers, board_of(game)) for leaf in taking} == {times}
 
 
-def test_a_move_of_all_is_one_sentence_that_takes_place_once() -> None:
-    (walk,) = (leaf for leaf in leaves_of(planted("soup").own) if leaf.place[0] == "walk")
+def test_a_move_of_all_is_one_statement_that_runs_once() -> None:
+    (walk,) = (leaf for leaf in leaf_statements(planted("soup").own) if leaf.statement_id[0] == "walk")
     assert is_always_once(walk.quantifiers)
 
 
-def test_sentences_of_one_block_have_the_same_needs() -> None:
-    taking = [recipe for recipe in recipes_of(leaves_of(planted("soup").own)) if recipe.place[0] == "take"]
+def test_statements_of_one_block_have_the_same_needs() -> None:
+    taking = [
+        precondition for precondition in preconditions_of(leaf_statements(planted("soup").own)) if precondition.statement_id[0] == "take"
+    ]
     assert len(taking) == 4
-    assert len({recipe.block for recipe in taking}) == 1
+    assert len({precondition.block for precondition in taking}) == 1
 
 
 @pytest.mark.parametrize(
-    ("prices", "places", "number", "least"),
+    ("costs", "places", "number", "least"),
     [
         ([1.0, 2.0], [None, None], 2, 3.0),
         ([1.0, 2.0], [frozenset({HERE}), frozenset({HERE})], 1, 1.0),
@@ -50,13 +52,13 @@ def test_sentences_of_one_block_have_the_same_needs() -> None:
     ],
 )
 def test_those_who_do_something_together_stand_apart(
-    prices: list[float], places: list[frozenset[Cell] | None], number: int, least: float
+    costs: list[float], places: list[frozenset[Cell] | None], number: int, least: float
 ) -> None:
-    assert cheapest(prices, places, number) == least
+    assert cheapest(costs, places, number) == least
 
 
-def test_ways_go_around_others() -> None:
-    orchard = ground("always eaten < 99").on(("...", "..."), 1)
+def test_paths_go_around_others() -> None:
+    orchard = small_game("always eaten < 99").on(("...", "..."), 1)
     assert orchard is not None
     board = board_of(orchard)
     start, goal, between = 0, Cell(0, 2), Cell(0, 1)

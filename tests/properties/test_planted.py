@@ -1,15 +1,15 @@
 """Ten small games, each with a fault that only several agents together bring about, and each without it (`planted/`).
 
-With a fixed seed and few courses; how often other seeds find each fault is in docs/proof.md: `python -m tests.properties.planted_faults`.
+With a fixed seed and few trajectories; how often other seeds find each fault is in docs/proof.md: `python -m tests.properties.planted_faults`.
 """
 
 import pytest
 
-from sjdsl.properties import Effort, examine
+from sjdsl.properties import Effort, verify_properties
 
-from .planted_faults import GAMES, courses_until_found, planted
+from .planted_faults import GAMES, planted, trajectories_until_found
 
-FOUND = {  # seed, and courses within which it finds the fault
+FOUND = {  # seed, and trajectories within which it finds the fault
     "bridge": (2, 10),
     "buckets": (0, 10),
     "crates": (2, 10),
@@ -31,11 +31,11 @@ def test_there_are_ten() -> None:
 @pytest.mark.parametrize("game", sorted(FOUND))
 def test_the_fault_is_found(game: str) -> None:
     seed, most = FOUND[game]
-    assert courses_until_found(game, seed, most) is not None
+    assert trajectories_until_found(game, seed, most) is not None
 
 
 @pytest.mark.parametrize("game", GAMES)
 def test_the_game_without_it_is_not_refuted(game: str) -> None:
-    report = examine(planted(game, None), Effort(examples=10, episodes=0))
-    assert [v.text for v in report.verdicts if not v.kept] == []
+    report = verify_properties(planted(game, None), Effort(examples=10, episodes=0))
+    assert [v.text for v in report.verdicts if not v.passed] == []
     assert not report.faults

@@ -1,4 +1,4 @@
-"""`pytest --sj` in a folder of an author: one test a promise, under its own text, and nothing at all without `--sj`."""
+"""`pytest --sj` in a folder of an author: one test a check, under its own text, and nothing at all without `--sj`."""
 
 import os
 import subprocess
@@ -43,7 +43,7 @@ def run(folder: Path, *arguments: str) -> tuple[int, list[str]]:
     return done.returncode, (done.stdout + done.stderr).splitlines()
 
 
-def test_a_promise_is_a_test_under_its_own_text(folder: Path) -> None:
+def test_a_check_is_a_test_under_its_own_text(folder: Path) -> None:
     status, lines = run(folder, "--sj", "-v")
     assert status == 1
     said = [line.split("::", 1)[1].rsplit("[", 1)[0].strip() for line in lines if line.startswith("orchard.sj::")]
@@ -55,24 +55,24 @@ def test_a_promise_is_a_test_under_its_own_text(folder: Path) -> None:
         "always apples[ripe] < 1.5 (2) FAILED",
     ]
     line = next(i for i, text in enumerate(orchard(CHECKS).splitlines(), 1) if "< 1.5" in text)
-    start = lines.index(f"orchard.sj:{line}: the promise is broken: always apples[ripe] < 1.5")
+    start = lines.index(f"orchard.sj:{line}: the check failed: always apples[ripe] < 1.5")
     told = lines[start : start + next(i for i, text in enumerate(lines[start:]) if text.startswith("  apples[ripe] = "))]
-    assert told[1].startswith("broken after step ")
+    assert told[1].startswith("fails after step ")
     assert told[2].endswith(" on a small map")
     assert "  step 0" in told
     assert not any("Traceback" in line or "pytest_plugin.py" in line for line in lines)
 
 
-def test_one_promise_can_be_chosen(folder: Path) -> None:
+def test_one_check_can_be_chosen(folder: Path) -> None:
     status, lines = run(folder, "--sj", "-v", "orchard.sj::always apples[ripe] >= 0.0")
     assert status == 0
     assert "1 passed" in lines[-1]
 
 
-def test_an_untested_promise_is_skipped_and_fails_if_strict(
+def test_an_untested_check_is_skipped_and_fails_if_strict(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The rule of the promise runs in step 900, an episode has 20."""
+    """The rule of the check runs in step 900, an episode has 20."""
     rule = "each tree where step > 900 { set tree.fruit = ripe }"
     path = folder / "late.sj"
     path.write_text(ORCHARD.format(rule=rule, checks="once fruit == 0 always fruit == 0", more=""))
@@ -84,7 +84,7 @@ def test_an_untested_promise_is_skipped_and_fails_if_strict(
     assert "untested: these lines never ran" in said
     assert pytest.main([*options, "--sj-strict"]) == pytest.ExitCode.TESTS_FAILED
     said = capsys.readouterr().out
-    assert "the promise is untested: once fruit == 0 always fruit == 0" in said
+    assert "the check is untested: once fruit == 0 always fruit == 0" in said
     assert "set tree.fruit = ripe" in said
 
 

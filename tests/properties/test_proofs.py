@@ -1,14 +1,14 @@
-"""What is decided without playing: each proof on a promise that holds, and none on its neighbours that do not, or that it cannot see."""
+"""Static verdicts: each proof on a check that holds, and none on similar checks that do not hold or that it cannot prove."""
 
 import pytest
 
-from sjdsl.properties import examine
+from sjdsl.properties import verify_properties
 from sjdsl.properties.monitors import STATES
-from sjdsl.properties.symmetry import turned
+from sjdsl.properties.symmetry import transformed_games
 from sjdsl.properties.verdict import Effort
-from sjdsl.properties.verify_properties import Courses, settle
+from sjdsl.properties.verify_properties import SmallMapVerdicts, decide_statically
 
-from .small_games import ORCHARD, ground
+from .small_games import ORCHARD, small_game
 
 PROVED = [
     "always fruit >= 0",
@@ -42,24 +42,24 @@ NOT_PROVED = [
 ]
 
 
-@pytest.mark.parametrize("promise", PROVED)
-def test_what_is_proved(promise: str) -> None:
-    verdict = settle(ground(promise), 0)
+@pytest.mark.parametrize("check", PROVED)
+def test_what_is_proved(check: str) -> None:
+    verdict = decide_statically(small_game(check), 0)
     assert verdict is not None
-    assert verdict.kept
+    assert verdict.passed
     assert verdict.how == "proved"
 
 
-@pytest.mark.parametrize("promise", NOT_PROVED)
-def test_what_is_left_to_playing(promise: str) -> None:
-    assert settle(ground(promise), 0) is None
+@pytest.mark.parametrize("check", NOT_PROVED)
+def test_what_is_left_to_playing(check: str) -> None:
+    assert decide_statically(small_game(check), 0) is None
 
 
 def test_what_is_proved_holds_when_played() -> None:
-    """The proofs against play: every proved promise once more, on courses and episodes, with the proofs switched off."""
-    everything = ground("  ".join(p for p in PROVED if p.split()[0] in STATES))
-    courses = Courses(everything, Effort(examples=40), list(range(len(everything.own.checks))))
-    assert not courses.broken()
+    """The proofs against play: every proved check once more, on trajectories, with the proofs switched off."""
+    everything = small_game("  ".join(p for p in PROVED if p.split()[0] in STATES))
+    verdicts = SmallMapVerdicts(everything, Effort(examples=40), list(range(len(everything.own.checks))))
+    assert not verdicts.failed()
 
 
 SLOPES = {  # define value, define argument -> the way the one goes with the other, as far as the ranges tell
@@ -85,7 +85,7 @@ def test_slopes(value: str, argument: str) -> None:
     found = []
     for direction in ("rising", "falling"):
         declared = f"param pay : reward = 1  define value = {value}  define argument = {argument}"
-        verdict = settle(ground(f"monotone value {direction} in argument", more=declared), 0)
+        verdict = decide_statically(small_game(f"monotone value {direction} in argument", more=declared), 0)
         found += [direction] if verdict is not None else []
     assert found == {"rising": ["rising"], "falling": ["falling"], "level": ["rising", "falling"], None: []}[SLOPES[value, argument]]
 
@@ -106,14 +106,14 @@ UNEVEN = {
 
 @pytest.mark.parametrize(("what", "rule"), [(what, rule) for what, rules in UNEVEN.items() for rule in rules])
 def test_uneven_rules_are_found_and_shown(what: str, rule: str) -> None:
-    report = examine(ground(f"symmetric {what}", rule), Effort(examples=60))
+    report = verify_properties(small_game(f"symmetric {what}", rule), Effort(examples=60))
     (verdict,) = report.verdicts
-    assert verdict.kept is False
+    assert verdict.passed is False
     assert "would give something else" in "\n".join(verdict.trace)
     other = {"agents": "mirror", "mirror": "agents"}[what]
-    even = settle(ground(f"symmetric {other}", rule), 0)
+    even = decide_statically(small_game(f"symmetric {other}", rule), 0)
     assert even is not None
-    assert even.kept
+    assert even.passed
 
 
 EVEN = [
@@ -124,12 +124,12 @@ EVEN = [
 
 
 @pytest.mark.parametrize("rule", EVEN)
-def test_rules_that_read_numbers_evenly_are_kept(rule: str) -> None:
+def test_rules_that_read_numbers_evenly_pass(rule: str) -> None:
     what = "mirror" if "turn" in rule else "agents"
-    symmetric = ground(f"symmetric {what}", rule)
-    assert turned(symmetric.own.checks[0], symmetric.own)
-    (verdict,) = examine(symmetric, Effort(examples=40)).verdicts
-    assert verdict.kept
+    symmetric = small_game(f"symmetric {what}", rule)
+    assert transformed_games(symmetric.own.checks[0], symmetric.own)
+    (verdict,) = verify_properties(symmetric, Effort(examples=40)).verdicts
+    assert verdict.passed
     assert verdict.how == "examples"
 
 
@@ -138,16 +138,16 @@ def test_an_uneven_shape_is_no_mirror_image() -> None:
         return ORCHARD.replace("shape ray = line(2)", shape)
 
     rule = "each agent as a where a chose zap { each agent as b in ray of a { give 1 to b } }"
-    uneven = examine(ground("symmetric mirror", rule, text=shaped('shape ray {{ "x." ".^" }}')), Effort(60))
-    assert uneven.verdicts[0].kept is False
-    even = settle(ground("symmetric mirror", rule, text=shaped("shape ray = fan(2, 1)")), 0)
+    uneven = verify_properties(small_game("symmetric mirror", rule, text=shaped('shape ray {{ "x." ".^" }}')), Effort(60))
+    assert uneven.verdicts[0].passed is False
+    even = decide_statically(small_game("symmetric mirror", rule, text=shaped("shape ray = fan(2, 1)")), 0)
     assert even is not None
-    assert even.kept
+    assert even.passed
 
 
 def test_one_sided_agents_have_no_mirror_image() -> None:
-    one_sided = ground("symmetric mirror", text=ORCHARD.replace("step_right, ", ""))
-    verdict = settle(one_sided, 0)
+    one_sided = small_game("symmetric mirror", text=ORCHARD.replace("step_right, ", ""))
+    verdict = decide_statically(one_sided, 0)
     assert verdict is not None
-    assert verdict.kept is False
-    assert verdict.said == "the agents can step_left, but not step_right"
+    assert verdict.passed is False
+    assert verdict.reason == "the agents can step_left, but not step_right"

@@ -1,28 +1,28 @@
-"""A promise is kept only if the lines it depends on have run: which lines those are, how they are named, and the exit status."""
+"""A check passes only if the lines it depends on have run: which lines those are, how they are named, and the exit status."""
 
 from pathlib import Path
 
 import pytest
 
 from sjdsl.cli import run
-from sjdsl.properties import Effort, examine
-from sjdsl.properties.statements import leaves_of, needed_by
+from sjdsl.properties import Effort, verify_properties
+from sjdsl.properties.statements import leaf_statements, statements_needed_by
 
-from .small_games import ORCHARD, ground
+from .small_games import ORCHARD, small_game
 
 FEW = Effort(examples=25, episodes=0)
 NEVER = "each tree where step > 900 { set tree.fruit = ripe }"  # an episode has 20 steps
 
 
 def lines_needed(checks: str, rule: str) -> set[str]:
-    """Returns the sentences that a promise depends on, as written."""
-    orchard = ground(checks, rule)
-    leaves = leaves_of(orchard.own)
-    needed = needed_by(orchard.own.checks[0], orchard.own, leaves)
-    return {orchard.text_of(leaf.sentence) for leaf in leaves if leaf.place in needed}
+    """Returns the statements that a check depends on, as written."""
+    orchard = small_game(checks, rule)
+    leaves = leaf_statements(orchard.own)
+    needed = statements_needed_by(orchard.own.checks[0], orchard.own, leaves)
+    return {orchard.text_of(leaf.statement) for leaf in leaves if leaf.statement_id in needed}
 
 
-def test_a_promise_depends_on_what_is_read_by_what_writes_what_it_reads() -> None:
+def test_a_check_depends_on_what_is_read_by_what_writes_what_it_reads() -> None:
     """`fruit` is written on trees that somebody is on; who is there is written by `move` and by the phase `start`."""
     moving = {"set tree.fruit = none", "move each agent", "send agent to grass"}
     assert lines_needed("once fruit == 0 always fruit == 0", "each agent { add 1 to agent.wealth }") == moving
@@ -33,42 +33,42 @@ def test_a_promise_depends_on_what_is_read_by_what_writes_what_it_reads() -> Non
 
 
 def test_a_line_that_never_ran_makes_it_untested() -> None:
-    report = examine(ground("once fruit == 0 always fruit == 0  always eaten <= 99", NEVER), FEW)
+    report = verify_properties(small_game("once fruit == 0 always fruit == 0  always eaten <= 99", NEVER), FEW)
     fruit, eaten = report.verdicts
-    assert fruit.word == "untested"
+    assert fruit.status == "untested"
     assert fruit.untested == ("orchard.sj:29  set tree.fruit = ripe",)
-    assert eaten.word == "untested"  # what is eaten depends on what is ripe
+    assert eaten.status == "untested"  # what is eaten depends on what is ripe
     assert "29" in map(str, report.idle)
 
 
-def test_other_promises_are_not_touched_by_it() -> None:
-    (verdict,) = examine(
-        ground("always count(agent on tree) <= count(agent)", f"{NEVER}  each agent {{ tally zaps for agent }}"), FEW
+def test_other_checks_are_not_touched_by_it() -> None:
+    (verdict,) = verify_properties(
+        small_game("always count(agent on tree) <= count(agent)", f"{NEVER}  each agent {{ tally zaps for agent }}"), FEW
     ).verdicts
-    assert verdict.word == "kept"
+    assert verdict.status == "passed"
 
 
 def test_a_first_condition_that_never_came_makes_it_untested() -> None:
-    (verdict,) = examine(ground("once step > 900 always fruit == 0"), FEW).verdicts
-    assert verdict.word == "untested"
+    (verdict,) = verify_properties(small_game("once step > 900 always fruit == 0"), FEW).verdicts
+    assert verdict.status == "untested"
     assert "the first condition never held: step > 900" in verdict.untested[-1]
 
 
 def test_an_expectation_depends_on_lines_too() -> None:
-    """Of `zaps == 0 with never(zap)` nothing is known if no course has ever counted a zap."""
+    """Of `zaps == 0 with never(zap)` nothing is known if no trajectory has ever counted a zap."""
     expects = "expect zaps == 0 with never(zap) over 2 episodes"
-    (good,) = examine(ground(expects), FEW).verdicts
-    assert good.word == "kept"
+    (good,) = verify_properties(small_game(expects), FEW).verdicts
+    assert good.status == "passed"
     rule = "each agent where agent chose zap and step > 900 { tally zaps for agent }"
-    (dead,) = examine(ground(expects, rule), FEW).verdicts
-    assert dead.word == "untested"
+    (dead,) = verify_properties(small_game(expects, rule), FEW).verdicts
+    assert dead.status == "untested"
     assert dead.untested[0].endswith("tally zaps for agent")
 
 
 def test_each_use_of_a_phase_is_a_line_of_its_own() -> None:
     text = ORCHARD.replace("-> rule", "-> rule(none) -> rule(ripe)").replace("phase rule {{", "phase rule(what) {{")
     rule = "each tree where tree.fruit is what and what is ripe and nobody on tree { set tree.fruit = none }"
-    (verdict,) = examine(ground("always fruit <= count(tree) and eaten >= 0 and eaten < 99", rule, text=text), FEW).verdicts
+    (verdict,) = verify_properties(small_game("always fruit <= count(tree) and eaten >= 0 and eaten < 99", rule, text=text), FEW).verdicts
     assert verdict.untested == ("orchard.sj:29  set tree.fruit = none  (in rule(none))",)
 
 
@@ -78,5 +78,5 @@ def test_strict(tmp_path: Path, options: tuple[str, ...], status: int, capsys: p
     path.write_text(ORCHARD.format(rule=NEVER, checks="once fruit == 0 always fruit == 0", more=""))
     assert run(["test", str(path), "--examples", "20", *options]) == status
     shown = capsys.readouterr().out
-    assert "1 promise, 1 untested" in shown
-    assert "depends on a line that never ran in any course:\n                orchard.sj:29  set tree.fruit = ripe" in shown
+    assert "1 check, 1 untested" in shown
+    assert "depends on a line that never ran in any trajectory:\n                orchard.sj:29  set tree.fruit = ripe" in shown

@@ -66,9 +66,9 @@ def _map(game: Composition, made: Declarations, overrides: Overrides, problems: 
 
 def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
     static = made.static
-    promised = Scope(static, problems, place="`checks`", events_readable=True)
-    static.requires = requires(game, promised)
-    check_requires(game, promised)
+    checks_scope = Scope(static, problems, place="`checks`", events_readable=True)
+    static.requires = requires(game, checks_scope)
+    check_requires(game, checks_scope)
     scope = Scope(static, problems)
     agents = made.agents
     if agents is not None:
@@ -84,7 +84,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
     seen = sights(game, static, problems)
     hidden = unseen(game, static, problems)
     measured = measures(game, Scope(static, problems, place="`metrics`"))
-    promises = checks(game, promised)
+    checked = checks(game, checks_scope)
     drawn = looks(game, static, problems)
     counted: tuple[ir.Event, ...] = ()
     with problems.survive():
@@ -114,6 +114,6 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         hidden=hidden,
         events=counted,
         measures=measured,
-        checks=promises,
+        checks=checked,
         looks=drawn,
     )

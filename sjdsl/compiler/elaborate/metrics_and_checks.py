@@ -1,4 +1,4 @@
-"""`metrics` and `checks`: what is counted, measured and promised."""
+"""Elaborates `metrics` and `checks`: events, measures, and conditions that must hold."""
 
 from collections.abc import Iterable
 from itertools import chain
@@ -83,7 +83,7 @@ def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
 
 
 def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
-    """Returns the promises of a game, their expressions typed."""
+    """Returns the checks of a game, their expressions typed."""
     found = []
     for check in _written(game):
         with scope.problems.survive():

@@ -177,7 +177,7 @@ class Window(Node):
 
 
 class Check(Node):
-    """A promise. `values` are its expressions in the order written."""
+    """A check. `values` are its expressions in the order written."""
 
     sort: Literal["require", "always", "once", "conserved", "monotone", "symmetric", "expect"]
     values: tuple[Expr, ...] = ()

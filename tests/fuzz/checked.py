@@ -23,7 +23,7 @@ def metrics(w: World) -> Lines:
 
 
 def checks(w: World) -> list[Lines]:
-    """Promises of every sort; only those about numbers matter to how the game is compiled."""
+    """Checks of every sort; only those about numbers matter to how the game is compiled."""
     lines = [f"require {test}" for test in w.requires]
     lines += [f"require {d}(dilemma)" for d in w.dilemmas]
     scope = Scope(w, "check")

@@ -1,4 +1,4 @@
-"""Episodes, metrics and promises in words."""
+"""The English of episodes, metrics and checks in a fact sheet."""
 
 from typing import assert_never
 
@@ -42,15 +42,15 @@ def measure_line(measure: ir.Measure, v: Vocabulary) -> Line:
     return Line(f"{code(measure.name)}: {when} {value(measure.value, v)}, read at the end of each step")
 
 
-def promises(v: Vocabulary) -> list[str]:
-    """Returns what the game promises."""
-    lines = [promise_line(check, v) for check in v.game.checks]
+def checks(v: Vocabulary) -> list[str]:
+    """Returns the lines of the checks."""
+    lines = [check_line(check, v) for check in v.game.checks]
     if not lines:
         return ["None.", ""]
     return [*bullets(lines), "", *([PAYOFFS, ""] if v.has(ir.MatrixClass) else [])]
 
 
-def promise_line(check: ir.Check, v: Vocabulary) -> Line:
+def check_line(check: ir.Check, v: Vocabulary) -> Line:
     """Returns one check."""
     match check.sort:
         case "require":

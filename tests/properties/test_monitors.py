@@ -1,4 +1,4 @@
-"""Where a course of values breaks a promise, written down by hand; and how far what was counted holds."""
+"""Where a trajectory violates a check, written down by hand; and confidence intervals against their definition."""
 
 from typing import Any
 
@@ -6,31 +6,31 @@ import pytest
 
 from sjdsl.compiler import ir
 from sjdsl.properties.confidence import least_share, mean_and_half
-from sjdsl.properties.monitors import Break, find_break
+from sjdsl.properties.monitors import Violation, find_violation
 
 T, F = True, False
-COURSES: list[tuple[str, tuple[str, ...], list[tuple[Any, ...]], Break | None]] = [
+TRAJECTORIES: list[tuple[str, tuple[str, ...], list[tuple[Any, ...]], Violation | None]] = [
     ("always", (), [(F,), (T,), (T,)], None),  # the start is no step
-    ("always", (), [(T,), (T,), (F,)], Break(2)),
+    ("always", (), [(T,), (T,), (F,)], Violation(2)),
     ("once", (), [(T, F), (F, F), (F, F)], None),
     ("once", (), [(F, F), (T, T), (F, T)], None),
-    ("once", (), [(F, F), (T, T), (F, F)], Break(2, 1)),
-    ("once", (), [(F, F), (T, F), (F, T)], Break(1, 1)),
+    ("once", (), [(F, F), (T, T), (F, F)], Violation(2, 1)),
+    ("once", (), [(F, F), (T, F), (F, T)], Violation(1, 1)),
     ("conserved", (), [(3,), (3,), (3,)], None),
-    ("conserved", (), [(3,), (4,), (3,)], Break(1, 0)),
-    ("conserved", (), [("red",), ("red",), ("green",)], Break(2, 0)),
+    ("conserved", (), [(3,), (4,), (3,)], Violation(1, 0)),
+    ("conserved", (), [("red",), ("red",), ("green",)], Violation(2, 0)),
     ("conserved", (), [(1000.0,), (1000.01,)], None),  # what sums of float32 lose
-    ("conserved", (), [(1000.0,), (1001.0,)], Break(1, 0)),
+    ("conserved", (), [(1000.0,), (1001.0,)], Violation(1, 0)),
     ("monotone", ("falling",), [(5, 0), (4, 1), (4, 2), (5, 0)], None),
-    ("monotone", ("falling",), [(5, 1), (4, 0)], Break(1, 0)),
-    ("monotone", ("rising",), [(5, 1), (4, 0), (9, 0.5)], Break(2, 0)),
+    ("monotone", ("falling",), [(5, 1), (4, 0)], Violation(1, 0)),
+    ("monotone", ("rising",), [(5, 1), (4, 0), (9, 0.5)], Violation(2, 0)),
     ("monotone", ("rising",), [(5, 1), (4, 1)], None),  # an equal argument says nothing
 ]
 
 
-@pytest.mark.parametrize(("sort", "words", "values", "wanted"), COURSES)
-def test_breaks(sort: str, words: tuple[str, ...], values: list[tuple[Any, ...]], wanted: Break | None) -> None:
-    assert find_break(ir.Check(sort=sort, words=words), values) == wanted  # type: ignore[arg-type]
+@pytest.mark.parametrize(("sort", "words", "values", "wanted"), TRAJECTORIES)
+def test_violations(sort: str, words: tuple[str, ...], values: list[tuple[Any, ...]], wanted: Violation | None) -> None:
+    assert find_violation(ir.Check(sort=sort, words=words), values) == wanted  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("trials", [1, 3, 30, 1000])

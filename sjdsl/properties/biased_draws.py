@@ -1,6 +1,6 @@
-"""Words for playing: the keys of every step of an episode, and words that make what is unlikely happen often.
+"""Random bits for test play: keys of every step of an episode, and draws biased so that rare events happen often.
 
-Both engines take the same: a course or an episode is one seed and one number.
+Both engines take the same draws, so a seed and an episode number stand for the same play on both.
 """
 
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ from typing import Literal
 from sjdsl.interpreter.threefry import WORD, Draws, Threefry
 
 RESET, STEP, POLICY = 0x52535400, 0x53544500, 0x504F4C00  # streams of an episode's own key
-Luck = Literal["fair", "mixed", "good", "bad"]
-LUCKS: tuple[Luck, ...] = ("fair", "mixed", "good", "bad")
+Bias = Literal["fair", "mixed", "good", "bad"]
+BIASES: tuple[Bias, ...] = ("fair", "mixed", "good", "bad")
 
 
 def episode_key(seed: int, episode: int) -> Threefry:
-    """Returns the words from which all keys of an episode are made."""
+    """Returns the source of all keys of an episode."""
     return Threefry(seed & WORD, episode & WORD)
 
 
@@ -28,26 +28,26 @@ def step_key(key: Threefry, step: int) -> Threefry:
     return Threefry(key.word(STEP, 2 * step), key.word(STEP, 2 * step + 1))
 
 
-def policy_words(key: Threefry, step: int, agents: int) -> list[tuple[int, int]]:
-    """Returns the two words that each agent's policy has in a step."""
+def policy_bits(key: Threefry, step: int, agents: int) -> list[tuple[int, int]]:
+    """Returns the two 32-bit random numbers that each agent's policy gets in a step."""
     own = Threefry(key.word(POLICY, 2 * step), key.word(POLICY, 2 * step + 1))
     return [(own.word(0, 2 * agent), own.word(0, 2 * agent + 1)) for agent in range(agents)]
 
 
 @dataclass(frozen=True)
-class Lucky:
-    """Words with luck: a small word makes every chance come that can come, a large one none but certain ones.
+class BiasedDraws:
+    """Random draws with a bias: small numbers make every possible chance happen, large ones only certain ones.
 
-    `fair`: as drawn; `good`: all small; `mixed`: half of them of any size, so that each branch of a chain comes now and then; `bad`: all
-    large. Any words may come up in a game, so what breaks under these is broken; only how often is not told.
+    `fair`: as drawn; `good`: all small; `mixed`: half of them of any size, so that each branch of a chain happens at times; `bad`: large.
+    Any number can be drawn in a game. So a violation under a bias is a real one, and only its probability is not told.
     """
 
     source: Draws
-    luck: Luck
+    bias: Bias
 
     def word(self, stream: int, number: int) -> int:
         word = self.source.word(stream, number)
-        match self.luck:
+        match self.bias:
             case "good":
                 return word >> 24
             case "mixed":
@@ -60,7 +60,7 @@ class Lucky:
 
 @dataclass(frozen=True)
 class SameForAll:
-    """Words that do not depend on the sentence that draws: two sentences that say the same of two agents draw alike."""
+    """Random draws that do not depend on the statement: two statements that say the same of two agents draw alike."""
 
     source: Draws
 

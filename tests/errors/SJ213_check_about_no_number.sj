@@ -1,5 +1,5 @@
 sj 1
-game pasture "Promises about what is no number" {
+game pasture "Checks about what is no number" {
   episode 10
   kind grass "."
   map { "..." }
