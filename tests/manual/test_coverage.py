@@ -13,7 +13,7 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics import limits
 from sjdsl.compiler.diagnostics.explanations import all_codes
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate import declarations, expressions, observations, paths, shapes
+from sjdsl.compiler.elaborate import declarations, expressions, lookup, observations, shapes
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.ir import types
 from sjdsl.interpreter.state import Facing
@@ -25,7 +25,7 @@ WORDS_OF_RULES = {
     "units": UNITS,
     "functions": ("min", "max", "ramp", *expressions.ROW_FUNCTIONS, *expressions.MATRIX_CLASSES),
     "actions": declarations.BUILT_IN_ACTIONS,
-    "attributes": (*paths.AGENT_ATTRIBUTES, *paths.CELL_ATTRIBUTES),
+    "attributes": (*lookup.AGENT_ATTRIBUTES, *lookup.CELL_ATTRIBUTES),
     "shapes": (*shapes.BUILT_IN, "centre"),
     "facings": get_args(Facing),
     "sides of the window": observations.SIDES,

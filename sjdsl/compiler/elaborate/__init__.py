@@ -13,7 +13,6 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declarations import Declarations, blocks, declare_numbers, declare_world, forbids
-from sjdsl.compiler.elaborate.expressions import number
 from sjdsl.compiler.elaborate.hidden import unseen
 from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
@@ -79,7 +78,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
     with problems.survive():
         if game.episode is None:
             raise problems.fail(errors.MISSING_PART, game.span, what="episode", help="`episode 1000`")
-        episode = number(game.episode.steps, scope, ("steps",), "a number of steps")
+        episode = scope.number(game.episode.steps, ("steps",), "a number of steps")
     view = window(game, scope)
     seen = sights(game, static, problems)
     hidden = unseen(game, static, problems)

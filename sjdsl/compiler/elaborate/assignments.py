@@ -4,9 +4,8 @@ from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.elaborate.expressions import as_agent, build, interval_text, wrong_type
-from sjdsl.compiler.elaborate.paths import check_known_word
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, interval_text
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, is_number, join_units
@@ -14,7 +13,7 @@ from sjdsl.compiler.ir.types import describe, is_number, join_units
 
 def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
     """Returns the field (or entry of a row) a sentence writes, and its declaration."""
-    target = build(path, scope)
+    target = scope.expression(path)
     field = target
     while isinstance(field, ir.At):
         field = field.row
@@ -58,7 +57,7 @@ def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
     target, field = target_of(s.target, scope)
     if target.type.kind == "word":
         check_known_word(s.value, text(target), target.type.words, scope)
-    value = narrow_word(build(s.value, scope), scope.fact_nodes)
+    value = narrow_word(scope.expression(s.value), scope.fact_nodes)
     type_ = target.type
     if value.type.by and value.type.by != type_.by:
         raise wrong_type(scope, s.value, describe(type_), value.type)
@@ -110,7 +109,7 @@ def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scop
     if not field.capped:
         return ""
     match s.value:
-        case ast.Binary(op="+", left=ast.Path() as left, right=right) if text(build(left, scope)) == text(target):
+        case ast.Binary(op="+", left=ast.Path() as left, right=right) if text(scope.expression(left)) == text(target):
             added = scope.static.sources[right.span.file].text[right.span.start : right.span.end]
             return f"only `add` stops at the end of a range that is `capped`: write `add {added} to {text(target)}`"
     return "only `add` stops at the end of a range that is `capped`: guard the change with `when`, or bound it with `min` and `max`"
@@ -133,7 +132,7 @@ def _check_unit(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -
 def add(s: ast.Add, scope: Scope) -> ir.Stmt:
     """Returns `add value to target`: a number, a row to a row, an agent to a set."""
     target, field = target_of(s.target, scope)
-    value = build(s.value, scope)
+    value = scope.expression(s.value)
     if target.type.kind == "agents":
         if not as_agent(value):
             raise wrong_type(scope, s.value, "an agent", value.type)

@@ -1,6 +1,5 @@
 """`case`: every value of the subject has exactly one arm."""
 
-from collections.abc import Callable
 from math import inf
 
 from sjdsl.compiler import ast, ir
@@ -11,14 +10,12 @@ from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.types import describe
 
-Build = Callable[[ast.Expr, Scope], ir.Expr]
 
-
-def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
+def case(e: ast.Case, scope: Scope) -> ir.Expr:
     """Returns a `case` whose arms cover the subject without gap or overlap; `otherwise` is spelt out."""
-    subject = narrow_word(build(e.subject, scope), scope.fact_nodes)
+    subject = narrow_word(scope.expression(e.subject), scope.fact_nodes)
     if isinstance(subject, ir.Word):
-        return _known_word(e, subject, scope, build)
+        return _known_word(e, subject, scope)
     if subject.type.kind in ("word", "condition") and not subject.type.by:
         keys = _word_keys(e, subject, scope)
     elif subject.type.kind == "int" and not subject.type.by:
@@ -34,7 +31,7 @@ def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
     arms, poisoned = [], False
     for arm, key in zip(e.arms, keys, strict=True):
         try:
-            value = build(arm.value, scope.knowing(_known(subject, key)))
+            value = scope.knowing(_known(subject, key)).expression(arm.value)
             arms += [ir.Arm(low=low, high=high, words=words, value=value, origin=arm.span) for low, high, words in key]
         except Poisoned:
             poisoned = True
@@ -44,14 +41,14 @@ def case(e: ast.Case, scope: Scope, build: Build) -> ir.Expr:
     return ir.Case(type=type_, subject=subject, arms=tuple(arms), origin=e.span)
 
 
-def _known_word(e: ast.Case, subject: ir.Word, scope: Scope, build: Build) -> ir.Expr:
+def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
     """The subject is a word known when compiled (what a phase is used with): its arm is the value, the others are only checked."""
     chosen: ir.Expr | None = None
     rest: ir.Expr | None = None
     for arm in e.arms:
         if arm.word is not None and not scope.static.is_word(arm.word.text):
             raise scope.problems.not_a_word(arm.word.span, arm.word.text, "this case", (subject.value,))
-        value = build(arm.value, scope)
+        value = scope.expression(arm.value)
         if arm.word is None:
             rest = value
         elif arm.word.text == subject.value:

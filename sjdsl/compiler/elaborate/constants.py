@@ -1,14 +1,12 @@
 """`size` and `param`: units, values, tables and limits."""
 
-from collections.abc import Mapping
 from itertools import product
-from math import inf, isfinite
+from math import isfinite
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.expressions import build, fixed
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 from sjdsl.near_names import nearest
@@ -88,7 +86,7 @@ def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, flo
     low, high = UNIT_LIMITS[unit]
     if declared.low is None or declared.high is None:
         return low, high
-    own_low, own_high = (fixed(e, scope, "the limits of a number") for e in (declared.low, declared.high))
+    own_low, own_high = (scope.fixed(e, "the limits of a number") for e in (declared.low, declared.high))
     if own_low > own_high or own_low < low or own_high > high:
         raise scope.problems.fail(
             errors.OUT_OF_LIMITS,
@@ -146,9 +144,9 @@ def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tupl
 
 
 def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
-    built = build(tree, scope)
+    built = scope.expression(tree)
     if not isinstance(built, ir.Number):
-        fixed(tree, scope, "the value of a number")
+        scope.fixed(tree, "the value of a number")
         raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a number", given=describe(built.type), help="")
     value = built.value
     whole = unit in INTEGER_UNITS
@@ -187,7 +185,7 @@ def _word(declared: ast.Constant, scope: Scope) -> None:
 
 
 def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
-    built = None if isinstance(tree, ast.Table) else build(tree, scope)
+    built = None if isinstance(tree, ast.Table) else scope.expression(tree)
     if not isinstance(built, ir.Word):
         given = "a table" if built is None else describe(built.type)
         raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a word", given=given, help="")
@@ -207,6 +205,3 @@ def _flat(value: object) -> list[float]:
         return [x for v in value for x in _flat(v)]
     assert isinstance(value, int | float)
     return [value]
-
-
-__all__: list[str] = ["Mapping", "constant", "inf"]

@@ -12,9 +12,9 @@ from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.constants import constant
-from sjdsl.compiler.elaborate.expressions import build, condition, fixed, interval_text, wrong_type
-from sjdsl.compiler.elaborate.paths import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.expressions import expression
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, join_units, words
 
@@ -35,7 +35,7 @@ class Declarations:
 
 def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[str, object], num_agents: int | None) -> Static:
     """Returns the static tables with word sets, sizes and parameters; sizes take their values from `overrides`."""
-    static = Static(game.sources, defines=dict(game.defines))
+    static = Static(game.sources, expression, defines=dict(game.defines))
     _collect_words(game, static, problems)
     _check_names(game, static, problems)
     static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
@@ -152,7 +152,7 @@ def _kind(name: ast.Name, scope: Scope) -> str:
 def _number_of_agents(game: Composition, scope: Scope) -> None:
     if game.number is None:
         return
-    value = fixed(game.number, scope, "the number of agents")
+    value = scope.fixed(game.number, "the number of agents")
     if value != int(value) or not 1 <= value <= limits.MAX_AGENTS:
         raise scope.problems.fail(
             errors.OUT_OF_LIMITS,
@@ -252,8 +252,8 @@ def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
 
 
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
-    low, high = build(declared.low, scope), build(declared.high, scope)
-    values = [fixed(e, scope, "the range of a field") for e in (declared.low, declared.high)]
+    low, high = scope.expression(declared.low), scope.expression(declared.high)
+    values = [scope.fixed(e, "the range of a field") for e in (declared.low, declared.high)]
     if any(v != int(v) for v in values) or values[0] > values[1] or max(map(abs, values)) > 2**30:
         raise scope.problems.fail(
             errors.WRONG_TYPE,
@@ -285,7 +285,7 @@ def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | floa
 def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | float | str | None:
     if type_.kind == "word":
         check_known_word(tree, name, type_.words, scope)
-    value = build(tree, scope)
+    value = scope.expression(tree)
     match value:
         case ir.Nobody() if type_.kind in ("agent", "agents"):
             return None
@@ -350,7 +350,7 @@ def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block
     test = None
     if attribute.condition is not None:
         inner = scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
-        test = condition(attribute.condition, inner.bind("agent", ir.Member(name="agent", who="agent")))
+        test = inner.bind("agent", ir.Member(name="agent", who="agent")).condition(attribute.condition)
     found = []
     for what in attribute.what:
         if f"shape {what.text}" in scope.static.broken:
@@ -371,7 +371,7 @@ def forbids(game: Composition, agents: ir.Agents, static: Static, problems: Prob
     scope = Scope(static, problems, place="`forbid`").bind("agent", ir.Member(name="agent", who="agent"))
     for forbid in game.forbids.values():
         with problems.survive():
-            test = condition(forbid.condition, scope)
+            test = scope.condition(forbid.condition)
             for node in ir.walk(test):
                 where = isinstance(node, ir.Attribute) and node.name in ("row", "col")
                 if (
@@ -398,6 +398,3 @@ def _action(name: ast.Name, static: Static, problems: Problems) -> int:
     if name.text not in static.actions:
         raise problems.fail(errors.NO_ACTION, name.span, name=name.text, **near_or_all(name.text, static.actions, "the actions"))
     return static.actions.index(name.text)
-
-
-__all__ = ["Declarations", "Poisoned", "blocks", "declare_numbers", "declare_world", "forbids"]

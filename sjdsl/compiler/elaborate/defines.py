@@ -3,7 +3,6 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.expressions import build, build_all
 from sjdsl.compiler.elaborate.scope import Scope
 
 
@@ -24,7 +23,7 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
         if not any(isinstance(d, errors.TooMuch) for d in scope.problems.found):
             scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
         raise Poisoned
-    values = build_all(arguments, scope)
+    values = scope.expressions(arguments)
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
     inner = Scope(
         scope.static,
@@ -36,5 +35,5 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
         scope.events_readable,
         (*scope.defining, name.text),
     )
-    value = build(define.value, inner)
+    value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

@@ -6,8 +6,8 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
-from sjdsl.compiler.elaborate.expressions import as_agent, build, condition, kinds_named, wrong_type
-from sjdsl.compiler.elaborate.scope import START, Scope
+from sjdsl.compiler.elaborate.lookup import as_agent, check_free, kinds_named, unknown
+from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
 
 
 def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
@@ -26,31 +26,9 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
         on, inner = _on(d, var, inner)
     where = None
     if d.where is not None:
-        where = condition(d.where, inner)
+        where = inner.condition(d.where)
         inner = inner.knowing([where])
     return ir.Domain(var=var, on=on, place=place, where=where, origin=d.span), inner
-
-
-def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
-    """Says so if a variable's name is in use already (`chosen`: written after `as`, `let` or `draw`)."""
-    static = scope.static
-    what = ""
-    if name.text in scope.variables:
-        what = "a variable around this sentence"
-    elif chosen:
-        tables = {
-            "a size": static.sizes,
-            "a parameter": static.params,
-            "a define": static.defines,
-            "a field of the world": static.fields,
-            "a kind": static.kinds,
-            "a group": static.groups,
-        }
-        what = next((w for w, table in tables.items() if name.text in table), "")
-        what = what or ("a word" if static.is_word(name.text) else "")
-        what = what or ("the agents' own name" if name.text == "agent" else "a number of the language" if name.text == "step" else "")
-    if what:
-        raise scope.problems.fail(errors.NAME_TAKEN, name.span, name=name.text, what=what)
 
 
 def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
@@ -106,7 +84,7 @@ def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scop
                 raise scope.problems.fail(errors.WRONG_TYPE, place.span, wanted="variables of the same sort", given="a mixture", help="")
             return ir.Among(members=members, origin=place.span)
         case ast.Path():
-            value = build(place, scope)
+            value = scope.expression(place)
             if var.who != "agent" or (value.type.kind != "agents" and not as_agent(value)):
                 raise wrong_type(scope, place, "a shape of something, or a field that holds agents", value.type)
             return ir.InAgents(value=value, origin=place.span)
@@ -131,8 +109,6 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
         raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell")
-    from sjdsl.compiler.elaborate.paths import unknown
-
     raise unknown(name, scope)
 
 

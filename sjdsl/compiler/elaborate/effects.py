@@ -3,10 +3,9 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.domains import domain, without_variables
-from sjdsl.compiler.elaborate.expressions import as_agent, build, number, wrong_type
-from sjdsl.compiler.elaborate.paths import check_known_word
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word
 from sjdsl.compiler.elaborate.phase_use import PhaseUse
-from sjdsl.compiler.elaborate.scope import START, Scope
+from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer
@@ -17,7 +16,7 @@ FACINGS = ("north", "east", "south", "west", "same")
 
 def agent(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns one agent."""
-    built = build(e, scope)
+    built = scope.expression(e)
     if not as_agent(built):
         raise wrong_type(scope, e, "an agent", built.type)
     check_somebody(e, built, scope)
@@ -31,7 +30,7 @@ def check_somebody(e: ast.Expr, built: ir.Expr, scope: Scope) -> None:
 
 def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns one agent or a set of agents."""
-    built = build(e, scope)
+    built = scope.expression(e)
     if built.type.kind == "agents" and not built.type.by:
         return built
     if not as_agent(built):
@@ -41,11 +40,11 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
 
 
 def give(s: ast.Give, scope: Scope) -> ir.Stmt:
-    value = number(s.value, scope, ("reward",), "a reward")
+    value = scope.number(s.value, ("reward",), "a reward")
     if isinstance(s.receiver, ast.All):
         but = None
         if s.receiver.but is not None:
-            member = build(ast.Path(s.receiver.but.span, s.receiver.but, ()), scope)
+            member = scope.expression(ast.Path(s.receiver.but.span, s.receiver.but, ()))
             if not (isinstance(member, ir.Member) and member.who == "agent"):
                 raise wrong_type(scope, ast.Path(s.receiver.but.span, s.receiver.but, ()), "an agent", member.type)
             but = member
@@ -66,7 +65,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
             raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted=f"`{name.text}[word]`", given="the whole row", help="")
         check_known_word(s.event.steps[0].key, name.text, row.type.by[0], scope)
-        key = narrow_word(build(s.event.steps[0].key, scope), scope.fact_nodes)
+        key = narrow_word(scope.expression(s.event.steps[0].key), scope.fact_nodes)
         if key.type.kind != "word":
             raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
         outside = [w for w in key.type.words if w not in row.type.by[0]]
@@ -75,7 +74,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         word = key
     elif s.event.steps:
         raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
-    amount = None if s.by is None else number(s.by, scope, ("count",), "a count")
+    amount = None if s.by is None else scope.number(s.by, ("count",), "a count")
     if amount is not None and amount.type.low < 0:
         raise scope.problems.fail(errors.OUT_OF_LIMITS, s.by.span, name="what is counted", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
     for_ = None if s.receiver is None else receiver(s.receiver, scope)
@@ -110,7 +109,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
             given="another domain",
             help="",
         )
-    after = None if s.after is None else number(s.after, scope, ("steps",), "a number of steps")
+    after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")
     if after is not None and after.type.low < 0:
         raise scope.problems.fail(errors.OUT_OF_LIMITS, s.after.span, name="the delay", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
     if isinstance(after, ir.Number) and after.value == 0:

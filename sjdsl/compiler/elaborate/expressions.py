@@ -3,29 +3,29 @@
 Every function takes the tree and the scope and returns IR, or reports what is wrong and raises `Poisoned`.
 """
 
-from collections.abc import Sequence
-from math import inf
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
-from sjdsl.compiler.diagnostics.diagnostic import near_or_all
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.arithmetic import arithmetic, compare, extreme, join_types
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.paths import check_known_word, index, member, path
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.defines import use as use_define
+from sjdsl.compiler.elaborate.domains import domain, most_members
+from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, kinds_named
+from sjdsl.compiler.elaborate.paths import path
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import at_least
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.types import describe, hull, integer, is_number, real, times
+from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
 BETWEEN_STEPS = ("`observe`", "`metrics`", "`checks`")  # places that speak of a state, not of a step
 
 
-def build(e: ast.Expr, scope: Scope) -> ir.Expr:
+def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
     """Returns the typed form of any expression."""
     match e:
         case ast.Int():
@@ -35,7 +35,7 @@ def build(e: ast.Expr, scope: Scope) -> ir.Expr:
         case ast.Nobody():
             return ir.Nobody(origin=e.span)
         case ast.Path():
-            return path(e, scope, build)
+            return path(e, scope)
         case ast.Call():
             return call(e, scope)
         case ast.Count():
@@ -43,7 +43,7 @@ def build(e: ast.Expr, scope: Scope) -> ir.Expr:
         case ast.Total():
             return total(e, scope)
         case ast.Case():
-            return case(e, scope, build)
+            return case(e, scope)
         case ast.Unary():
             return unary(e, scope)
         case ast.Binary():
@@ -58,56 +58,10 @@ def build(e: ast.Expr, scope: Scope) -> ir.Expr:
             assert_never(e)
 
 
-def build_all(trees: Sequence[ast.Expr], scope: Scope) -> list[ir.Expr]:
-    """Returns the typed forms; reports the mistakes of all before giving up."""
-    built, poisoned = [], False
-    for tree in trees:
-        try:
-            built.append(build(tree, scope))
-        except Poisoned:
-            poisoned = True
-    if poisoned:
-        raise Poisoned
-    return built
-
-
-def condition(e: ast.Expr, scope: Scope) -> ir.Expr:
-    """Returns a condition, or says that one is wanted."""
-    built = build(e, scope)
-    if built.type.kind != "condition" or built.type.by:
-        raise wrong_type(scope, e, "a condition", built.type)
-    return built
-
-
-def number(e: ast.Expr, scope: Scope, units: tuple[ir.Unit, ...], wanted: str) -> ir.Expr:
-    """Returns a number of one of the units (a bare number takes the first), or says that `wanted` is wanted."""
-    built = build(e, scope)
-    if not is_number(built.type) or built.type.unit not in (*units, "number"):
-        raise wrong_type(scope, e, wanted, built.type)
-    if units[0] in ("count", "steps", "cells") and built.type.kind != "int":
-        raise wrong_type(scope, e, wanted, built.type)
-    return built
-
-
-def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "") -> Poisoned:
-    return scope.problems.fail(errors.WRONG_TYPE, e.span, wanted=wanted, given=describe(given), help=help)
-
-
-def fixed(e: ast.Expr, scope: Scope, what: str) -> int | float:
-    """Returns the value of an expression known when compiled: numbers and sizes only."""
-    built = build(e, scope)
-    if isinstance(built, ir.Number):
-        return built.value
-    for node in ir.walk(built):
-        if isinstance(node, ir.ParamRef):
-            raise scope.problems.fail(errors.SHAPE_PARAM, e.span, name=node.name, what=what)
-    raise scope.problems.fail(errors.NOT_FIXED, e.span, what=what)
-
-
 def unary(e: ast.Unary, scope: Scope) -> ir.Expr:
     if e.op == "not":
-        return ir.Not(value=condition(e.operand, scope), origin=e.span)
-    operand = build(e.operand, scope)
+        return ir.Not(value=scope.condition(e.operand), origin=e.span)
+    operand = scope.expression(e.operand)
     if not is_number(operand.type):
         raise wrong_type(scope, e.operand, "a number", operand.type)
     if e.op == "+":
@@ -125,7 +79,7 @@ def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
         left, right = compared(e, scope)
         same = identity(e, left, right, scope)
         return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
-    left, right = build_all((e.left, e.right), scope)
+    left, right = scope.expressions((e.left, e.right))
     if e.op in ("<", "<=", ">", ">=", "==", "!="):
         return compare(e, left, right, scope)
     return arithmetic(e, left, right, scope)
@@ -133,9 +87,9 @@ def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
 
 def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
     """`a and b`: b is read knowing a; `a or b`: b is read knowing not a."""
-    left = condition(e.left, scope)
+    left = scope.condition(e.left)
     known = left if e.op == "and" else ir.Not(value=left)
-    right = condition(e.right, scope.knowing([known]))
+    right = scope.knowing([known]).condition(e.right)
     args = tuple(part for side in (left, right) for part in (side.args if isinstance(side, ir.Logic) and side.fn == e.op else (side,)))
     return ir.Logic(fn="and" if e.op == "and" else "or", args=args, origin=e.span)
 
@@ -143,13 +97,13 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
 def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
     """Returns both sides of `x is y`; where x is a word, y is not any name."""
     try:
-        left = build(e.left, scope)
+        left = scope.expression(e.left)
     except Poisoned:
-        build(e.right, scope)
+        scope.expression(e.right)
         raise
     if left.type.kind == "word" and not left.type.by:
         check_known_word(e.right, text(left), left.type.words, scope)
-    return [left, build(e.right, scope)]
+    return [left, scope.expression(e.right)]
 
 
 def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
@@ -172,11 +126,6 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
     raise wrong_type(scope, bad[0], wanted, bad[1].type, help_)
 
 
-def as_agent(e: ir.Expr) -> bool:
-    """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
-    return (isinstance(e, ir.Member) and e.who == "agent") or e.type.kind == "agent"
-
-
 def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
     for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
         if isinstance(literal, ir.Word) and literal.value not in other.type.words:
@@ -186,7 +135,7 @@ def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope)
 
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
-    agent = build(e.agent, scope)
+    agent = scope.expression(e.agent)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
         raise wrong_type(scope, e.agent, "an agent that a sentence around has named", agent.type, _by_name(agent))
     name = e.action.text
@@ -204,18 +153,6 @@ def _by_name(agent: ir.Expr) -> str:
     return f"name it: `each agent as x in {text(agent)}`" if as_agent(agent) else ""
 
 
-def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> int:
-    """Returns the number of an action of the agents."""
-    actions = scope.static.actions
-    wanted = resolved or name.text
-    if "actions" in scope.static.broken:
-        raise Poisoned
-    if wanted not in actions:
-        raise scope.problems.fail(errors.NO_ACTION, name.span, name=wanted, **near_or_all(wanted, actions, "the actions"))
-    scope.static.used.add(f"action {wanted}")
-    return actions.index(wanted)
-
-
 def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
     """`nobody on soil` asks a cell variable; `x on grass` asks an agent and a kind or group."""
     if isinstance(e.who, ast.Nobody):
@@ -226,25 +163,14 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
             raise scope.problems.fail(errors.NOT_A, e.kind.span, name=e.kind.text, what=what, wanted="a cell of a sentence around")
         return ir.Unoccupied(cell=cell, origin=e.span)
-    agent = build(e.who, scope)
+    agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
         raise wrong_type(scope, e.who, "an agent that a sentence around has named", agent.type, _by_name(agent))
     return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)
 
 
-def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
-    """Returns the kinds a kind or group name stands for."""
-    kinds = scope.static.kinds_of(name.text)
-    if kinds is None and name.text in scope.static.broken:
-        raise Poisoned
-    if kinds is None:
-        raise scope.problems.unknown(name, ["agent", *scope.static.kinds, *scope.static.groups], "the agents and kinds of this game")
-    scope.static.used.update({name.text, *kinds})
-    return kinds
-
-
 def within(e: ast.Within, scope: Scope) -> ir.Expr:
-    value = build(e.value, scope)
+    value = scope.expression(e.value)
     if isinstance(e.container, ast.Words):
         if value.type.kind != "word":
             raise wrong_type(scope, e.value, "a word", value.type)
@@ -256,11 +182,11 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
                 raise scope.problems.not_a_word(name.span, name.text, text(value), value.type.words)
         return ir.InWords(value=value, words=names, origin=e.span)
     if e.high is not None:
-        low, high = build_all((e.container, e.high), scope)
+        low, high = scope.expressions((e.container, e.high))
         for bound, tree in ((low, e.container), (high, e.high)):
             join_types([value.type, bound.type], scope, "compare", tree)
         return ir.InRange(value=value, low=low, high=high, origin=e.span)
-    container = build(e.container, scope)
+    container = scope.expression(e.container)
     if not as_agent(value):
         raise wrong_type(scope, e.value, "an agent", value.type)
     if container.type.kind != "agents":
@@ -269,8 +195,6 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
 
 
 def count(e: ast.Count, scope: Scope) -> ir.Expr:
-    from sjdsl.compiler.elaborate.domains import domain, most_members
-
     built, _ = domain(e.domain, scope)
     return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=e.span)
 
@@ -278,16 +202,14 @@ def count(e: ast.Count, scope: Scope) -> ir.Expr:
 def total(e: ast.Total, scope: Scope) -> ir.Expr:
     """`sum(row)` and `sum(e over D)`."""
     if e.domain is None:
-        row = build(e.value, scope)
+        row = scope.expression(e.value)
         if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
             raise wrong_type(scope, e.value, "a row of numbers", row.type, "write `sum(e over D)` to add over a domain")
         n = len(row.type.by[0])
         type_ = row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})
         return ir.SumRow(type=_beyond_one(type_), row=row, origin=e.span)
-    from sjdsl.compiler.elaborate.domains import domain, most_members
-
     built, inner = domain(e.domain, scope)
-    value = build(e.value, inner)
+    value = inner.expression(e.value)
     if not is_number(value.type):
         raise wrong_type(scope, e.value, "a number", value.type)
     most = most_members(built, scope)
@@ -307,20 +229,18 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
     name = e.name.text
     if name in ("min", "max"):
         arity(e, scope, 2, 8)
-        return extreme(e, build_all(e.arguments, scope), scope)
+        return extreme(e, scope.expressions(e.arguments), scope)
     if name == "ramp":
         arity(e, scope, 3)
-        return ramp(e, build_all(e.arguments, scope), scope)
+        return ramp(e, scope.expressions(e.arguments), scope)
     if name in ROW_FUNCTIONS:
         arity(e, scope, 1)
-        return row_function(e, build(e.arguments[0], scope), scope)
+        return row_function(e, scope.expression(e.arguments[0]), scope)
     if name in MATRIX_CLASSES:
         arity(e, scope, 1)
-        return matrix_class(e, build(e.arguments[0], scope), scope)
+        return matrix_class(e, scope.expression(e.arguments[0]), scope)
     if name in scope.static.defines:
-        from sjdsl.compiler.elaborate.defines import use
-
-        return use(e.name, e.arguments, scope)
+        return use_define(e.name, e.arguments, scope)
     classes = MATRIX_CLASSES if scope.place == "`checks`" else ()
     candidates = ["count", "sum", "min", "max", "ramp", *ROW_FUNCTIONS, *classes, *scope.static.defines]
     raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
@@ -378,12 +298,3 @@ def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
     return ir.MatrixClass(name=e.name.text, table=table, origin=e.span)  # type: ignore[arg-type]
-
-
-def interval_text(type_: ir.Type) -> str:
-    """Returns what numbers a value can reach, for messages."""
-    low = "any number" if type_.low == -inf else f"{type_.low:g}"
-    return low if type_.low == type_.high else f"{low} .. {'any number' if type_.high == inf else f'{type_.high:g}'}"
-
-
-__all__ = ["as_agent", "build", "build_all", "condition", "fixed", "index", "member", "number"]

@@ -7,7 +7,6 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.elaborate.expressions import condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.near_names import nearest
 
@@ -49,5 +48,5 @@ def _hidden(hide: ast.Hide, static: Static, problems: Problems) -> ir.Hidden:
         raise problems.fail(errors.UNKNOWN_NAME, on.span, name=on.text, nearest=near)
     scope = Scope(static, problems, place="`observe`").bind("agent", ir.Member(name="agent", who="agent"))
     scope = scope.bind(on.text, ir.Member(name=on.text, who="cell", kinds=kinds))
-    test = None if hide.condition is None else condition(hide.condition, scope)
+    test = None if hide.condition is None else scope.condition(hide.condition)
     return ir.Hidden(what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span)

@@ -6,7 +6,6 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.elaborate.expressions import condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
@@ -69,7 +68,7 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     test = None
     if look.where is not None:
         inner = scope.bind(name, ir.Member(name=name, who=what, kinds=kinds))
-        test = condition(look.where, inner)
+        test = inner.condition(look.where)
         _check_reads(test, look, scope.problems)
     body, badge = (None if paint is None else _paint(paint, scope.problems) for paint in (look.body, look.badge))
     return ir.Look(what=what, name=name, kinds=kinds, condition=test, body=body, badge=badge, origin=look.span)

@@ -10,8 +10,8 @@ from sjdsl.compiler.diagnostics.diagnostic import near_or_all
 from sjdsl.compiler.elaborate.declaration_labels import numbers_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain
-from sjdsl.compiler.elaborate.expressions import action_number, build, condition, number
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.lookup import action_number
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, is_number
@@ -23,7 +23,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     for check in _written(game):
         if isinstance(check, ast.Require):
             with scope.problems.survive():
-                test = condition(check.condition, scope)
+                test = scope.condition(check.condition)
                 for node in ir.walk(test):
                     if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.EventTotal | ir.Step | ir.Member):
                         raise scope.problems.fail(
@@ -73,10 +73,8 @@ def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
     for metric in game.metrics.values():
         if isinstance(metric, ast.Measure):
             with scope.problems.survive():
-                value = build(metric.value, scope)
+                value = scope.expression(metric.value)
                 if not is_number(value.type):
-                    from sjdsl.compiler.elaborate.expressions import wrong_type
-
                     raise wrong_type(scope, metric.value, "a number", value.type)
                 found.append(ir.Measure(name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span))
     return tuple(found)
@@ -94,14 +92,14 @@ def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
 def _check(check: ast.Check, scope: Scope) -> ir.Check:
     match check:
         case ast.Require():
-            return ir.Check(sort="require", values=(condition(check.condition, scope),), origin=check.span)
+            return ir.Check(sort="require", values=(scope.condition(check.condition),), origin=check.span)
         case ast.Always():
-            return ir.Check(sort="always", values=(condition(check.condition, scope),), origin=check.span)
+            return ir.Check(sort="always", values=(scope.condition(check.condition),), origin=check.span)
         case ast.Once():
-            values = (condition(check.trigger, scope), condition(check.condition, scope))
+            values = (scope.condition(check.trigger), scope.condition(check.condition))
             return ir.Check(sort="once", values=values, origin=check.span)
         case ast.Conserved():
-            return ir.Check(sort="conserved", values=(_single(check.value, build(check.value, scope), scope),), origin=check.span)
+            return ir.Check(sort="conserved", values=(_single(check.value, scope.expression(check.value), scope),), origin=check.span)
         case ast.Monotone():
             return _monotone(check, scope)
         case ast.Symmetric():
@@ -114,8 +112,6 @@ def _check(check: ast.Check, scope: Scope) -> ir.Check:
 
 def _single(tree: ast.Expr, value: ir.Expr, scope: Scope) -> ir.Expr:
     if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
-        from sjdsl.compiler.elaborate.expressions import wrong_type
-
         raise wrong_type(scope, tree, "one value (a number, a word, a condition)", value.type)
     return value
 
@@ -136,7 +132,7 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
 
 
 def _expect(check: ast.Expect, scope: Scope) -> ir.Check:
-    test = condition(check.condition, scope)
+    test = scope.condition(check.condition)
     policies = tuple(_policy(p, scope) for p in check.policies)
     return ir.Check(sort="expect", values=(test,), policies=policies, episodes=check.episodes, origin=check.span)
 
@@ -151,6 +147,3 @@ def _policy(policy: ast.Policy, scope: Scope) -> ir.Policy:
         raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND"), "the policies")
     actions = tuple(action_number(a, scope) for a in policy.actions)
     return ir.Policy(name=name, actions=actions, origin=policy.span)  # type: ignore[arg-type]
-
-
-__all__ = ["check_requires", "checks", "events", "measures", "number", "requires"]

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.elaborate.paths import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.ir.types import HEADINGS
 
@@ -116,6 +116,3 @@ def no_cell_field(kind: str, name: ast.Name, fields: Mapping[str, ir.VarField], 
     if name.text in CELL_ATTRIBUTES:
         instead = {name.text: "where a cell is, an agent sees by its place in the window; fields of cells are shown"}
     return no_field(name, f"the kind `{kind}`", fields, instead, problems)
-
-
-__all__ = ["labels", "no_agent_field", "no_cell_field", "of_a_kind", "of_group", "without_field"]

@@ -4,7 +4,6 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.elaborate.expressions import condition, fixed
 from sjdsl.compiler.elaborate.hidden import is_of_a_plane
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.observation_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
@@ -28,7 +27,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
             scope.problems.unknown(name, SIDES, "the sides of a window", guesses.SIDES)
             continue
         with scope.problems.survive():
-            value = fixed(tree, scope, "the window")
+            value = scope.fixed(tree, "the window")
             if value != int(value) or not 0 <= value <= limits.MAX_WINDOW:
                 raise scope.problems.fail(
                     errors.OUT_OF_LIMITS,
@@ -191,7 +190,7 @@ def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Prob
         if last != (label.where is None):
             problem = "the last label has no condition" if last else f"label `{label.label.text}` needs a condition (`where`)"
             raise problems.fail(errors.TABLE_GAP, label.span, problem=problem)
-        test = None if label.where is None else condition(label.where, _scope(what, kind, static, problems))
+        test = None if label.where is None else _scope(what, kind, static, problems).condition(label.where)
         found.append(ir.Label(name=label.label.text, condition=test, origin=label.span))
     return tuple(found)
 
@@ -204,7 +203,7 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Sight], static: Static, problems: P
     if hide.condition is None:
         seen.pop(key, None)
         return
-    test = condition(hide.condition, _scope(key[0], key[1], static, problems))
+    test = _scope(key[0], key[1], static, problems).condition(hide.condition)
     if key not in seen:
         problems.add(errors.NEVER_HAPPENS, hide.span, problem="it is not seen anyway")
         return

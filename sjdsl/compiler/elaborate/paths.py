@@ -1,30 +1,24 @@
 """Paths: what a name means where it stands, its members and its entries."""
 
-import re
-from collections.abc import Callable, Iterable, Mapping
-
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
-from sjdsl.compiler.diagnostics.diagnostic import near_or_all
-from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.elaborate.scope import START, Scope, Static
+from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.elaborate.defines import use as use_define
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, no_field, unknown
+from sjdsl.compiler.elaborate.scope import START, Scope
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import HEADINGS, describe, element, integer, words
 
-Build = Callable[[ast.Expr, Scope], ir.Expr]
-AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
-CELL_ATTRIBUTES = ("row", "col")
 
-
-def path(e: ast.Path, scope: Scope, build: Build) -> ir.Expr:
+def path(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns what a path stands for."""
     value = head(e, scope)
     for step in e.steps:
         if isinstance(step, ast.Member):
             value = member(value, step.name, scope)
         else:
-            value = index(value, step, scope, build)
+            value = index(value, step, scope)
     return value
 
 
@@ -50,8 +44,6 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         static.used.add(name)
         return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
     if name in static.defines:
-        from sjdsl.compiler.elaborate.defines import use as use_define
-
         return use_define(e.name, (), scope)
     if name in static.fields:
         static.used.add(f"field {name}")
@@ -61,72 +53,6 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     if static.is_word(name):
         return ir.Word(type=words((name,)), value=name, origin=e.span)
     raise unknown(e.name, scope)
-
-
-def unknown(name: ast.Name, scope: Scope) -> Poisoned:
-    """Reports a name that is no value: something else, or nothing at all."""
-    static = scope.static
-    if name.text in static.broken:
-        return Poisoned()
-    if name.text in scope.withheld:
-        what, wanted = "a variable of the sentences around", "something that is the same for all who are sent"
-        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text])
-    if static.kinds_of(name.text) or name.text == "agent":
-        what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
-        wanted, help_ = f"a variable of a sentence around (`each {name.text} …`)", ""
-        if scope.defining:
-            wanted = "a parameter"
-            help_ = _with_parameter(scope.defining[-1], name.text, static)
-        elif scope.place in ("`metrics`", "`checks`"):
-            help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
-        elif name.text != "agent" and "agent" in scope.variables:
-            help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
-        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=help_)
-    for what, table, help_ in (
-        ("an event", static.events, "events are read in `checks`; what a rule reads is kept in a field"),
-        ("an action", static.actions, f"`agent chose {name.text}` asks whether an agent chose it"),
-        ("a shape", static.shapes, f"`count(KIND in {name.text} of agent)` counts what is in it"),
-    ):
-        if name.text in table:
-            return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted="a value", help=help_)
-    near = scope.near(name.text)
-    values = sorted({*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"})
-    facts = near_or_all(name.text, values if len(values) > 1 else (), "the values known here") | {
-        "nearest": near,
-        "help": _owned(name.text, near, static),
-    }
-    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, **facts)
-
-
-def _with_parameter(define: str, variable: str, static: Static) -> str:
-    """Returns how a define is written that speaks of a variable around its use."""
-    value = static.defines[define].value.span
-    text = re.sub(rf"\b{variable}\b", "who", static.sources[value.file].text[value.start : value.end])
-    return (
-        f"a define sees its parameters alone: write `define {define}(who) = {' '.join(text.split())}`, and use it as `{define}({variable})`"
-    )
-
-
-def _owned(name: str, near: str, static: Static) -> str:
-    """Returns what to write for a name that something else has: a field without its owner, a condition compared with `true`."""
-    if name in guesses.CONDITIONS:
-        return "a condition is used as it is: `when c`, `when not c`"
-    if name in guesses.VALUES:
-        return guesses.VALUES[name]
-    owners = ["agent"] * (name in static.agent_fields or name in AGENT_ATTRIBUTES)
-    owners += [kind.name for kind in static.kinds.values() if any(f.name == name for f in kind.fields)]
-    paths = " or ".join(f"`{owner}.{name}`" for owner in owners[:3])
-    return f"a field is written with its owner: {paths}" if owners and not near else ""
-
-
-def check_known_word(tree: ast.Expr | ast.Table, owner: str, words: Iterable[str], scope: Scope) -> None:
-    """Says which words there are, if a tree that should be one of them is a name that means nothing here."""
-    static = scope.static
-    if not isinstance(tree, ast.Path) or tree.steps or tree.name.text in scope.variables or static.is_word(tree.name.text):
-        return
-    name = tree.name.text
-    if name not in static.names() | static.broken and name not in static.events:
-        raise scope.problems.not_a_word(tree.span, name, owner, words)
 
 
 def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
@@ -146,12 +72,6 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     raise scope.problems.fail(
         errors.WRONG_TYPE, name.span, wanted="an agent or a cell before the point", given=describe(owner.type), help=""
     )
-
-
-def no_field(name: ast.Name, owner: str, fields: Iterable[str], instead: Mapping[str, str], problems: Problems) -> Poisoned:
-    """Reports a field that `owner` does not have; `instead`: what to write for names that are often tried."""
-    facts = near_or_all(name.text, fields, "the fields")
-    return problems.fail(errors.NO_FIELD, name.span, owner=owner, name=name.text, help=instead.get(name.text, ""), **facts)
 
 
 def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
@@ -208,12 +128,12 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
     return ir.FieldRead(type=found[0].type, owner=owner, place="cell", kinds=owner.kinds, name=name.text, origin=name.span)
 
 
-def index(row: ir.Expr, step: ast.Index, scope: Scope, build: Build) -> ir.Expr:
+def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     """Returns `row[key]`, the key a word of the row's set or a mix over it."""
     if not row.type.by:
         raise scope.problems.fail(errors.WRONG_TYPE, step.span, wanted="a row or table before `[`", given=describe(row.type), help="")
     check_known_word(step.key, text(row), row.type.by[0], scope)
-    key = narrow_word(build(step.key, scope), scope.fact_nodes)
+    key = narrow_word(scope.expression(step.key), scope.fact_nodes)
     if key.type.kind not in ("word", "mix") or key.type.by:
         raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="a word", given=describe(key.type), help="")
     outside = [w for w in key.type.words if w not in row.type.by[0]]

@@ -5,8 +5,6 @@ from dataclasses import replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.expressions import build
 from sjdsl.compiler.elaborate.scope import START, Scope
 from sjdsl.compiler.elaborate.statements import PhaseUse, block
 from sjdsl.compiler.elaborate.streams import Streams
@@ -94,7 +92,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
     if isinstance(argument, ast.Path) and not argument.steps and argument.name.text in scope.static.actions:
         if not scope.static.is_word(argument.name.text):
             return argument.name.text
-    value = build(argument, scope)
+    value = scope.expression(argument)
     if not isinstance(value, ir.Word | ir.Number):
         raise scope.problems.fail(errors.NOT_FIXED, argument.span, what="what a phase is used with")
     return value
@@ -106,6 +104,3 @@ def _use(phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | st
     body = block(phase.block, inner, use)
     marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
     return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)
-
-
-__all__ = ["Poisoned", "schedule", "start"]

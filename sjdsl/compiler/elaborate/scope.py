@@ -1,13 +1,14 @@
 """What names mean: the static tables of a game, and the variables and known facts in scope."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.implications import conjuncts, fact_text
+from sjdsl.compiler.ir.types import describe, is_number
 from sjdsl.near_names import nearest
 
 START = "`phase start`"  # the place of a scope in which no agent stands anywhere
@@ -15,9 +16,14 @@ START = "`phase start`"  # the place of a scope in which no agent stands anywher
 
 @dataclass
 class Static:
-    """The declarations every scope sees."""
+    """The declarations every scope sees.
+
+    `elaborate_expression`: what makes any expression typed. All kinds of expressions contain others, so those who make one kind call it
+    by `scope.expression`.
+    """
 
     sources: dict[str, Source]
+    elaborate_expression: "Callable[[ast.Expr, Scope], ir.Expr]"
     sizes: dict[str, ir.Size] = field(default_factory=dict)
     params: dict[str, ir.Param] = field(default_factory=dict)
     kinds: dict[str, ir.Kind] = field(default_factory=dict)
@@ -70,6 +76,48 @@ class Scope:
     defining: tuple[str, ...] = ()
     withheld: Mapping[str, str] = field(default_factory=dict)
 
+    def expression(self, e: ast.Expr) -> ir.Expr:
+        """Returns the typed form of any expression."""
+        return self.static.elaborate_expression(e, self)
+
+    def expressions(self, trees: Sequence[ast.Expr]) -> list[ir.Expr]:
+        """Returns the typed forms; reports the mistakes of all before giving up."""
+        built, poisoned = [], False
+        for tree in trees:
+            try:
+                built.append(self.expression(tree))
+            except Poisoned:
+                poisoned = True
+        if poisoned:
+            raise Poisoned
+        return built
+
+    def condition(self, e: ast.Expr) -> ir.Expr:
+        """Returns a condition, or says that one is wanted."""
+        built = self.expression(e)
+        if built.type.kind != "condition" or built.type.by:
+            raise wrong_type(self, e, "a condition", built.type)
+        return built
+
+    def number(self, e: ast.Expr, units: tuple[ir.Unit, ...], wanted: str) -> ir.Expr:
+        """Returns a number of one of the units (a bare number takes the first), or says that `wanted` is wanted."""
+        built = self.expression(e)
+        if not is_number(built.type) or built.type.unit not in (*units, "number"):
+            raise wrong_type(self, e, wanted, built.type)
+        if units[0] in ("count", "steps", "cells") and built.type.kind != "int":
+            raise wrong_type(self, e, wanted, built.type)
+        return built
+
+    def fixed(self, e: ast.Expr, what: str) -> int | float:
+        """Returns the value of an expression known when compiled: numbers and sizes only."""
+        built = self.expression(e)
+        if isinstance(built, ir.Number):
+            return built.value
+        for node in ir.walk(built):
+            if isinstance(node, ir.ParamRef):
+                raise self.problems.fail(errors.SHAPE_PARAM, e.span, name=node.name, what=what)
+        raise self.problems.fail(errors.NOT_FIXED, e.span, what=what)
+
     def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable."""
         return replace(self, variables={**self.variables, name: value})
@@ -86,3 +134,7 @@ class Scope:
     def near(self, name: str) -> str:
         """Returns the known name closest to `name`."""
         return nearest(name, self.static.names() | set(self.variables))
+
+
+def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "") -> Poisoned:
+    return scope.problems.fail(errors.WRONG_TYPE, e.span, wanted=wanted, given=describe(given), help=help)

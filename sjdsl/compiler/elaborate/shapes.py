@@ -3,7 +3,6 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.expressions import fixed
 from sjdsl.compiler.elaborate.scope import Scope
 
 Offset = tuple[int, int]
@@ -88,7 +87,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
 
 
 def _reach(e: ast.Expr, scope: Scope) -> int:
-    value = fixed(e, scope, "a shape")
+    value = scope.fixed(e, "a shape")
     if value != int(value) or not 1 <= value <= 64:
         raise scope.problems.fail(errors.OUT_OF_LIMITS, e.span, name="the reach of a shape", value=value, low=1, high=64, reason="")
     return int(value)

@@ -7,11 +7,11 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.assignments import add, set_
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.domains import check_free, domain, near
+from sjdsl.compiler.elaborate.domains import domain, near
 from sjdsl.compiler.elaborate.effects import agent, give, send, tally
-from sjdsl.compiler.elaborate.expressions import build, condition, interval_text, number, wrong_type
+from sjdsl.compiler.elaborate.lookup import check_free, interval_text
 from sjdsl.compiler.elaborate.phase_use import PhaseUse
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import conjuncts, contradict, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer, words
@@ -77,7 +77,7 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
 
 
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
-    value = narrow_word(build(s.value, scope), scope.fact_nodes)
+    value = narrow_word(scope.expression(s.value), scope.fact_nodes)
     check_free(s.name, scope, chosen=True)
     if isinstance(value, ir.Member):
         raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
@@ -98,8 +98,8 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             sentence = _weighted(s, s.source, scope, stream)
         case _:
             assert s.high is not None
-            low = number(s.source, scope, ("count", "steps", "cells"), "a whole number")
-            high = number(s.high, scope, ("count", "steps", "cells"), "a whole number")
+            low = scope.number(s.source, ("count", "steps", "cells"), "a whole number")
+            high = scope.number(s.high, ("count", "steps", "cells"), "a whole number")
             type_ = _draw_range(s, low, high, scope)
             sentence = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
     local = ir.Local(type=sentence.type, name=name, origin=s.name.span)
@@ -166,7 +166,7 @@ def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
 
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
     header = use.streams.header(s.span, s.block.span.start)
-    how_many = number(s.number, scope, ("count",), "a count") if isinstance(s, ast.Pick) else None
+    how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if how_many is not None and how_many.type.low < 0:
         raise scope.problems.fail(
             errors.OUT_OF_LIMITS, s.number.span, name="the number picked", value="negative", low=0, high="any", reason=""
@@ -247,7 +247,7 @@ def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
     outer, current = scope, s
     while True:
         try:
-            test = condition(current.condition, outer)
+            test = outer.condition(current.condition)
             check_possible(test, outer)
             body = inside(current.block, header, outer.knowing([test]), use)
             branches.append(ir.Branch(test=test, body=body, origin=current.span))
@@ -326,7 +326,7 @@ def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
 
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     """Returns a probability that provably stays in 0 .. 1."""
-    p = number(e, scope, ("probability",), "a probability")
+    p = scope.number(e, ("probability",), "a probability")
     low, high = narrowed(p, (*scope.fact_nodes, *scope.static.requires))
     labels = parameters_read(scope.static, p)
     if high > 1 + 1e-9:
@@ -349,6 +349,3 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
         )
     stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
     return ir.Move(domain=movers, stream=stream, origin=s.span)
-
-
-__all__ = ["PhaseUse", "block"]

@@ -1,0 +1,142 @@
+"""What names stand for and what is said of those that stand for nothing: kinds, actions, words, and names that may be given to a variable."""
+
+import re
+from collections.abc import Iterable, Mapping
+from math import inf
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
+from sjdsl.compiler.elaborate.scope import Scope, Static
+
+AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
+CELL_ATTRIBUTES = ("row", "col")
+
+
+def as_agent(e: ir.Expr) -> bool:
+    """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
+    return (isinstance(e, ir.Member) and e.who == "agent") or e.type.kind == "agent"
+
+
+def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
+    """Returns the kinds a kind or group name stands for."""
+    kinds = scope.static.kinds_of(name.text)
+    if kinds is None and name.text in scope.static.broken:
+        raise Poisoned
+    if kinds is None:
+        raise scope.problems.unknown(name, ["agent", *scope.static.kinds, *scope.static.groups], "the agents and kinds of this game")
+    scope.static.used.update({name.text, *kinds})
+    return kinds
+
+
+def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> int:
+    """Returns the number of an action of the agents."""
+    actions = scope.static.actions
+    wanted = resolved or name.text
+    if "actions" in scope.static.broken:
+        raise Poisoned
+    if wanted not in actions:
+        raise scope.problems.fail(errors.NO_ACTION, name.span, name=wanted, **near_or_all(wanted, actions, "the actions"))
+    scope.static.used.add(f"action {wanted}")
+    return actions.index(wanted)
+
+
+def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
+    """Says so if a variable's name is in use already (`chosen`: written after `as`, `let` or `draw`)."""
+    static = scope.static
+    what = ""
+    if name.text in scope.variables:
+        what = "a variable around this sentence"
+    elif chosen:
+        tables = {
+            "a size": static.sizes,
+            "a parameter": static.params,
+            "a define": static.defines,
+            "a field of the world": static.fields,
+            "a kind": static.kinds,
+            "a group": static.groups,
+        }
+        what = next((w for w, table in tables.items() if name.text in table), "")
+        what = what or ("a word" if static.is_word(name.text) else "")
+        what = what or ("the agents' own name" if name.text == "agent" else "a number of the language" if name.text == "step" else "")
+    if what:
+        raise scope.problems.fail(errors.NAME_TAKEN, name.span, name=name.text, what=what)
+
+
+def check_known_word(tree: ast.Expr | ast.Table, owner: str, words: Iterable[str], scope: Scope) -> None:
+    """Says which words there are, if a tree that should be one of them is a name that means nothing here."""
+    static = scope.static
+    if not isinstance(tree, ast.Path) or tree.steps or tree.name.text in scope.variables or static.is_word(tree.name.text):
+        return
+    name = tree.name.text
+    if name not in static.names() | static.broken and name not in static.events:
+        raise scope.problems.not_a_word(tree.span, name, owner, words)
+
+
+def unknown(name: ast.Name, scope: Scope) -> Poisoned:
+    """Reports a name that is no value: something else, or nothing at all."""
+    static = scope.static
+    if name.text in static.broken:
+        return Poisoned()
+    if name.text in scope.withheld:
+        what, wanted = "a variable of the sentences around", "something that is the same for all who are sent"
+        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text])
+    if static.kinds_of(name.text) or name.text == "agent":
+        what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
+        wanted, help_ = f"a variable of a sentence around (`each {name.text} …`)", ""
+        if scope.defining:
+            wanted = "a parameter"
+            help_ = _with_parameter(scope.defining[-1], name.text, static)
+        elif scope.place in ("`metrics`", "`checks`"):
+            help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
+        elif name.text != "agent" and "agent" in scope.variables:
+            help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
+        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=help_)
+    for what, table, help_ in (
+        ("an event", static.events, "events are read in `checks`; what a rule reads is kept in a field"),
+        ("an action", static.actions, f"`agent chose {name.text}` asks whether an agent chose it"),
+        ("a shape", static.shapes, f"`count(KIND in {name.text} of agent)` counts what is in it"),
+    ):
+        if name.text in table:
+            return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted="a value", help=help_)
+    near = scope.near(name.text)
+    values = sorted({*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"})
+    facts = near_or_all(name.text, values if len(values) > 1 else (), "the values known here") | {
+        "nearest": near,
+        "help": _owned(name.text, near, static),
+    }
+    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, **facts)
+
+
+def _with_parameter(define: str, variable: str, static: Static) -> str:
+    """Returns how a define is written that speaks of a variable around its use."""
+    value = static.defines[define].value.span
+    text = re.sub(rf"\b{variable}\b", "who", static.sources[value.file].text[value.start : value.end])
+    return (
+        f"a define sees its parameters alone: write `define {define}(who) = {' '.join(text.split())}`, and use it as `{define}({variable})`"
+    )
+
+
+def _owned(name: str, near: str, static: Static) -> str:
+    """Returns what to write for a name that something else has: a field without its owner, a condition compared with `true`."""
+    if name in guesses.CONDITIONS:
+        return "a condition is used as it is: `when c`, `when not c`"
+    if name in guesses.VALUES:
+        return guesses.VALUES[name]
+    owners = ["agent"] * (name in static.agent_fields or name in AGENT_ATTRIBUTES)
+    owners += [kind.name for kind in static.kinds.values() if any(f.name == name for f in kind.fields)]
+    paths = " or ".join(f"`{owner}.{name}`" for owner in owners[:3])
+    return f"a field is written with its owner: {paths}" if owners and not near else ""
+
+
+def no_field(name: ast.Name, owner: str, fields: Iterable[str], instead: Mapping[str, str], problems: Problems) -> Poisoned:
+    """Reports a field that `owner` does not have; `instead`: what to write for names that are often tried."""
+    facts = near_or_all(name.text, fields, "the fields")
+    return problems.fail(errors.NO_FIELD, name.span, owner=owner, name=name.text, help=instead.get(name.text, ""), **facts)
+
+
+def interval_text(type_: ir.Type) -> str:
+    """Returns what numbers a value can reach, for messages."""
+    low = "any number" if type_.low == -inf else f"{type_.low:g}"
+    return low if type_.low == type_.high else f"{low} .. {'any number' if type_.high == inf else f'{type_.high:g}'}"
