@@ -5,13 +5,14 @@ A case may begin with `# variants: a b`: it is checked with these variants.
 
 import re
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
-from sjdsl.compiler.diagnostics.explanations import FOLDER, all_codes, explain
+from sjdsl.compiler.diagnostics.explanations import FOLDER, all_codes, explain, kinds
 from sjdsl.compiler.diagnostics.limits import MAX_BYTES, MAX_LINE
 from sjdsl.compiler.diagnostics.report import render
 from sjdsl.compiler.diagnostics.source import Source
@@ -33,6 +34,7 @@ MADE: dict[str, bytes | str | None] = {
 NEVER_GIVEN: set[str] = set()
 
 
+@cache
 def check_file(name: str) -> tuple[Sequence[Diagnostic], dict[str, Source]]:
     """Returns the diagnostics of a file, and its text if it can be read."""
     try:
@@ -71,6 +73,13 @@ def test_every_code_has_a_case() -> None:
     covered = {case[:5] for case in (*CASES, *MADE)}
     assert set(all_codes()) - covered == NEVER_GIVEN
     assert covered <= set(all_codes())
+
+
+def test_every_kind_of_mistake_has_a_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ERRORS)
+    found = {type(d) for case in CASES for d in check_file(f"{case}.sj")[0]}
+    made = {kind for kind in kinds() if kind.code in {case[:5] for case in MADE}}
+    assert {kind.__name__ for kind in set(kinds()) - found - made} == set()
 
 
 def test_no_expected_text_is_left_over() -> None:

@@ -1,12 +1,13 @@
 """Diagnostics as data: what is wrong, where, and what to write instead. `errors` has them all."""
 
 from collections.abc import Iterable
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields
+from functools import cache
 from operator import attrgetter
 from string import Formatter
-from typing import Any, ClassVar, Literal, NamedTuple, dataclass_transform
+from typing import Any, ClassVar, Literal, dataclass_transform
 
-from sjdsl.compiler.diagnostics.frozen import Frozen
+from sjdsl.compiler.diagnostics.frozen import Frozen, Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.near_names import nearest
 
@@ -14,16 +15,14 @@ Severity = Literal["error", "warning"]
 MOST_LISTED = 20  # names in one help line
 
 
-@dataclass(frozen=True)
-class Label:
+class Label(Record):
     """A secondary place, with what there is to say about it."""
 
     span: Span
     text: str
 
 
-@dataclass(frozen=True)
-class Fix:
+class Fix(Record):
     """An edit that would repair the mistake: replace the characters of `span` by `text`."""
 
     span: Span
@@ -32,18 +31,23 @@ class Fix:
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
 class Facts(Frozen):
-    """A subclass declares its fields; all of them are made by one method, as hardly any diagnostic is made in most processes."""
-
-    def __init_subclass__(cls) -> None:
-        cls.__doc__ = cls.__doc__ or cls.__name__
-        dataclass(init=False, eq=False, repr=False)(cls)
+    """A subclass declares its fields, and is a dataclass once there is one of it: in most processes nothing is wrong."""
 
     def __init__(self, span: Span, **given: Any) -> None:
-        facts = {f.name: f.default for f in fields(self)} | given | {"span": span}  # type: ignore[arg-type]
-        wrong = [n for n in facts if n not in self.__dataclass_fields__ or facts[n] is MISSING]  # type: ignore[attr-defined]
+        declared = _fields(type(self))
+        facts = {name: f.default for name, f in declared.items()} | given | {"span": span}
+        wrong = [name for name, value in facts.items() if name not in declared or value is MISSING]
         if wrong:
-            raise TypeError(f"{type(self).__name__} does not have, or lacks, the fields {', '.join(wrong)}")
+            raise TypeError(f"{type(self).__name__} lacks, or does not have, the facts {', '.join(wrong)}")
         self.__dict__.update(facts)
+
+
+@cache
+def _fields(kind: type[Any]) -> dict[str, Field[Any]]:
+    """Returns the fields of a kind of diagnostic, by name."""
+    if kind.__base__ is not Facts:
+        _fields(kind.__base__)
+    return {f.name: f for f in fields(dataclass(init=False, eq=False, repr=False)(kind))}
 
 
 class Diagnostic(Facts):
@@ -66,7 +70,6 @@ class Diagnostic(Facts):
     help: str = ""
 
     def __init_subclass__(cls, code: str = "", title: str = "", severity: Severity = "error") -> None:
-        super().__init_subclass__()
         if code:
             cls.code, cls.title, cls.severity = code, title, severity
 
@@ -108,7 +111,7 @@ def _in_plain_text(d: Diagnostic) -> str:
     return f"{said}\n  help: {d.hint}" if d.hint else said
 
 
-class Near(NamedTuple):
+class Near(Record):
     """What a name that is not known may have been meant for: the nearest known one, and a sentence that lists them all."""
 
     nearest: str = ""

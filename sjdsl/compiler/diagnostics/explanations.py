@@ -9,10 +9,15 @@ from sjdsl.near_names import nearest
 FOLDER = Path(__file__).parent / "explain"
 
 
+def kinds() -> list[type[Diagnostic]]:
+    """Returns every kind of mistake, in the order of the codes."""
+    found = {value for value in vars(errors).values() if isinstance(value, type) and issubclass(value, Diagnostic) and value.code}
+    return sorted(found, key=lambda kind: (kind.code, kind.__name__))
+
+
 def all_codes() -> dict[str, type[Diagnostic]]:
-    """Returns every kind of mistake by its code, in order."""
-    found = [value for value in vars(errors).values() if isinstance(value, type) and issubclass(value, Diagnostic) and value.code]
-    return {error.code: error for error in sorted(found, key=lambda error: error.code)}
+    """Returns every code of the compiler with a kind of mistake that has it, in order."""
+    return {kind.code: kind for kind in kinds()}
 
 
 def explain(code: str) -> str:

@@ -1,7 +1,7 @@
 """Frozen objects that are equal by content, cheap to declare: what nodes of the tree as written and diagnostics are."""
 
-from dataclasses import FrozenInstanceError
-from typing import Any
+from dataclasses import FrozenInstanceError, dataclass
+from typing import Any, dataclass_transform
 
 
 class Frozen:
@@ -23,3 +23,12 @@ class Frozen:
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.__dict__.items())})"
+
+
+@dataclass_transform(frozen_default=True)
+class Record(Frozen):
+    """A subclass declares its fields and is a dataclass; only the method that makes one is compiled for each."""
+
+    def __init_subclass__(cls) -> None:
+        cls.__doc__ = cls.__doc__ or cls.__name__  # else each is given its signature as text, slowly
+        dataclass(eq=False, repr=False)(cls)
