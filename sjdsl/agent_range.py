@@ -1,4 +1,4 @@
-"""How many agents a game admits on its map: the limits its file sets, as far as `make` accepts them."""
+"""Finds how many agents a game can have on its map: the limits of its file, as far as the compiler accepts them."""
 
 from collections.abc import Callable
 

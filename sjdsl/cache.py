@@ -1,4 +1,4 @@
-"""What is kept on disk: generated modules, by the rules' hash and the compiler's version, and the programs JAX compiles."""
+"""The cache on disk: generated modules, by rule hash and compiler version, and programs compiled by JAX."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""`make`: from a name or a `.sj` file to an environment."""
+"""`make`: creates an environment from the name of a bundled game or a `.sj` file."""
 
 import linecache
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Where the bundled games are, and how a game is found by name or path."""
+"""Finds bundled games by name, and other games by path."""
 
 from pathlib import Path
 

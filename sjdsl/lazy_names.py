@@ -1,4 +1,4 @@
-"""Public names of a package that are imported when they are first used: what needs no JAX does not wait for it."""
+"""Lazy imports: public names of a package are imported on first use, so that nothing waits for JAX without need."""
 
 import sys
 from collections.abc import Callable, Mapping

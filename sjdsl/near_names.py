@@ -1,4 +1,4 @@
-"""What a name that is not known may have been meant for; imports nothing, so that mistyped words are answered at once."""
+"""Suggests known names that are close to a misspelt one; imports nothing, so that it is fast."""
 
 from collections.abc import Iterable
 

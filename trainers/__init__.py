@@ -7,7 +7,7 @@ from sjdsl.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
     from .evaluation import Estimate, Evaluation, estimate, evaluate, save_evaluation, summarise
-    from .own import register
+    from .extensions import register
     from .policies import (
         MemoryPolicy,
         Policy,

@@ -1,4 +1,4 @@
-"""The actor-critic networks of all agents of a game: which agents share one, and what their critics see."""
+"""Actor-critic networks of all agents: which agents share parameters, and what a decentralised or central critic observes."""
 
 from dataclasses import dataclass
 from functools import partial

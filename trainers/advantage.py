@@ -1,4 +1,4 @@
-"""Generalised advantage estimation with time limits kept apart from true endings."""
+"""Generalised advantage estimation (GAE): discounted credit for actions, bootstrapped at truncations but not at terminations."""
 
 import jax
 import jax.numpy as jnp

@@ -1,4 +1,4 @@
-"""When a checkpoint is due: by time, and by how long writing one takes, which its size decides.
+"""Decides when the next checkpoint is due, so that writing checkpoints takes a small share of the time.
 
 The state of a run may be small, or hold a replay buffer of gigabytes. Both are written so often that little is lost when a
 process is killed, and so seldom that the run spends at most a share of its time on it.

@@ -1,4 +1,4 @@
-"""Checkpoints: the whole state of a run, by orbax, so that a run that was killed goes on as if nothing had been.
+"""Checkpoints: saves and restores the whole state of a run with orbax, so that a stopped run continues exactly.
 
 A checkpoint is a folder that orbax names only when all of it is written. Beside the arrays it has their digest: what does not
 read back as it was written is not gone on from.

@@ -1,4 +1,4 @@
-"""A run's functions compiled: for its seeds, its devices, and no more memory than there is."""
+"""Compiles the functions of a run for its seeds and devices, and predicts whether they fit into memory."""
 
 import time
 from collections.abc import Callable

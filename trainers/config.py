@@ -1,4 +1,4 @@
-"""The configuration of a training run: checked once, then never changed."""
+"""The configuration of a training run: a frozen dataclass with every key, its default, and checks of its values."""
 
 import math
 import re
@@ -20,7 +20,7 @@ from pydantic import (
 )
 
 from .config_errors import ConfigError, sentence_of
-from .own import Kind, find, is_own, lasting, name_of
+from .extensions import Kind, find, is_own, lasting, name_of
 from .policy_names import lasting_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]

@@ -1,4 +1,4 @@
-"""What is wrong with a configuration, in the user's words."""
+"""Error messages for wrong configurations."""
 
 from collections.abc import Mapping
 from typing import Any

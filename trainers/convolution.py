@@ -1,4 +1,4 @@
-"""A 2-D convolution whose gradients are as fast inside a loop as outside, and for many networks side by side.
+"""A 2-D convolution whose gradients are fast inside a loop too, also for many networks under `vmap`.
 
 Inside a `while` loop XLA's CPU compiler leaves the transposed convolutions of a gradient to a naive implementation (JAX
 0.10: 38 ms instead of 2.5 ms for 32 windows of 11 x 11 x 32 under a 3 x 3 kernel). Written as plain convolutions of

@@ -1,4 +1,4 @@
-"""Learning curves of several runs in one picture: the mean over seeds, and the range from the lowest to the highest."""
+"""Plots learning curves of several runs in one picture: the mean over seeds, with the range from lowest to highest."""
 
 import math
 from array import array

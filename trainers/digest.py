@@ -1,4 +1,4 @@
-"""The digest of named arrays: what was read back is what was written, or it is not used."""
+"""A checksum of named arrays, compared when stored policies are read."""
 
 import hashlib
 from collections.abc import Mapping

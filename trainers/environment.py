@@ -1,4 +1,4 @@
-"""What the trainers need of an environment; games made by `sjdsl.make` have it, and so may any other."""
+"""The protocol of an environment that trainers need: compiled games follow it, and so may any other environment."""
 
 from typing import Any, Protocol
 

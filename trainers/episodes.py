@@ -1,4 +1,4 @@
-"""Figures of episodes: summed while an episode runs, handed over when it ends."""
+"""Episode statistics inside a jitted loop: summed while an episode runs, recorded when it ends."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Evaluation: whole episodes of any policy, and what can be said from them."""
+"""Evaluation: plays whole episodes of a policy, and returns means with confidence intervals."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""The learning curve of one seed: the return of all agents together, and beside it each agent's own."""
+"""Draws the learning curve of one seed: the collective return, and the return of each agent."""
 
 from collections.abc import Sequence
 from dataclasses import replace

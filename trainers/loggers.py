@@ -1,4 +1,4 @@
-"""Where metrics go besides the files of a run: TensorBoard and Weights & Biases, if they are installed."""
+"""Metric loggers for TensorBoard and Weights & Biases, if they are installed."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager

@@ -1,4 +1,4 @@
-"""Masks: which actions the game allows now, so that no other is drawn, valued or learnt from.
+"""Action masks: actions that the game forbids now are neither drawn, nor valued, nor learnt from.
 
 In a compiled game a forbidden action is `stay` by another name: a mask takes nothing from an agent, it only spares it from learning
 which names mean nothing now.

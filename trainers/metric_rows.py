@@ -1,4 +1,4 @@
-"""Rows of metrics: nested arrays as one line of flat, named numbers."""
+"""Flattens nested metrics into one row of named numbers."""
 
 from collections.abc import Sequence
 from typing import Any

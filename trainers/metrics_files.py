@@ -1,4 +1,4 @@
-"""The metrics of a run on disk: a line an update, written at once, cut where a run goes on, and read a row at a time.
+"""The metrics files of a run: one line an update, written at once, and truncated to the checkpoint when a run resumes.
 
 A run of many small updates has more rows than fit into memory: nothing here holds them all.
 """

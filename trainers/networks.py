@@ -1,4 +1,4 @@
-"""The networks: token observations in; action logits, state values or action values out."""
+"""Neural networks (flax): from token observations to action logits, state values or action values."""
 
 import inspect
 from functools import partial
@@ -14,8 +14,8 @@ from sjdsl.runtime.tokens import to_channels
 
 from .config_errors import ConfigError
 from .convolution import convolve
+from .extensions import find
 from .initialisation import orthogonal
-from .own import find
 
 HIDDEN_GAIN = 2.0**0.5
 ACTOR_GAIN = 0.01

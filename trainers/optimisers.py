@@ -1,4 +1,4 @@
-"""The optimisers of PPO: one for actor and critic where they share layers, one each where they are apart."""
+"""The optimisers of PPO (optax): one if actor and critic share layers, one each if they do not."""
 
 from typing import Any
 

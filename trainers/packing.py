@@ -1,4 +1,4 @@
-"""Observations in as few bytes as their planes need: what rollouts and replay buffers keep.
+"""Packs observations into as few bytes as their planes need, for rollouts and the replay buffer.
 
 A plane of six words takes three bits of its byte; several planes go into one byte where they fit, none into two.
 """

@@ -1,4 +1,4 @@
-"""Lines over environment steps, at most five in a plot: more become several plots side by side, with the same axes."""
+"""Plots lines over environment steps, with at most five lines in a panel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Partners: agents that act by a given policy while the others learn."""
+"""Partners: agents that act by a fixed policy while the others learn."""
 
 from dataclasses import dataclass
 from typing import Any

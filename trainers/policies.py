@@ -1,4 +1,4 @@
-"""Policies to play with: random ones, trained ones, stored ones."""
+"""Finds policies by name and loads them: random, constant, trained or stored in a file."""
 
 import warnings
 from collections.abc import Callable
@@ -14,8 +14,8 @@ from sjdsl.runtime.policy import UNTRAINED, MemoryPolicy, Policy, mixed_policy, 
 from .actor_critics import make_actor_critics
 from .config import Config, ConfigError, PPOConfig, VDNConfig
 from .environment import Environment, abstract_key, reset_shapes
+from .extensions import find, is_own
 from .masks import masked, wants_masks
-from .own import find, is_own
 from .partners import with_partners
 from .policy_file import Described, PolicyError, policy_path, read_policy
 from .policy_names import KNOWN, split_name

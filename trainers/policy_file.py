@@ -1,4 +1,4 @@
-"""Stored policies: parameters as safetensors, and beside them, as JSON, what they are parameters of."""
+"""Stored policies: parameters as safetensors, and a JSON file that says what they belong to."""
 
 import json
 import warnings

@@ -1,4 +1,4 @@
-"""What a policy is called, wherever one is asked for: on the command line, in a configuration, in Python.
+"""The names of policies, on the command line, in a configuration and in Python.
 
 random                        every action with equal probability
 stay                          nothing is done
@@ -11,7 +11,7 @@ FILE.py:NAME                  a function of one's own; or a name that was regist
 from pathlib import Path
 from typing import Any
 
-from .own import is_own, lasting, name_of
+from .extensions import is_own, lasting, name_of
 
 UNTRAINED = ("random", "stay")  # what needs no file: `sjdsl.runtime.policy.UNTRAINED`
 KNOWN = "random, stay, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"

@@ -1,4 +1,4 @@
-"""Proximal policy optimisation of N agents: one core for independent and central critics, shared and separate networks."""
+"""Proximal policy optimisation (PPO) of N agents: clipped loss for IPPO and MAPPO, with shared or separate networks."""
 
 from collections.abc import Callable
 from dataclasses import replace

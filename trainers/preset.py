@@ -1,4 +1,4 @@
-"""Presets: what to train and how, in one TOML file; some come with this package.
+"""Presets: TOML files that say which game to train and how, some of them in this package.
 
 extends = "paper"       # optional: all that another preset has, or a file beside this one; what stands here wins, value by value
 game = "coins"          # optional: what is trained if no game is named

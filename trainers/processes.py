@@ -1,4 +1,4 @@
-"""What the processes of one run do together: the first alone writes for people to read, and all stop where one does."""
+"""Coordinates the processes of a multi-host run: the first one writes files, and all stop together."""
 
 import jax
 import numpy as np

@@ -1,4 +1,4 @@
-"""A training run as pure functions, the same for every algorithm."""
+"""A training run as pure functions (initialise, update, policy), with one signature for every algorithm."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

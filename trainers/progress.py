@@ -1,4 +1,4 @@
-"""How a run reports its progress: a live bar on a terminal, plain lines elsewhere."""
+"""Reports the progress of a run: a live bar on a terminal, plain lines elsewhere."""
 
 import time
 from collections.abc import Callable, Iterator

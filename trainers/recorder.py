@@ -1,4 +1,4 @@
-"""What is written of one seed while it learns: rows of metrics, evaluations, policies, its learning curve."""
+"""Records one seed while it learns: rows of metrics, evaluations, policies and its learning curve."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence

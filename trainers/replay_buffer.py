@@ -1,4 +1,4 @@
-"""A replay buffer: the last steps of play, kept as bytes and drawn from with equal chances."""
+"""A replay buffer: the latest transitions, stored as bytes and sampled uniformly."""
 
 from typing import Any
 

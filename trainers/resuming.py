@@ -1,4 +1,4 @@
-"""Where a stopped run goes on: only as the run it was, from the last of its checkpoints that can be read."""
+"""Resumes a stopped run from its latest readable checkpoint, and refuses if the run would differ."""
 
 import json
 import warnings

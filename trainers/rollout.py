@@ -1,4 +1,4 @@
-"""Rollouts: B environments played for T steps by agents as they stand, whatever algorithm they learn by."""
+"""Rollouts: plays B environments for T steps with the current policies, and returns `[T, B, N, …]` transitions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

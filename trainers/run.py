@@ -1,4 +1,4 @@
-"""A training run: from a fresh folder, or from where it was stopped, to trained policies."""
+"""Runs a whole training: creates or resumes the run's folder, trains, evaluates, and stores the policies."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The folder of a run: its manifest, and the folders of its seeds."""
+"""The folder of a run: its manifest, and a folder for each seed."""
 
 import importlib.metadata
 import platform
@@ -13,7 +13,7 @@ from jax.tree_util import keystr, tree_leaves_with_path
 
 from .config import Config
 from .environment import Environment, reset_shapes
-from .own import file_of
+from .extensions import file_of
 from .run_files import plain
 from .shaping import kept_share
 

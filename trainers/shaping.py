@@ -1,4 +1,4 @@
-"""Shaped rewards: pure functions of the game's raw rewards, `[..., N] -> [..., N]`.
+"""Reward shaping: pure functions of raw rewards such as SVO, inequity aversion and reward exchange, `[..., N] -> [..., N]`.
 
 The environment pays raw rewards and knows nothing of these; metrics have both.
 """
@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from .config import Config, ConfigError, RewardMode
-from .own import find
+from .extensions import find
 from .step import Step
 
 

@@ -1,4 +1,4 @@
-"""Data-parallel training: the environments are spread over all devices, everything else is on each of them.
+"""Data-parallel training: shards environments over all devices, and replicates everything else.
 
 JAX's partitioner does the rest: sums over a minibatch become sums over devices. The program is the same for any number of
 devices, random draws included, so that results differ by the order of float sums alone.

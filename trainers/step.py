@@ -1,4 +1,4 @@
-"""What a reward of a user's own is made from: one step of one environment."""
+"""The record of one environment step from which a user's own reward is computed."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from jax import Array
 
 from .config import Config, ConfigError
 from .environment import Environment, array_shape, info_shapes, reset_shapes
-from .own import find
+from .extensions import find
 
 
 @flax.struct.dataclass

@@ -1,4 +1,4 @@
-"""Which agents share a network: teams of equal size are stacked and computed side by side under `vmap`."""
+"""Parameter sharing: agents of one team share a network, and teams of equal size are computed together under `vmap`."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The updates of a run, one after the other: what each of them writes, and what is kept whatever stops them."""
+"""The loop over the updates of a run: metrics, checkpoints and policies, also if the run is interrupted."""
 
 import math
 import signal

@@ -1,4 +1,4 @@
-"""Value decomposition networks: Q-learning of the team's reward, whose value is the sum of the agents' values.
+"""Value decomposition networks (VDN): epsilon-greedy team Q-learning with a replay buffer and a target network.
 
 Source: Sunehag et al. 2018, "Value-decomposition networks for cooperative multi-agent learning".
 """

@@ -1,4 +1,4 @@
-"""What XLA is given for one step of one environment: figures that are the same on every machine, and the seconds it takes."""
+"""Compilation figures of one step: the size of the XLA program, the same on every machine, and the seconds to compile it."""
 
 import re
 import time

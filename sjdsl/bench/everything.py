@@ -1,4 +1,4 @@
-"""Everything that is measured on a device within a time limit, the most telling first; each figure is on disk as soon as it is there."""
+"""Measures everything that needs a device within a time limit, most important first, and stores each figure at once."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""What one step of many environments asks of a device: kernels launched, bytes moved, and how near it is to the copy bandwidth."""
+"""GPU cost of a step: kernels launched, bytes moved, and the share of the copy bandwidth reached."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""The measured program: random play of many environments, each step's observations written to memory."""
+"""The measured loop: random play of many environments, with the observations of every step written to memory."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

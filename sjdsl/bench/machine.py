@@ -1,4 +1,4 @@
-"""What figures depend on besides the games: the machine, and how much of its memory was used."""
+"""Describes the machine that figures were measured on, and how much of its memory was used."""
 
 import os
 import platform

@@ -1,4 +1,4 @@
-"""Tables on a page: the text between two marks is written anew, everything else stays as it is."""
+"""Replaces tables on a Markdown page between two marks, and leaves the rest unchanged."""
 
 import re
 from collections.abc import Iterable

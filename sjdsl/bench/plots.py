@@ -1,4 +1,4 @@
-"""Pictures of how speed grows with the number of environments, one for each observation and number of agents asked for."""
+"""Plots speed against the number of environments, one plot for each observation and number of agents."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Whether a training run that was stopped ends, bit for bit, as one that was not: with XLA's deterministic operations on a GPU."""
+"""Measures whether a stopped and resumed training run ends bit for bit like one that was not stopped."""
 
 import json
 import os

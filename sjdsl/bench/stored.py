@@ -1,4 +1,4 @@
-"""Figures as JSON files, written and read back: tables can be made where nothing is measured."""
+"""Stores benchmark figures as JSON and reads them back, so that tables can be made on another machine."""
 
 import dataclasses
 import json

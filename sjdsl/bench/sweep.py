@@ -1,4 +1,4 @@
-"""Many values of one parameter: in one program that takes them as arguments, and in a program for each."""
+"""Measures a parameter sweep: many values as arguments of one program, compared with one program for each value."""
 
 import time
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""Figures as tables of text: the same ones on a screen and on a page."""
+"""Formats figures as tables of text, for the screen and for pages."""
 
 import math
 import statistics

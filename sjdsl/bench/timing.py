@@ -1,4 +1,4 @@
-"""Timings that can be compared: every task is measured in turn, round by round, in one process."""
+"""Timing in rounds: every task is measured in turn, in one process, so that the results can be compared."""
 
 import statistics
 import time

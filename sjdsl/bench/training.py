@@ -1,4 +1,4 @@
-"""Where an update of training spends its time: in the environments, in acting, in learning; and the least its matrices take."""
+"""Splits the time of a training update into environment steps, acting and learning, with a lower bound from its matrices."""
 
 import statistics
 import time

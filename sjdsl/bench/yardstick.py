@@ -1,4 +1,4 @@
-"""The yardstick: a step of Commons Harvest (open) written by hand in JAX, to which compiled games are compared.
+"""The yardstick: a step of Commons Harvest (open) written by hand in JAX, with which compiled games are compared.
 
 It does the whole work of one environment step: turning, relative moves with conflict resolution, eating, regrowth by
 neighbour count, the zap beam, respawn, and the 11 x 11 egocentric window of each of seven agents. What makes it fast: one

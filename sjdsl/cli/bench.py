@@ -1,4 +1,4 @@
-"""`sjdsl bench`: how fast games run, beside the yardstick in the same process."""
+"""`sjdsl bench`: measures the speed of games, beside a hand-written game in the same process."""
 
 import shlex
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`sjdsl bench --everything` measures what a page of a device needs, within a time limit; `--from` makes the tables of stored figures."""
+"""`sjdsl bench --everything` measures all figures of a device; `--from` makes the tables from stored figures."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

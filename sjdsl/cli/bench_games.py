@@ -1,4 +1,4 @@
-"""The forms of games that `sjdsl bench` measures: each with its own number of agents or another, with each observation."""
+"""Selects what `sjdsl bench` measures: games, numbers of agents, observations."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING

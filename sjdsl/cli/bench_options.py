@@ -1,4 +1,4 @@
-"""How the options of `sjdsl bench` are read."""
+"""Parses the options of `sjdsl bench`."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""Where the figures of `sjdsl bench` go: the screen, a file, a page."""
+"""Writes the figures of `sjdsl bench`: to the screen, to a file, to a page."""
 
 import os
 from collections.abc import Sequence

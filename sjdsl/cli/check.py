@@ -1,4 +1,4 @@
-"""`sjdsl check`: everything that is wrong with a game, in it and in each of its variants."""
+"""`sjdsl check`: prints all mistakes in a game and in each of its variants."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""`sjdsl compile`: games as Python modules in `generated/`, and whether those there are the ones the games make."""
+"""`sjdsl compile`: writes games as Python modules to `generated/`, or checks that those there are up to date."""
 
 import os
 from collections.abc import Iterable

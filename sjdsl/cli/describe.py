@@ -1,4 +1,4 @@
-"""What there is to know about a game before playing it, as plain values that JSON can hold."""
+"""Describes a game as plain values for JSON: agents, actions, observations, parameters, variants."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""`sjdsl diff`: what differs between two variants of a game, or between two games."""
+"""`sjdsl diff`: prints what differs between two variants of a game, or between two games."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""`sjdsl doc`: the rules of a game in plain English, and the page of all bundled games."""
+"""`sjdsl doc`: prints the rules of a game in plain English, and writes the page of all bundled games."""
 
 from pathlib import Path
 

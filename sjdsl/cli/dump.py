@@ -1,4 +1,4 @@
-"""`sjdsl dump`: a game after one stage of the compiler, as text."""
+"""`sjdsl dump`: prints a game after one stage of the compiler."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""The environment that a command line describes, and the options that describe it."""
+"""The options that describe an environment, and the environment they describe."""
 
 import json
 from collections.abc import Callable, Mapping

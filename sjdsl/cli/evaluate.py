@@ -1,4 +1,4 @@
-"""`sjdsl evaluate`: what a trained policy earns, beside a random one in the same episodes."""
+"""`sjdsl evaluate`: prints the returns of a trained policy, compared with a random policy in the same episodes."""
 
 import json
 import math

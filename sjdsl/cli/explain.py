@@ -1,4 +1,4 @@
-"""`sjdsl explain`: the long text about one code."""
+"""`sjdsl explain`: prints the long explanation of an error code."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""What a user is told when something fails: their own mistakes in a line or a rendered diagnostic, ours as a traceback."""
+"""Turns exceptions into messages: one line or a diagnostic for a user's mistake, a traceback for a bug of ours."""
 
 import sys
 

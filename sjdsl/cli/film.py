@@ -1,4 +1,4 @@
-"""Films of episodes, as commands write them."""
+"""Writes episodes as GIF or MP4 files for several commands."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`sjdsl fmt`: `.sj` files in the one layout; what a file means, its words and its comments stay."""
+"""`sjdsl fmt`: formats `.sj` files; their meaning and comments stay."""
 
 import os
 import shutil

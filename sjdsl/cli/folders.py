@@ -1,4 +1,4 @@
-"""Folders that a command is to write to: one that is not there is asked for, not made, for it may be a typing mistake."""
+"""Checks output folders: a missing one is reported, not made, as it may be a typing mistake."""
 
 import shlex
 import sys

@@ -1,4 +1,4 @@
-"""The game that a command line names: a bundled one, or any `.sj` file."""
+"""Opens the game that a command line names: a bundled one, or any `.sj` file."""
 
 from collections.abc import Callable
 from pathlib import Path

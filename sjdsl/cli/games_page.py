@@ -1,4 +1,4 @@
-"""The page of all bundled games as files: its text, the figures it shows, its pictures."""
+"""Writes the page of all bundled games: its text, figures and pictures."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`sjdsl list`: the games there are, in short, or all there is to set in one of them."""
+"""`sjdsl list`: lists the games in short, or everything that can be set in one of them."""
 
 import json
 from collections.abc import Sequence

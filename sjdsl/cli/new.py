@@ -1,4 +1,4 @@
-"""`sjdsl new`: the files that a game starts with."""
+"""`sjdsl new`: writes the files of a new game: a small playable game and its tests."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""`sjdsl play`: a person steers one agent in the terminal."""
+"""`sjdsl play`: lets a person control one agent in the terminal."""
 
 import sys
 from collections.abc import Callable

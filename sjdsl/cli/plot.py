@@ -1,4 +1,4 @@
-"""`sjdsl plot`: learning curves of runs in one picture."""
+"""`sjdsl plot`: plots the learning curves of runs in one picture."""
 
 from pathlib import Path
 

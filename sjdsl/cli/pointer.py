@@ -1,4 +1,4 @@
-"""Where more is said about a message: one line at the end of a run that printed messages with codes."""
+"""Prints one line at the end of a run that points to `sjdsl explain` for the codes in its messages."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""Policies as commands name them: `random`, `stay`, a run, a stored policy, a function of one's own."""
+"""Finds policies by the names that commands accept: `random`, `stay`, a run, a stored policy, a Python function."""
 
 import warnings
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""`sjdsl record`: episodes under a policy as a file of arrays, to learn from or to show again."""
+"""`sjdsl record`: stores episodes under a policy as a file of arrays, for offline learning or replay."""
 
 import hashlib
 from importlib.metadata import version

@@ -1,4 +1,4 @@
-"""`sjdsl render`: a game as a moving picture, or one moment of it as a still one."""
+"""`sjdsl render`: writes a game as a film, or one moment of it as a picture."""
 
 from pathlib import Path
 from typing import Any

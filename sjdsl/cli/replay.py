@@ -1,4 +1,4 @@
-"""`sjdsl replay`: a recorded episode, in the terminal or as a film."""
+"""`sjdsl replay`: shows a recorded episode in the terminal, or writes it as a film."""
 
 from collections.abc import Callable
 from pathlib import Path

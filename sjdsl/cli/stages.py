@@ -1,4 +1,4 @@
-"""What a command is at, while it is at it: with the seconds it has taken on a terminal, a plain line for each stage elsewhere."""
+"""Shows the current stage of a slow command: with elapsed seconds on a terminal, as plain lines elsewhere."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""The terminal of a command: whether there is one, and a screen in it."""
+"""Checks that a command has a terminal, and opens a screen in it."""
 
 import os
 import sys

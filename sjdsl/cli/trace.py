@@ -1,4 +1,4 @@
-"""`sjdsl trace`: what happens in a game, step by step: every change, by which rule, after which draws."""
+"""`sjdsl trace`: prints what happens in a game step by step: every change, its rule and its random draws."""
 
 import json
 from collections.abc import Iterator

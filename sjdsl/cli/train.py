@@ -1,4 +1,4 @@
-"""`sjdsl train`: agents that learn in a game, and what they are worth beside random ones."""
+"""`sjdsl train`: trains agents in a game, and compares them with random ones."""
 
 import json
 import shlex
@@ -193,7 +193,7 @@ def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] |
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
     """Returns the callback of a name, and the name as it is kept in a manifest."""
-    from sjdsl.trainers.own import find, lasting
+    from sjdsl.trainers.extensions import find, lasting
 
     return (None, {}) if name is None else (find("callback", name), {"callback": lasting("callback", name)})
 

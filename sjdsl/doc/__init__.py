@@ -1,4 +1,4 @@
-"""Games in plain English, from their rules alone: rule sheets, and what differs between two games."""
+"""Games in plain English: rule sheets made from the rules, and differences between two games."""
 
 from sjdsl.doc.differences import differences
 from sjdsl.doc.sheet import rule_sheet

@@ -1,4 +1,4 @@
-"""The page of the bundled games: for each a picture, what it is about, its numbers, and what a random policy comes to."""
+"""The page of the bundled games: for each a picture, a summary, its parameters, and the returns of a random policy."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

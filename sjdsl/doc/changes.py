@@ -1,4 +1,4 @@
-"""One change between two games, and how lists of lines and tables by name are compared."""
+"""One change between two games, and comparisons of lists of lines and of tables by name."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

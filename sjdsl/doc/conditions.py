@@ -1,4 +1,4 @@
-"""Conditions in words: who or what it is about, and what is said of it."""
+"""The English of conditions: their subject, and what they say about it."""
 
 from dataclasses import dataclass
 

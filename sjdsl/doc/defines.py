@@ -1,4 +1,4 @@
-"""Names for expressions: each `define` is explained once, with placeholders for what it is about."""
+"""The English of `define`s: each is explained once, with placeholders for its free variables."""
 
 from collections.abc import Iterator
 from typing import TypeVar

@@ -1,4 +1,4 @@
-"""What differs between two games, or two variants of one: in numbers where there are numbers, else in sentences."""
+"""Differences between two games or variants: in numbers where there are numbers, otherwise in sentences."""
 
 from collections import Counter
 from typing import Any

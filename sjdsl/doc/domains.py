@@ -1,4 +1,4 @@
-"""Domains in words: who a sentence is about. Every clause says clearly what it belongs to."""
+"""The English of domains: the agents or cells that a quantifier ranges over."""
 
 from typing import assert_never
 

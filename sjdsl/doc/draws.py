@@ -1,4 +1,4 @@
-"""Every random draw of a game: where it is made, for whom, and what can come of it."""
+"""Lists every random draw of a game: where it is made, for whom, and its possible outcomes."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

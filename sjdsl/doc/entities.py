@@ -1,4 +1,4 @@
-"""Entities, state and scales: agents and what they can do, kinds of cell, the map, fields and timers."""
+"""The entities section of a rule sheet: agents and their actions, kinds of cell, the map, fields and timers."""
 
 from sjdsl.compiler import ir
 from sjdsl.doc.conditions import condition

@@ -1,4 +1,4 @@
-"""Expressions with a value in words: what is read, counted and computed."""
+"""The English of expressions with a value: what is read, counted and computed."""
 
 from collections.abc import Callable
 from typing import assert_never

@@ -1,4 +1,4 @@
-"""What a random policy comes to in a game: measured with the compiled environment, kept in a file with the hash of the rules."""
+"""Measures the returns of a random policy in a game, and keeps them in a file with the hash of the rules."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""Parameters and sizes as a table: default, unit, limits, whether a change means compiling again, and where the number comes from."""
+"""Tables of parameters and sizes: default, unit, limits, whether a change compiles again, and the source of the number."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.types import UNIT_LIMITS

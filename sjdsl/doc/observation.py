@@ -1,4 +1,4 @@
-"""What an agent sees, and what of the state it does not see."""
+"""The English of observations: what an agent observes, and which parts of the state are hidden from it."""
 
 from collections.abc import Iterator
 

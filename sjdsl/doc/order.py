@@ -1,4 +1,4 @@
-"""What differs in the order of events: phases added, removed, moved."""
+"""Differences in the order of events: phases added, removed, moved."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""How the cells and agents of a game are drawn, in words."""
+"""The English of `look`: how the cells and agents of a game are drawn."""
 
 from sjdsl.compiler import ir
 from sjdsl.doc.conditions import condition

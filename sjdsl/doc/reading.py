@@ -1,4 +1,4 @@
-"""How the sentences of a sheet are meant: what the manual says, as far as one game needs it."""
+"""Notes on how to read a rule sheet: rules of the language that one game relies on."""
 
 from collections.abc import Iterator
 

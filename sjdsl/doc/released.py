@@ -1,4 +1,4 @@
-"""What an agent sees in the variant `socialjax`, and what in the released suite: all that remains different, as a table."""
+"""Table of the differences between observations in the variant `socialjax` and in the released SocialJax suite."""
 
 from collections.abc import Iterator
 

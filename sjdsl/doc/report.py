@@ -1,4 +1,4 @@
-"""Differences as a person reads them, and as values that JSON can hold."""
+"""Prints differences between games for a person, or as JSON values."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Process overview: the order of events in a step, and what each phase can change."""
+"""The process section of a rule sheet: the order of events in a step, and what each phase can change."""
 
 from sjdsl.compiler import ir
 from sjdsl.doc.vocabulary import Vocabulary

@@ -1,4 +1,4 @@
-"""Sentences of a phase in words: one line for each, with the sentences inside it below."""
+"""The English of statements: one line for each, with the statements inside it below."""
 
 from typing import assert_never
 

@@ -1,4 +1,4 @@
-"""Shapes as pictures, with what ends their lanes."""
+"""The English of shapes: pictures, and what blocks their lanes."""
 
 from sjdsl.compiler import ir
 from sjdsl.doc.vocabulary import Vocabulary

@@ -1,4 +1,4 @@
-"""What the names of one game stand for while it is put into words."""
+"""The symbol table of a rule sheet: what the names of one game stand for while it is put into English."""
 
 from dataclasses import dataclass, field
 from functools import cached_property

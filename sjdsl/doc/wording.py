@@ -1,4 +1,4 @@
-"""Small pieces of Markdown prose: names, lists, numbers, sentences with sentences inside."""
+"""Small pieces of Markdown prose: names, lists, numbers, nested lines."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""What the text of a game says beside its rules: where its numbers come from, how they are computed, which variants there are."""
+"""Facts that the text of a game states beside its rules: sources of its numbers, computed constants, variants."""
 
 import re
 from collections.abc import Iterator, Sequence

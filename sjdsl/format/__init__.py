@@ -1,4 +1,4 @@
-"""The one layout of a `.sj` text: same words and comments, other spaces and line ends; decided by the tree, written token by token."""
+"""The formatter: one layout of a `.sj` text with the same tokens and comments, and other spaces and line ends."""
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.parse import read_tree

@@ -1,4 +1,4 @@
-"""Declarations of one sort on neighbouring lines: names, units and values one below the other."""
+"""Aligns declarations of one sort on neighbouring lines: names, units and values in columns."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Tokens as they stand on one line: the spaces between them, how wide a part is, and where it cannot be on one line."""
+"""Formats tokens on one line: the spaces between them, their width, and whether they may share a line."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What stands between the tokens of a text: comments, line ends, blank lines."""
+"""The text between tokens: comments, line ends, blank lines."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

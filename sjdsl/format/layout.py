@@ -1,4 +1,4 @@
-"""Lays tokens out in lines: what fits on one line stays on it, and line ends between items stay where the author put them.
+"""Breaks tokens into lines: what fits stays on one line, and line ends between items stay as the author set them.
 
 Every choice depends on the tokens and on line ends between items alone, and those it adds lie between items: that is why a
 second time changes nothing.

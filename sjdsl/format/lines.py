@@ -1,4 +1,4 @@
-"""Lines as they are written: code, and a comment behind it, those of neighbouring lines one below the other."""
+"""Writes lines of code with their comments, aligning comments of neighbouring lines."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

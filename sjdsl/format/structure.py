@@ -1,4 +1,4 @@
-"""Where a text may be broken, which signs stand close to their neighbours and what can stand in columns: read off the tree."""
+"""Reads off the syntax tree where a line may break, which tokens touch, and what can be aligned."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

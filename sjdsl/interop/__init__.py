@@ -1,1 +1,1 @@
-"""Compiled games in the ecosystems people already use: one small file an ecosystem, each an optional extra of the package."""
+"""Adapters: compiled games for other libraries, one file for each library, each an optional extra of the package."""

@@ -1,4 +1,4 @@
-"""dm_env: a compiled game in the shape of a Melting Pot substrate."""
+"""dm_env adapter: a compiled game with the interface of a Melting Pot substrate."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""States as the pictures and texts that `render` of other libraries returns."""
+"""Pictures and texts of states for the `render` methods of other libraries."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Gymnasium: a compiled game as a vector environment whose sub-environments are single agents, or as one agent's environment."""
+"""Gymnasium adapter: a compiled game as a vector environment with one sub-environment an agent, or for one agent."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""One agent of a compiled game as a Gymnasium environment; the other agents are played by a policy."""
+"""Gymnasium environment of one agent of a compiled game, while a policy controls the others."""
 
 from os import PathLike
 from pathlib import Path

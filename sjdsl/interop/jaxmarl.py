@@ -1,4 +1,4 @@
-"""JaxMARL: a compiled game as a `MultiAgentEnv`."""
+"""JaxMARL adapter: a compiled game as a `MultiAgentEnv`."""
 
 from collections.abc import Mapping
 from functools import partial

@@ -1,4 +1,4 @@
-"""`jaxmarl.make("sjdsl/clean_up")`: our games in JaxMARL's registry."""
+"""Registers compiled games with JaxMARL: `jaxmarl.make("sjdsl/clean_up")`."""
 
 from functools import wraps
 from typing import Any

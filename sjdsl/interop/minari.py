@@ -1,4 +1,4 @@
-"""Minari: recorded episodes as a dataset of its format, for libraries of offline reinforcement learning."""
+"""Minari adapter: recorded episodes as a dataset for offline reinforcement learning."""
 
 import warnings
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What is said when the package of an ecosystem is not installed."""
+"""The message that a library an adapter needs is not installed."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""PettingZoo: a compiled game as a `ParallelEnv`."""
+"""PettingZoo adapter: a compiled game as a `ParallelEnv`."""
 
 from collections.abc import Mapping
 from typing import Any

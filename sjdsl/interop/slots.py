@@ -1,4 +1,4 @@
-"""Many environments of a game as slots of one agent each, for libraries that know single agents: NumPy arrays in and out."""
+"""Presents many environments as a batch of single agents (slots), with NumPy arrays in and out."""
 
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -1,4 +1,4 @@
-"""SocialJax: compiled games under the released suite's names, with its calls, scales and orders."""
+"""SocialJax adapter: compiled games under the released suite's names, with its calls, scales and orders."""
 
 from collections.abc import Sequence
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""The released suite's log wrappers: returns and lengths of episodes in the infos."""
+"""SocialJax's log wrappers: returns and lengths of episodes in the infos."""
 
 from functools import partial
 from typing import Any

@@ -1,4 +1,4 @@
-"""The released suite's wrappers for central critics and for joint action values, and its files of parameters."""
+"""SocialJax's wrappers for central critics and for joint action values, and its parameter files."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""`import socialjax` answered by our games: the suite's own package with our `make`, or, where it is not installed, stand-ins for it."""
+"""Makes `import socialjax` use compiled games: patches the installed suite, or stands in for it."""
 
 import importlib
 import sys

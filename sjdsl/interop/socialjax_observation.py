@@ -1,4 +1,4 @@
-"""The released suite's one-hot channels from ours, in its order."""
+"""Converts observations to the one-hot channels of SocialJax, in its order."""
 
 from collections.abc import Callable
 

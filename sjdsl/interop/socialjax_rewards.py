@@ -1,4 +1,4 @@
-"""The released suite's reward modes, at its scale: all but the common reward are multiplied by the number of agents."""
+"""SocialJax's reward modes at its scale: all but the common reward are multiplied by the number of agents."""
 
 import math
 from collections.abc import Callable, Sequence

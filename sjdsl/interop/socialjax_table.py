@@ -1,4 +1,4 @@
-"""How the released suite's games are told from ours: `games/socialjax.toml`, checked."""
+"""Reads and checks `games/socialjax.toml`, the table that maps SocialJax's games to ours."""
 
 import tomllib
 from functools import cache

@@ -1,4 +1,4 @@
-"""Spaces in the manner of gymnax, for adapters whose library is not installed with them, and the classes that scripts test for."""
+"""Observation and action spaces like those of gymnax, for adapters whose library is not installed with them."""
 
 import importlib
 import warnings

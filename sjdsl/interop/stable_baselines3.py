@@ -1,4 +1,4 @@
-"""Stable-Baselines3: a compiled game as a `VecEnv` with one slot for each agent of each environment."""
+"""Stable-Baselines3 adapter: a compiled game as a `VecEnv` with one slot for each agent of each environment."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a step can tell of itself: which sentence wrote what, in which instance, after which draws. For traces; nothing else needs it."""
+"""Accounts of a step for traces: which statement wrote what, in which instance, after which random draws."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

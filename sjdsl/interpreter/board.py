@@ -1,4 +1,4 @@
-"""What never changes in a game: the kind of every cell, the cells of every kind, declarations by name."""
+"""The constant parts of a game: the kind of every cell, the cells of every kind, declarations by name."""
 
 from dataclasses import dataclass, field
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Sentences that draw: which branch a chance takes, what a draw gives, who is picked, who is matched."""
+"""Interprets statements that draw random numbers: `chance`, `draw`, `pick` and `match`."""
 
 import numpy as np
 

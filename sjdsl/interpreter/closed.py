@@ -1,4 +1,4 @@
-"""Expressions that name nothing around them: their value is the same for every instance of a phase, so it is found once."""
+"""Recognises closed expressions, those without free variables: each is evaluated once for all instances of a phase."""
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import Board

@@ -1,4 +1,4 @@
-"""Expressions: what each one is worth in one instance. Everything is read from the snapshot."""
+"""Evaluates expressions in one instance, reading the state before the phase (the snapshot)."""
 
 from collections.abc import Callable, Iterable
 from typing import Any, Literal, assert_never

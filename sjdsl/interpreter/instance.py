@@ -1,4 +1,4 @@
-"""One instance of a sentence: the state it reads, the variables around it, and its number among all instances."""
+"""One instance of a statement: the snapshot it reads, its variable bindings, and its number among all instances."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

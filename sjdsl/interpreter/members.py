@@ -1,4 +1,4 @@
-"""Who belongs to a domain, and the number of each member among all that could."""
+"""Enumerates the members of a domain, with the number of each among all possible members."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One `move` of several agents together: turns, swaps, one winner for each cell, nobody into a cell that stays taken."""
+"""Interprets `move`: agents turn and step at the same time, may swap, and a collision on a cell is settled at random."""
 
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD, is_blocked

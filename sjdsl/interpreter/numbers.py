@@ -1,4 +1,4 @@
-"""Numbers as the language has them: integers of 32 bits, float32 reals, and rows of them taken entry by entry."""
+"""Arithmetic of the language: 32-bit integers, float32 reals, and tables computed entry by entry."""
 
 import operator
 from collections.abc import Callable

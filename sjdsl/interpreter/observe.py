@@ -1,4 +1,4 @@
-"""What each agent sees: the cells around it, turned so that its own heading is up."""
+"""Interprets `observe`: the egocentric window of each agent, rotated so that its heading points up."""
 
 from functools import lru_cache
 from typing import assert_never

@@ -1,4 +1,4 @@
-"""Reals that leave float32: the reference interpreter stops there and says at which part of the rules."""
+"""The error that a real leaves float32 (overflow), with the part of the rules that computed it."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""Sentences: what each one adds to the writes of its phase, in one instance of what surrounds it."""
+"""Interprets statements: each one adds its writes to those of its phase, in one instance."""
 
 from typing import assert_never
 

@@ -1,4 +1,4 @@
-"""What an observation is made of: the planes of a game's windows, in order, with what their values stand for."""
+"""The planes of an observation: their order, and what their values stand for."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -1,4 +1,4 @@
-"""Agents sent somewhere: a free cell of a destination at random, leaving for a while, coming back at a `tick`."""
+"""Interprets `send` and `remove`: a random free cell as destination, time away, and the respawn of agents at a `tick`."""
 
 from functools import lru_cache
 

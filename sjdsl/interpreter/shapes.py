@@ -1,4 +1,4 @@
-"""Cells around an anchor: a shape's lanes laid on the map, cut where something blocks them."""
+"""Cells of a shape around an anchor, such as a beam: each lane ends at the first cell that blocks its line of sight."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""The whole state of a game as plain Python values, and what one step reports beside it.
+"""The whole state of a game as plain Python values, and the outcome of a step.
 
 A word is its text, an agent its number, nobody None, a set of agents a frozenset, an integer an int, a real a numpy
 float32, a cell a (row, col); a `by` field has a tuple with one value for each word, in the order of the declaration.

@@ -1,4 +1,4 @@
-"""One step, one reset: forbidden actions, the turns of the schedule, what is counted, measured and ended."""
+"""Interprets one reset and one step: forbidden actions, the turns of the schedule, rewards, events, metrics, the end."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, assert_never

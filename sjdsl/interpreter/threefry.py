@@ -1,4 +1,4 @@
-"""Words of randomness: threefry-2x32 in plain integers, and a wrapper that remembers which words were used."""
+"""The random number generator threefry-2x32 in plain integers, and a recorder of the numbers drawn."""
 
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, TypeVar

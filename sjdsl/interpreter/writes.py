@@ -1,4 +1,4 @@
-"""What a phase writes: collected while it runs, applied all at once at its end, with the guarantees of the compiler asserted."""
+"""The writes of a phase: collected while it runs, applied together at its end, with write conflicts asserted to be absent."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Pictures of any compiled game, from its rules and the arrays of a state alone."""
+"""Pictures of any compiled game, drawn from its rules and the arrays of a state."""
 
 from typing import TYPE_CHECKING
 

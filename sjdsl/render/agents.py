@@ -1,4 +1,4 @@
-"""Agents as pixels: a body that looks where the agent looks, its number, and what it carries."""
+"""Draws agents as pixels: a body that faces the agent's heading, its number, and what it carries."""
 
 from functools import cache
 

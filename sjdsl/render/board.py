@@ -1,4 +1,4 @@
-"""The board: tiles by cell, beams over them, agents on top."""
+"""Draws the board: tiles of cells, beams over them, agents on top."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Colours: what files can name, the natural ones of common words, and palettes for everything else.
+"""Colours by name: those that files can use, usual colours of common words, and palettes for the rest.
 
 Colours that tell words or agents apart differ for people with any kind of colour vision (tests simulate it).
 """

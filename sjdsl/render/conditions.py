@@ -1,4 +1,4 @@
-"""Where the condition of a `look` holds: one answer for each cell of a kind, or each agent, from the arrays of a state."""
+"""Evaluates the condition of a `look` for each cell of a kind, or each agent, from the arrays of a state."""
 
 from collections.abc import Mapping
 from typing import Any, assert_never

@@ -1,4 +1,4 @@
-"""What is drawn in a cell, or of an agent, in one state: the looks that apply, then the fields that none of them reads."""
+"""Chooses the parts that draw a cell or an agent in one state: the `look`s that apply, then the remaining fields."""
 
 from dataclasses import dataclass, replace
 

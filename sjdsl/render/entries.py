@@ -1,4 +1,4 @@
-"""What a legend names: each thing that cells and agents can show, with its text."""
+"""The entries of a legend: each appearance of cells and agents, with its text."""
 
 from collections.abc import Iterator
 from itertools import islice, product

@@ -1,4 +1,4 @@
-"""Pictures as files: a GIF or an MP4 of many, or a PNG of one."""
+"""Writes pictures as files: many as a GIF or an MP4, one as a PNG."""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction

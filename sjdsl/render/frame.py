@@ -1,4 +1,4 @@
-"""One picture: the board with its legend below."""
+"""Draws one frame of a film: the board with its legend below."""
 
 from dataclasses import dataclass, field
 

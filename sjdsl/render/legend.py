@@ -1,4 +1,4 @@
-"""The legend: a strip below the board that says what is what, who has earned how much, and which step it is."""
+"""Draws the legend below the board: names of what is shown, rewards, and the number of the step."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

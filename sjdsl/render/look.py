@@ -1,4 +1,4 @@
-"""How a game looks: everything about its pictures that does not change from step to step."""
+"""The appearance of a game: everything about its pictures that does not change from step to step."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

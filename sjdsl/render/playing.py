@@ -1,4 +1,4 @@
-"""Episodes to look at: snapshots of one environment under a policy."""
+"""Plays episodes to be drawn: snapshots of one environment under a policy."""
 
 from collections.abc import Iterator
 from functools import partial

@@ -1,4 +1,4 @@
-"""One state as plain NumPy arrays: what a picture shows of it."""
+"""One state as NumPy arrays, with everything that a picture shows."""
 
 from dataclasses import dataclass, fields
 from typing import Any

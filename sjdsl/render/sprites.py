@@ -1,4 +1,4 @@
-"""Sprites: small drawings kept as SVG, tinted, and rasterised once for each size, colour and heading."""
+"""Sprites: small SVG drawings, tinted, and rasterised once for each size, colour and heading."""
 
 from functools import cache
 from importlib.resources import files

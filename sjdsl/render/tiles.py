@@ -1,4 +1,4 @@
-"""Tiles: a cell's drawing as pixels."""
+"""Draws the tile of a cell as pixels."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""How kinds and words look of which a file says nothing: by their names, or by what the rules do with them."""
+"""Default appearance of kinds and words without a `look`: by their names, or by what the rules do with them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What each agent sees, as a picture: its window of the board, turned so that its heading is up."""
+"""Draws what each agent observes: its egocentric window of the board, rotated so that its heading points up."""
 
 import numpy as np
 

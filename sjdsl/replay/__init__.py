@@ -1,4 +1,4 @@
-"""Episodes that can be played again: one step at a time or many at once, kept in files, shown anywhere."""
+"""Recorded episodes that can be replayed: stored as seed and actions, or as arrays for offline learning."""
 
 from typing import TYPE_CHECKING
 

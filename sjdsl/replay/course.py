@@ -1,4 +1,4 @@
-"""An episode taken one step at a time: the same seed and actions give the same episode."""
+"""Replays an episode one step at a time: the same seed and actions give the same episode."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The file of many episodes: a `.npz` with what was seen, done and paid in each, and what it was made with."""
+"""A dataset of many episodes in one `.npz` file: observations, actions, rewards, and how they were made."""
 
 import io
 import json

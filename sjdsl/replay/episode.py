@@ -1,4 +1,4 @@
-"""What happened in an episode, as arrays."""
+"""The arrays of one episode."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

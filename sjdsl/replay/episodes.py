@@ -1,4 +1,4 @@
-"""Whole episodes under a policy, many side by side; each is the episode that `sjdsl play --watch` shows for its seed."""
+"""Plays whole episodes under a policy, many in parallel, each as `sjdsl play --watch` shows it for its seed."""
 
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -1,4 +1,4 @@
-"""Recorded episodes by their file, of one episode or of many."""
+"""Opens a file of recorded episodes, of one or of many."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The file of an episode: which game, which seed, what everybody did."""
+"""The file of a recorded episode: its game, its seed, the actions of all agents."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""The next episode where one has ended: cheap for a batch in which nobody's has."""
+"""Auto-reset: starts the next episode in environments whose episode ended, at low cost if none did."""
 
 from collections.abc import Callable
 from typing import Any

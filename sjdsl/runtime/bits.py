@@ -1,4 +1,4 @@
-"""Members as bits of 32-bit words: packing them, and finding the n-th of them without a scan."""
+"""Sets as bits of 32-bit integers: packing, and selecting the n-th member without a scan."""
 
 import jax.numpy as jnp
 from jax import Array, lax

@@ -1,4 +1,4 @@
-"""Counting members near each cell and of sets by bits, and who stands where."""
+"""Counts members near each cell, members of sets, and which cells are occupied, with bit operations."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""Random words: a counter-based generator with one stream a rule, and what is made of a word.
+"""Random draws: a counter-based generator (threefry) with one stream a rule, and distributions made of its numbers.
 
 Word number i of a stream is output i mod 2 of threefry-2x32 with 13 rounds on the counter (stream, i div 2) under the step's
 key: independent of every other rule, of the order of evaluation and of how many others draw.

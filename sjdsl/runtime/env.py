@@ -1,4 +1,4 @@
-"""The environment interface: one compiled game, arrays in and arrays out, ready for `jit`, `vmap` and `scan`."""
+"""The environment interface: reset, step and auto-reset of one compiled game, ready for `jit`, `vmap` and `scan`."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the variables of a state hold, without JAX."""
+"""Describes the variables of a state: type, owner and array shape, without JAX."""
 
 from dataclasses import dataclass
 from typing import Literal

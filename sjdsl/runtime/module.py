@@ -1,4 +1,4 @@
-"""What a generated module has: all that an environment knows of its game."""
+"""The contents of a generated module: all that an environment knows of its game."""
 
 from collections.abc import Callable
 from typing import Any, Protocol

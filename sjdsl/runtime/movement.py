@@ -1,4 +1,4 @@
-"""Movement: who gets where when all move at once."""
+"""Movement of all agents at once: collisions on a cell are settled at random, swaps and chains are allowed."""
 
 import jax.numpy as jnp
 from jax import Array, lax

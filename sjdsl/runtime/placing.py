@@ -1,4 +1,4 @@
-"""Members picked at random, agents sent to free cells, agents paired."""
+"""Random choices: picks members, places agents on free cells (spawn and respawn), and forms pairs."""
 
 from collections.abc import Callable
 

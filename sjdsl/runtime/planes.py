@@ -1,4 +1,4 @@
-"""What the planes of an observation mean, without JAX."""
+"""The meaning of the planes of an observation, without JAX."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -1,4 +1,4 @@
-"""What the returns of an episode say of the group: how much they come to, and how evenly they are shared. For NumPy and JAX arrays."""
+"""Statistics of the returns of an episode: collective return and equality (1 - Gini), for NumPy and JAX arrays."""
 
 from typing import Any
 

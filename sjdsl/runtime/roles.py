@@ -1,4 +1,4 @@
-"""Which agents play which role, where a game says so."""
+"""Roles of agents: which agents play which role, where a game has roles."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""Rows of numbers by word, sets of agents as bits, shares and ramps."""
+"""Operations on rows of numbers: an entry, the smallest and largest, shares, ramps."""
 
 import jax.numpy as jnp
 from jax import Array

@@ -1,4 +1,4 @@
-"""The whole state of the world as numbers for a network: what a central critic may see."""
+"""The whole state as a vector of numbers, for central critics."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The one-hot form of token planes: the same information, a channel for each value."""
+"""One-hot encoding of token planes: the same information with a channel for each value."""
 
 import jax.numpy as jnp
 from jax import Array

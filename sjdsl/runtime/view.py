@@ -1,4 +1,4 @@
-"""Windows: what each agent sees of the map's planes, cut out and turned so that forward is up."""
+"""Egocentric windows: cuts each agent's view out of the map's planes, rotated so that its heading points up."""
 
 from typing import Any
 

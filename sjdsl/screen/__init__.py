@@ -1,3 +1,3 @@
-"""An episode on the screen of a terminal: the map in letters and colours, the agents, their rewards, a legend, and keys that steer."""
+"""An episode in the terminal: the map in letters and colours, agents, rewards, a legend, and keys that control an agent."""
 
 COMPILING = "sjdsl-compiling"  # the name of the thread in which a game is compiled while it is played

@@ -1,4 +1,4 @@
-"""The screen of `sjdsl play` and `sjdsl replay`: one key is one step, however fast keys come; nothing waits for a compiler."""
+"""The terminal screen of `sjdsl play` and `sjdsl replay`: one key is one step, and nothing waits for a compiler."""
 
 import asyncio
 import signal

@@ -1,4 +1,4 @@
-"""The map on the screen: two letters a cell. Agents are an arrow and a number, beams colour the cells they sweep."""
+"""The map on the screen: two letters a cell, an arrow and a number for an agent, colours for the cells of beams."""
 
 from io import StringIO
 

@@ -1,4 +1,4 @@
-"""An episode on the compiled game, seen as the interpreter sees it."""
+"""An episode of the compiled game, converted to the interpreter's states for the screen."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What the screen shows of one moment of an episode, as plain values."""
+"""The contents of the screen at one moment of an episode, as plain values."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""An episode on the reference interpreter, with the draws of the compiled game; it needs no JAX and begins at once."""
+"""An episode on the reference interpreter with the draws of the compiled game; it needs no JAX and starts at once."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

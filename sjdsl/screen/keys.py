@@ -1,4 +1,4 @@
-"""Keys of the terminal: which action of the game each stands for."""
+"""Key bindings of the terminal: the action of the game for each key."""
 
 import re
 from collections.abc import Iterator, Sequence

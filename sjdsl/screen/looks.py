@@ -1,4 +1,4 @@
-"""How a game looks on the screen: a letter and a colour for each state of a cell, that of its picture, a colour for each agent and each beam."""
+"""The appearance of a game on the screen: a letter and a colour for each state of a cell, a colour for agents and beams."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

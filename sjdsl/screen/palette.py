@@ -1,4 +1,4 @@
-"""Colours that a terminal of 256 colours can tell apart: each wanted colour becomes a near one of the terminal's, none twice."""
+"""Maps colours to the 256 colours of a terminal, each to a near one, and no two to the same."""
 
 from collections.abc import Iterable, Sequence
 

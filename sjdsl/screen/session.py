@@ -1,4 +1,4 @@
-"""An episode that somebody steers or watches: on the interpreter at once, on the compiled game as soon as there is one."""
+"""An episode that a person plays or watches: interpreted at first, compiled as soon as the compiler is done."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What stands beside the map: how far the episode is, what each agent did and earned, what the letters mean, what the keys do."""
+"""The text beside the map: step, actions and rewards of the agents, legend, and keys."""
 
 from collections.abc import Iterator, Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""Scenes of a game as pictures: put one, take a step on the compiled game and on the interpreter, say what must have become of it."""
+"""Scenes for tests of games: set up a state as a picture, step both engines, and compare with a second picture."""
 
 from sjdsl.testing.scene import Scene
 from sjdsl.testing.stage import Stage

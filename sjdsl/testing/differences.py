@@ -1,4 +1,4 @@
-"""Where the compiled game and the reference interpreter differ after the same step: every field, and all that is reported."""
+"""Compares the compiled game with the reference interpreter after the same step: every field and every result."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The two engines of a scene: the compiled step and the reference interpreter, set to one state and compared in everything."""
+"""The two engines of a scene, the compiled step and the interpreter, set to the same state."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

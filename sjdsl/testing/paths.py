@@ -1,4 +1,4 @@
-"""What can be read of a scene by name: `agent.bag[raw]`, `rock.ore`, `reward`, `event eaten`, …, as the manual writes results."""
+"""Reads values of a scene by name: `agent.bag[raw]`, `rock.ore`, `reward`, `event eaten`, as the manual writes results."""
 
 import re
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Pictures of a map: rows of signs, agents as arrows, their numbers beside a row."""
+"""Pictures of a map for tests: rows of characters, agents as arrows, their numbers beside a row."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

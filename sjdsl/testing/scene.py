@@ -1,4 +1,4 @@
-"""`Scene`: one state of a game on a stage, stepped by the compiled game and the interpreter together, and what can be asked of it."""
+"""`Scene`: one state of a game on a stage, stepped by both engines together, and the questions a test can ask of it."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any

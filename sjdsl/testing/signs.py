@@ -1,4 +1,4 @@
-"""What the characters of a picture stand for: glyphs of the map, looks of an author's own, arrows of agents."""
+"""The characters of a test's picture: glyphs of the map, characters of the author's own, arrows for agents."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""`Stage`: a game on a small map, on which scenes are put."""
+"""`Stage`: a game on a small map, for scenes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""One state in both forms: the interpreter's world as the compiled state, and who is away."""
+"""Converts a state of the interpreter to the compiled game's, with agents that are away."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Values of fields in three forms: as an author writes them, as the interpreter holds them, as the compiled state stores them.
+"""Converts field values between three forms: as authors write them, as interpreted, as stored in arrays.
 
 Written: a word is a text, a number a number, an agent its number, nobody None, several agents a set of numbers; an entry of a
 `by` field stands under its word, `{"raw": 2}`.

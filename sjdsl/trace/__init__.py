@@ -1,4 +1,4 @@
-"""What happens in a game, step by step and rule by rule, as the reference interpreter plays it; needs no JAX."""
+"""Traces: what happens in a game step by step and rule by rule, on the reference interpreter, without JAX."""
 
 from sjdsl.trace.effects import Effect, effects_of
 from sjdsl.trace.episode import Moment, Told, play, tell_of

@@ -1,4 +1,4 @@
-"""Actions for a trace: drawn at random, or written down step by step."""
+"""The actions of a trace: drawn at random, or given step by step."""
 
 from pathlib import Path
 

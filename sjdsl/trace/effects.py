@@ -1,4 +1,4 @@
-"""What one turn of the schedule changed, each change with the sentences that made it; read off the turn's account."""
+"""The effects of one turn of the schedule: each change, with the statements that made it."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence

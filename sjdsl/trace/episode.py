@@ -1,4 +1,4 @@
-"""Plays a game on the reference interpreter and keeps an account of every step.
+"""Plays an episode on the reference interpreter and keeps an account of every step.
 
 The draws are those of the compiled game: a trace of a seed is the episode that `sjdsl render` shows for the same seed.
 """

@@ -1,4 +1,4 @@
-"""A trace as text: each step turn by turn, each turn rule by rule."""
+"""Prints a trace: each step turn by turn, each turn rule by rule."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Small pictures of a map: a character for each state of a cell, an arrow for each agent, their numbers beside the rows."""
+"""Small pictures of a map: a character for each state of a cell, an arrow for each agent, numbers beside the rows."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Random words as the bundled players of a game take them: the keys of an episode from its seed, the actions of the random policy.
+"""Random numbers of an episode for traces: the keys made from its seed, and the actions of the random policy.
 
 Source: the counter-based generator of JAX (`jax.random.key`, `split`, `randint`; threefry-2x32, partitionable).
 """

@@ -1,4 +1,4 @@
-"""A trace as data for other programs."""
+"""A trace as JSON data for other programs."""
 
 from typing import Any
 

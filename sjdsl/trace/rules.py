@@ -1,4 +1,4 @@
-"""Sentences of a game as its author wrote them, and where."""
+"""The text of a game's statements as their author wrote them, with file and line."""
 
 import re
 from collections.abc import Mapping

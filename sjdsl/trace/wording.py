@@ -1,4 +1,4 @@
-"""Values, members and draws in words."""
+"""Values, members and random draws in words."""
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn

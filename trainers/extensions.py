@@ -1,4 +1,4 @@
-"""What users bring along: networks, rewards, policies and callbacks, under names that a configuration and a manifest can hold.
+"""Extensions by users: their own networks, rewards, policies and callbacks, by names that configurations can hold.
 
 A name is one that was registered, or `FILE.py:NAME`, or `package.module:NAME`. What is passed in Python is registered under the
 place it was written at, so that another process finds it again where that place can be imported.
