@@ -89,7 +89,7 @@ __getattr__ = lazy_names(
         "make_train": "program",
         "mixed_policy": "policies",
         "random_policy": "policies",
-        "register": "own",
+        "register": "extensions",
         "resume": "run",
         "save_evaluation": "evaluation",
         "stay_policy": "policies",
