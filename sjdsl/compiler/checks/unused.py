@@ -11,7 +11,7 @@ MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backw
 
 def check_unused(game: ir.Game, static: Static, composition: Composition, problems: Problems) -> None:
     """Warns of all that is declared and makes no difference; assumes a game without errors."""
-    _check_names(composition, static, problems)
+    _check_names(game, composition, static, problems)
     _check_actions(game, composition, problems)
     _check_events(game, static, problems)
 
@@ -40,15 +40,15 @@ def _check_events(game: ir.Game, static: Static, problems: Problems) -> None:
             problems.add(errors.NeverCounted(event.name.span, name=name, path=path))
 
 
-def _check_names(composition: Composition, static: Static, problems: Problems) -> None:
+def _check_names(game: ir.Game, composition: Composition, static: Static, problems: Problems) -> None:
     """Warns of kinds not on the map, and of numbers, defines, shapes and fields nobody uses."""
     used = static.used
-    for name, kind in composition.kinds.items():
-        if static.cells.get(name, 0) == 0 and not static.kinds[name].blocks:  # walls are for other maps too
-            problems.add(errors.KindAbsent(kind.name.span, name=name))
-        for attribute in static.kinds[name].fields if name in static.kinds else ():
-            if f"{name}.{attribute.name}" not in used and attribute.type.kind != "word":
-                problems.add(errors.Unused(attribute.origin, what="the field", name=f"{name}.{attribute.name}"))  # type: ignore[arg-type]
+    for kind in game.kinds:
+        if static.cells.get(kind.name, 0) == 0 and not kind.blocks:  # walls are for other maps too
+            problems.add(errors.KindAbsent(composition.kinds[kind.name].name.span, name=kind.name))
+        for attribute in kind.fields:
+            if f"{kind.name}.{attribute.name}" not in used and attribute.type.kind != "word":
+                problems.add(errors.Unused(attribute.origin, what="the field", name=f"{kind.name}.{attribute.name}"))  # type: ignore[arg-type]
     for name, constant in composition.constants.items():
         if name not in used:
             what = "the size" if constant.is_size else "the parameter"

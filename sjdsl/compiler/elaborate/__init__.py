@@ -12,7 +12,8 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.declarations import Declarations, blocks, declare_numbers, declare_world, forbids
+from sjdsl.compiler.elaborate.agents import agents
+from sjdsl.compiler.elaborate.declarations import declare_numbers, declare_world, kinds
 from sjdsl.compiler.elaborate.hidden import unseen
 from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
@@ -35,15 +36,13 @@ class Overrides:
 def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tuple[ir.Game | None, Static]:
     """Returns the typed game, None if a part of it is missing, and its declarations; `problems` gets all that is wrong."""
     static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
-    made = declare_world(game, static, problems)
-    rows = _map(game, made, overrides, problems)
-    blocks(game, static, problems)
-    return _rules(game, made, rows, problems), static
+    declare_world(game, static, problems)
+    rows = _map(game, static, overrides, problems)
+    return _rules(game, static, rows, problems), static
 
 
-def _map(game: Composition, made: Declarations, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
-    static = made.static
-    glyphs = glyph_table(static, made.glyphs, problems)
+def _map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
+    glyphs = glyph_table(static, problems)
     if game.map is None and overrides.rows is None:
         problems.add(errors.MISSING_PART, game.span, what="map", help='`map "maps/name.txt"` or `map { "…" }`')
         return ()
@@ -63,15 +62,13 @@ def _map(game: Composition, made: Declarations, overrides: Overrides, problems: 
     return rows
 
 
-def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
-    static = made.static
+def _rules(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
+    kinds_made = kinds(game, static, problems)
     checks_scope = Scope(static, problems, place="`checks`", events_readable=True)
     static.requires = requires(game, checks_scope)
     check_requires(game, checks_scope)
     scope = Scope(static, problems)
-    agents = made.agents
-    if agents is not None:
-        agents = forbids(game, agents, static, problems)
+    agents_made = agents(game, static, problems)
     begin = start(game, scope)
     turns = schedule(game, scope)
     episode = None
@@ -88,7 +85,7 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
     counted: tuple[ir.Event, ...] = ()
     with problems.survive():
         counted = events([p for p in (begin, *turns) if p is not None], scope)
-    if None in (agents, begin, episode) or game.schedule is None:
+    if agents_made is None or begin is None or episode is None or game.schedule is None:
         return None
     return ir.Game(
         name=game.name,
@@ -99,12 +96,12 @@ def _rules(game: Composition, made: Declarations, rows: tuple[str, ...], problem
         sizes=tuple(static.sizes.values()),
         params=tuple(static.params.values()),
         episode=episode,
-        kinds=tuple(static.kinds.values()),
+        kinds=kinds_made,
         groups=tuple(static.groups.items()),
         rows=rows,
-        glyphs=tuple(glyph for _, glyph in made.glyphs),
+        glyphs=tuple(glyph for _, glyph in static.glyphs),
         fields=tuple(static.fields.values()),
-        agents=agents,
+        agents=agents_made,
         shapes=tuple(static.shapes.values()),
         start=begin,
         schedule=turns,

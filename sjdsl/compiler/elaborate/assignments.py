@@ -49,7 +49,7 @@ def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
         case "agent":
             return static.agent_fields[field.name]
         case "cell":
-            return next(f for f in static.kinds[field.kinds[0]].fields if f.name == field.name)
+            return static.kinds[field.kinds[0]][field.name]
 
 
 def set_(s: ast.Set, scope: Scope) -> ir.Stmt:

@@ -4,8 +4,8 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.domains import domain, without_variables
 from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word
-from sjdsl.compiler.elaborate.phase_use import PhaseUse
 from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
+from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer

@@ -125,7 +125,7 @@ def _owned(name: str, near: str, static: Static) -> str:
     if name in guesses.VALUES:
         return guesses.VALUES[name]
     owners = ["agent"] * (name in static.agent_fields or name in AGENT_ATTRIBUTES)
-    owners += [kind.name for kind in static.kinds.values() if any(f.name == name for f in kind.fields)]
+    owners += [kind for kind, fields in static.kinds.items() if name in fields]
     paths = " or ".join(f"`{owner}.{name}`" for owner in owners[:3])
     return f"a field is written with its owner: {paths}" if owners and not near else ""
 

@@ -20,7 +20,7 @@ def without_field(sight: ast.Show | ast.Hide, static: Static, problems: Problems
     if name.text in static.groups:
         return _not_a_field(name, "a group of kinds", of_a_kind(static.groups[name.text][0], verb, static), problems)
     owners = ["agent", "other"] * (name.text in static.agent_fields)
-    owners += [kind.name for kind in static.kinds.values() if any(f.name == name.text for f in kind.fields)]
+    owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
     help_ = f"a field is written with its owner: {' or '.join(f'`{verb} {o}.{name.text}`' for o in owners)}" if owners else ""
     candidates = [*static.fields, *OWNERS, *static.kinds]
     return problems.unknown(name, candidates, "the fields of the world, and what has fields,", {name.text: help_})
@@ -28,7 +28,7 @@ def without_field(sight: ast.Show | ast.Hide, static: Static, problems: Problems
 
 def of_a_kind(kind: str, verb: str, static: Static) -> str:
     """Returns what can be shown or hidden of cells of a kind."""
-    fields = {k.name: [f.name for f in k.fields if f.type.kind == "word"] for k in static.kinds.values()}
+    fields = {kind: [f.name for f in own.values() if f.type.kind == "word"] for kind, own in static.kinds.items()}
     plain = next((name for name, words in fields.items() if name != kind and not words), "outside")
     one = f"write which field, `{verb} {kind}.{fields[kind][0]}`; " if fields[kind] else ""
     return f"{one}`show {kind} as {{ {plain} }}` makes its cells look like `{plain}`"
@@ -86,14 +86,13 @@ def _copy(owner: str, attribute: str, static: Static) -> str:
 def of_group(sight: ast.Show | ast.Hide, name: ast.Name, static: Static, problems: Problems) -> Poisoned:
     """Reports `show GROUP.f`: each kind is shown by itself."""
     verb, group = "show" if isinstance(sight, ast.Show) else "hide", sight.what.name
-    kinds = [k for k in static.groups[group.text] if any(f.name == name.text for f in static.kinds[k].fields)]
+    kinds = [k for k in static.groups[group.text] if name.text in static.kinds[k]]
     if not kinds:
         return no_field(name, f"the group `{group.text}`", _fields_of(group.text, static), guesses.PLACES, problems)
     paths = [f"{kind}.{name.text}" for kind in kinds]
     more = dict.fromkeys(paths, " as { … }" if isinstance(sight, ast.Show) and sight.labels else "")
     if verb == "show" and not any(more.values()):
-        types = [f.type.kind for f in static.kinds[kinds[0]].fields if f.name == name.text]
-        more = {path: labels(path, types[0]) for path in paths}
+        more = {path: labels(path, static.kinds[kinds[0]][name.text].type.kind) for path in paths}
     help_ = "write it for each kind: " + ", ".join(f"`{verb} {path}{more[path]}`" for path in paths)
     return problems.fail(errors.NOT_A, group.span, name=group.text, what="a group of kinds", wanted="one kind", help=help_)
 
@@ -107,7 +106,7 @@ def labels(path: str, kind: str) -> str:
 
 
 def _fields_of(group: str, static: Static) -> list[str]:
-    return [field.name for kind in static.groups[group] for field in static.kinds[kind].fields]
+    return [field for kind in static.groups[group] for field in static.kinds[kind]]
 
 
 def no_cell_field(kind: str, name: ast.Name, fields: Mapping[str, ir.VarField], problems: Problems) -> Poisoned:

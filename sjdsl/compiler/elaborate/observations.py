@@ -45,11 +45,11 @@ def window(game: Composition, scope: Scope) -> ir.Window:
 def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Sight, ...]:
     """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
     seen: dict[Key, ir.Sight] = {}
-    for kind in static.kinds.values():
-        for field in kind.fields:
+    for kind, fields in static.kinds.items():
+        for field in fields.values():
             if field.type.kind == "word" and not field.type.by:
-                key = ("cell", kind.name, field.name)
-                seen[key] = ir.Sight(what="cell", kind=kind.name, field=field.name, type=field.type, origin=field.origin)
+                key = ("cell", kind, field.name)
+                seen[key] = ir.Sight(what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin)
     seen["heading", "", ""] = ir.Sight(what="heading", type=words(HEADINGS))
     for sight in game.sights.values():
         with problems.survive():
@@ -121,7 +121,7 @@ def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> 
         raise of_group(sight, name, static, problems)
     if head not in static.kinds:
         raise problems.unknown(path.name, [*OWNERS, *static.kinds], "what has fields")
-    fields = {f.name: f for f in static.kinds[head].fields}
+    fields = static.kinds[head]
     if name.text not in fields:
         raise no_cell_field(head, name, fields, problems)
     return ("cell", head, name.text), fields[name.text]

@@ -110,7 +110,7 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
         return ir.Attribute(type=type_, owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     found = []
     for kind in owner.kinds:
-        fields = {f.name: f for f in static.kinds[kind].fields}
+        fields = static.kinds[kind]
         if f"{kind}.{name.text}" in static.broken:
             raise Poisoned
         if name.text not in fields:

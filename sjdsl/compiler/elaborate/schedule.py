@@ -6,8 +6,8 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.scope import START, Scope
-from sjdsl.compiler.elaborate.statements import PhaseUse, block
-from sjdsl.compiler.elaborate.streams import Streams
+from sjdsl.compiler.elaborate.statements import block
+from sjdsl.compiler.elaborate.streams import PhaseUse, Streams
 from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.implications import conjuncts, fact_text
 from sjdsl.compiler.ir.types import describe, is_number
 from sjdsl.near_names import nearest
@@ -26,7 +26,8 @@ class Static:
     elaborate_expression: "Callable[[ast.Expr, Scope], ir.Expr]"
     sizes: dict[str, ir.Size] = field(default_factory=dict)
     params: dict[str, ir.Param] = field(default_factory=dict)
-    kinds: dict[str, ir.Kind] = field(default_factory=dict)
+    kinds: dict[str, dict[str, ir.VarField]] = field(default_factory=dict)  # the fields of each
+    glyphs: list[tuple[Span, ir.GlyphMeaning]] = field(default_factory=list)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)

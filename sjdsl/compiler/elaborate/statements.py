@@ -10,8 +10,8 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, near
 from sjdsl.compiler.elaborate.effects import agent, give, send, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
-from sjdsl.compiler.elaborate.phase_use import PhaseUse
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import conjuncts, contradict, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer, words

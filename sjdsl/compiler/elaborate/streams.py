@@ -39,6 +39,14 @@ class Streams:
         return number(self.label, f"{purpose}\n{text}")
 
 
+@dataclass
+class PhaseUse:
+    """What is kept while one use of a phase is built: its streams, and its pools of sends by destination."""
+
+    streams: Streams
+    pools: dict[str, int] = field(default_factory=dict)
+
+
 def number(label: str, text: str) -> int:
     """Returns the 32-bit number of a stream."""
     return int.from_bytes(hashlib.sha256(f"{label}\n{text}".encode()).digest()[:4], "big")

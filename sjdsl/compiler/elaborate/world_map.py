@@ -138,10 +138,10 @@ def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> di
     return cells
 
 
-def glyph_table(static: Static, meanings: list[tuple[Span, ir.GlyphMeaning]], problems: Problems) -> dict[str, ir.GlyphMeaning]:
+def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning]:
     """Returns the legend; a glyph of two kinds or that is no glyph is reported."""
     table: dict[str, ir.GlyphMeaning] = {}
-    for span, meaning in meanings:
+    for span, meaning in static.glyphs:
         problem = check_glyph(meaning.glyph)
         if problem:
             shown = meaning.glyph.encode("unicode_escape").decode()

@@ -1,0 +1,115 @@
+"""Agents: how many there are, what they can do and what they have, and what they are forbidden to do."""
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.elaborate.fields import one_field
+from sjdsl.compiler.elaborate.lookup import action_number
+from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.ir.printer import expression as text
+
+
+def override_number(game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems) -> None:
+    """Adds to the sizes a caller gives the one that is the number of agents."""
+    number = game.number
+    if isinstance(number, ast.Path) and not number.steps and number.name.text in game.constants:
+        overrides.setdefault(number.name.text, num_agents)
+    elif number is not None:
+        what = "another number of agents: `agents` does not name a `size` that says how many"
+        problems.add(errors.NOT_SUPPORTED, number.span, what=what)
+
+
+def declare_number(game: Composition, scope: Scope) -> None:
+    """Adds the number of agents to the tables."""
+    if game.number is not None:
+        with scope.problems.survive():
+            scope.static.num_agents = _number(game.number, scope)
+
+
+def _number(number: ast.Expr, scope: Scope) -> int:
+    value = scope.fixed(number, "the number of agents")
+    if value != int(value) or not 1 <= value <= limits.MAX_AGENTS:
+        raise scope.problems.fail(
+            errors.OUT_OF_LIMITS,
+            number.span,
+            name="the number of agents",
+            value=value,
+            low=1,
+            high=limits.MAX_AGENTS,
+            reason="",
+        )
+    return int(value)
+
+
+def declare_agents(game: Composition, scope: Scope) -> None:
+    """Adds the actions and fields of the agents to the tables, whatever else about the agents is missing, and reports that."""
+    static, problems = scope.static, scope.problems
+    static.actions = _actions(game, problems)
+    if game.moves is not None and game.moves.frame.text not in ("relative", "compass"):
+        problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
+    for name, declared in game.agent_fields.items():
+        with problems.survive(static.broken, f"agent.{name}"):
+            static.agent_fields[name] = one_field(declared, scope, "agent", "")
+    span = game.agents_span or game.span
+    if game.agents_span is None or game.number is None:
+        problems.add(errors.MISSING_PART, span, what="number of agents", help="`agents 2 { acts ... moves relative }`")
+    elif game.acts is None:
+        static.broken.add("actions")
+        problems.add(errors.MISSING_PART, span, what="actions", help="`acts turn_left, ..., stay` in `agents`")
+
+
+def agents(game: Composition, static: Static, problems: Problems) -> ir.Agents | None:
+    """Returns the agents, None if the game does not say how many there are or what they can do."""
+    if game.agents_span is None or game.number is None or game.acts is None:
+        return None
+    return ir.Agents(
+        number=static.num_agents,
+        actions=static.actions,
+        relative=game.moves is None or game.moves.frame.text == "relative",
+        fields=tuple(static.agent_fields.values()),
+        forbids=_forbids(game, static, problems),
+        origin=game.agents_span,
+    )
+
+
+def _actions(game: Composition, problems: Problems) -> tuple[str, ...]:
+    """Returns the names of the actions, as far as the game says."""
+    if game.acts is None:
+        return ()
+    actions = tuple(a.text for a in game.acts.actions)
+    for i, action in enumerate(game.acts.actions):
+        if action.text in actions[:i]:
+            problems.add(errors.TWICE, action.span, what=f"the action `{action.text}`")
+    if "stay" not in actions:
+        problems.add(errors.MISSING_PART, game.acts.span, what="action `stay`", help="`stay` among the `acts`")
+    if len(actions) > limits.MAX_ACTIONS:
+        problems.add(errors.NOT_SUPPORTED, game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions")
+    return actions
+
+
+def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.Forbid, ...]:
+    """Returns the `forbid` lines, which may read the agent's own fields and the world's."""
+    found = []
+    scope = Scope(static, problems, place="`forbid`").bind("agent", ir.Member(name="agent", who="agent"))
+    for forbid in game.forbids.values():
+        with problems.survive():
+            test = scope.condition(forbid.condition)
+            for node in ir.walk(test):
+                where = isinstance(node, ir.Attribute) and node.name in ("row", "col")
+                if (
+                    where
+                    or isinstance(node, ir.Count | ir.Sum | ir.StandsOn | ir.Chose)
+                    or (isinstance(node, ir.FieldRead) and node.place == "agent" and not isinstance(node.owner, ir.Member))
+                ):
+                    raise problems.fail(errors.FORBID_READS, node.origin or forbid.span, what=f"`{text(node)}`")  # type: ignore[arg-type]
+            numbers = tuple(_forbidden(a, scope) for a in forbid.actions) or tuple(range(len(static.actions)))
+            found.append(ir.Forbid(actions=numbers, condition=test, origin=forbid.span))
+    return tuple(found)
+
+
+def _forbidden(name: ast.Name, scope: Scope) -> int:
+    if name.text == "stay":
+        what, wanted = "what forbidden actions become", "an action that can be forbidden"
+        raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted)
+    return action_number(name, scope)

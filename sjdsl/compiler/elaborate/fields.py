@@ -1,0 +1,115 @@
+"""Fields and timers: the type of a variable, its range and its starting value."""
+
+from math import inf
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.ir.types import describe, join_units, words
+
+FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "reward")
+
+
+def fields_of(attributes: tuple[object, ...], scope: Scope, place: str, kind: str) -> dict[str, ir.VarField]:
+    """Returns the fields and timers among the attributes of a kind, by name."""
+    made: dict[str, ir.VarField] = {}
+    for attribute in attributes:
+        if isinstance(attribute, ast.Field | ast.Timer):
+            if attribute.name.text in made:
+                scope.problems.add(errors.TWICE, attribute.name.span, what=f"the field `{attribute.name.text}`")
+                continue
+            with scope.problems.survive(scope.static.broken, f"{kind}.{attribute.name.text}"):
+                made[attribute.name.text] = one_field(attribute, scope, place, kind)
+    return made
+
+
+def one_field(declared: ast.Field | ast.Timer, scope: Scope, place: str, kind: str) -> ir.VarField:
+    """Returns one field with its type and starting value."""
+    taken = AGENT_ATTRIBUTES if place == "agent" else CELL_ATTRIBUTES if place == "cell" else ()
+    if declared.name.text in taken:
+        what = "a field of the agents" if place == "agent" else "a field of a kind"
+        problem = "every agent has it already" if place == "agent" else "every cell has it already"
+        scope.problems.add(errors.BAD_NAME, declared.name.span, name=declared.name.text, what=what, problem=problem)
+    common = {"name": declared.name.text, "place": place, "kind": kind, "origin": declared.span}
+    if isinstance(declared, ast.Timer):
+        type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
+        return ir.VarField(type=type_, timer=True, start=0, **common)
+    type_ = field_type(declared.type, declared.name.text, scope)
+    start = start_value(declared, type_, scope)
+    if declared.by is not None:
+        type_ = type_.model_copy(update={"by": (tuple(dict.fromkeys(n.text for n in declared.by.names)),)})
+    capped = isinstance(declared.type, ast.Range) and declared.type.capped
+    return ir.VarField(type=type_, capped=capped, start=start, **common)
+
+
+def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
+    match declared:
+        case ast.Words():
+            return words(tuple(dict.fromkeys(n.text for n in declared.names)))
+        case ast.Range():
+            return _range_type(declared, scope)
+        case ast.NamedType():
+            if declared.name.text == "agent":
+                return ir.AGENTS if declared.set_of else ir.AGENT
+            if declared.name.text == "reward" and not declared.set_of:
+                return ir.Type(kind="real", unit="reward")
+            instead = {guess: help_.format(name=field) for guess, help_ in guesses.TYPES.items()}
+            raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields", instead)
+
+
+def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
+    low, high = scope.expression(declared.low), scope.expression(declared.high)
+    values = [scope.fixed(e, "the range of a field") for e in (declared.low, declared.high)]
+    if any(v != int(v) for v in values) or values[0] > values[1] or max(map(abs, values)) > 2**30:
+        raise scope.problems.fail(
+            errors.WRONG_TYPE,
+            declared.span,
+            wanted="a range of whole numbers, the smaller first",
+            given="another one",
+            help="",
+        )
+    unit = join_units(low.type.unit, high.type.unit)
+    return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=values[0], high=values[1])
+
+
+def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | float | str | None:
+    """Returns the starting value: written, or 0 for rewards, nobody for agents."""
+    if declared.start is None:
+        if type_.kind in ("agent", "agents"):
+            return None
+        if type_.unit == "reward":
+            return 0.0
+        raise scope.problems.fail(
+            errors.MISSING_PART,
+            declared.span,
+            what=f"starting value for `{declared.name.text}`",
+            help="`= value` after its type",
+        )
+    return starting(declared.start, declared.name.text, type_, scope)
+
+
+def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | float | str | None:
+    if type_.kind == "word":
+        check_known_word(tree, name, type_.words, scope)
+    value = scope.expression(tree)
+    match value:
+        case ir.Nobody() if type_.kind in ("agent", "agents"):
+            return None
+        case ir.Word() if type_.kind == "word":
+            if value.value not in type_.words:
+                raise scope.problems.not_a_word(tree.span, value.value, name, type_.words)
+            return value.value
+        case ir.Number() if type_.kind in ("int", "real"):
+            if type_.kind == "int" and (value.value != int(value.value) or not type_.low <= value.value <= type_.high):
+                raise scope.problems.fail(
+                    errors.FIELD_RANGE,
+                    tree.span,
+                    name=name,
+                    low=f"{type_.low:g}",
+                    high=f"{type_.high:g}",
+                    reached=interval_text(value.type),
+                )
+            return int(value.value) if type_.kind == "int" else float(value.value)
+        case _:
+            raise wrong_type(scope, tree, f"a starting value ({describe(type_)})", value.type)
