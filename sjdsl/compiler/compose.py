@@ -1,4 +1,4 @@
-"""Puts a game together: its base (`extends`), its own sections, and the chosen variants, by one law.
+"""Composes a game: inherits its base (`extends`), then adds its own sections and the chosen variants, by one rule.
 
     Source + variants -> Composition
 

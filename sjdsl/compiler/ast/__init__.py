@@ -1,4 +1,4 @@
-"""The abstract syntax tree of one file as written: a frozen dataclass for each grammar rule, `span` first, no meaning yet."""
+"""The abstract syntax tree (AST) of one file: a frozen dataclass for each grammar rule, without any meaning yet."""
 
 from sjdsl.compiler.ast.declarations import *
 from sjdsl.compiler.ast.expressions import *

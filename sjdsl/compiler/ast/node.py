@@ -1,4 +1,4 @@
-"""What all nodes of the tree as written are: frozen dataclasses, equal by content."""
+"""The base class of AST nodes: frozen dataclasses, equal by content."""
 
 from sjdsl.compiler.diagnostics.frozen import Record
 

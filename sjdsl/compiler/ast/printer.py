@@ -1,4 +1,4 @@
-"""The tree of a file as stable text, for `dump` and goldens."""
+"""Prints an AST as stable text, for `dump` and goldens."""
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass

@@ -1,4 +1,4 @@
-"""The abstract syntax tree: statements (what a phase does)."""
+"""The abstract syntax tree: statements of a phase."""
 
 from __future__ import annotations
 

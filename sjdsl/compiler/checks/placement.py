@@ -1,4 +1,4 @@
-"""Places for agents: `phase start` sends every agent somewhere, and no `send` can run out of cells unnoticed."""
+"""Checks the placement of agents: `phase start` places every agent, and no `send` can run out of free cells unnoticed."""
 
 import re
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Name clashes in the compiled state: `a_b.c` and `a.b_c` would become one attribute."""
+"""Checks for name clashes in the compiled state: `a_b.c` and `a.b_c` would become one attribute."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics import errors

@@ -1,4 +1,4 @@
-"""Timers and `tick`: one turn of the schedule at which timers fall, and rules that set a timer on one side of it only."""
+"""Checks timers: where in the schedule they count down (`tick`), and that rules set them on the right side of it."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.compose import Composition

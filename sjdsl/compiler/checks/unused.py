@@ -1,4 +1,4 @@
-"""What has no effect: kinds that are not on the map, names nobody reads, actions nobody asks for, events nobody counts."""
+"""Checks for unused declarations: kinds not on the map, names never read, actions never used, events never counted."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.compose import Composition

@@ -1,4 +1,4 @@
-"""What would make two writes of one phase acceptable: small changes of the text, and how a message names those that were accepted."""
+"""Suggests repairs for a write conflict: small changes of the text, each tried before a message names it."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""Two writes in one phase: refused unless provably one, equal, exclusive or commuting (manual, "Writes").
+"""Write conflicts: refuses two writes in one phase unless they are provably one, equal, exclusive or commuting.
 
 A write is looked at with everything around it: the quantifiers (each gives instances), the branches taken, and the
 conditions known to hold. Two writes of one field can only meet at one target, so conditions about the target decide.

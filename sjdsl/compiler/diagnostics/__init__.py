@@ -1,1 +1,1 @@
-"""What the compiler tells an author: places in a text, codes and messages, and how they are shown."""
+"""Diagnostics: positions in a text, error codes and messages, and how they are shown to an author."""

@@ -1,4 +1,4 @@
-"""Diagnostics as data: what is wrong, where, and what to write instead. `errors` has them all."""
+"""A diagnostic as data: what is wrong, where, and what to write instead. `errors` declares them all."""
 
 from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields

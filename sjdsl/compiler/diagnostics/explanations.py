@@ -1,4 +1,4 @@
-"""The long text about a code: what it means, a wrong example, the repaired one, and why."""
+"""The long explanation of an error code: its meaning, a wrong example, the repaired one, and why."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Names that people who do not know the language yet try, by the place where they try them, with what to write there."""
+"""Names that newcomers try, by the place where they try them, each with what to write instead."""
 
 # Forms of shapes: `each tree in radius(2) of agent`.
 _DISC = "`disc(r)` is all cells not farther than r, as the crow flies; `square(r)` and `diamond(r)` are the others without a direction"

@@ -1,4 +1,4 @@
-"""How large a game may be: every limit of the compiler, and the checks a text must pass before it is parsed."""
+"""The limits of the compiler on the size of a game, and checks of a text before it is parsed."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What a stage has found so far: its diagnostics, each once, and the exception that leaves what cannot be built."""
+"""Collects the diagnostics of a stage, each once, and declares the exception that skips what cannot be built."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""Shows diagnostics: as text for a person, with the lines they are about, or as plain data for a program."""
+"""Prints diagnostics: as text with the lines they are about, or as plain data for a program."""
 
 import unicodedata
 from collections.abc import Mapping, Sequence

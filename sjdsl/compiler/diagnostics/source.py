@@ -1,4 +1,4 @@
-"""Where text comes from and which part of it a node or a message is about."""
+"""Source texts and spans: the file, and the part of it, that a node or a message is about."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

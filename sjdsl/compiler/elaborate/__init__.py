@@ -1,4 +1,4 @@
-"""From a composed game to the typed IR: declarations, then the map, then everything that reads them.
+"""Elaboration: resolves names and checks types, from a composed game to the typed IR.
 
 Composition -> ir.Game, with every mistake of the game reported at once
 """

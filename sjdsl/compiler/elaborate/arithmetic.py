@@ -1,4 +1,4 @@
-"""Arithmetic and comparison: units that go together, intervals, constants folded."""
+"""Elaborates arithmetic and comparison: units that fit, intervals of results, constant folding."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors

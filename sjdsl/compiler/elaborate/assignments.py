@@ -1,4 +1,4 @@
-"""`set` and `add`: the value fits the field, and provably stays in its range."""
+"""Elaborates `set` and `add`: the value fits the field, and provably stays in its range."""
 
 from math import inf
 

@@ -1,4 +1,4 @@
-"""`case`: every value of the subject has exactly one arm."""
+"""Elaborates `case`: every value of the subject has exactly one arm (exhaustiveness)."""
 
 from math import inf
 

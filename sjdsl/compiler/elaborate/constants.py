@@ -1,4 +1,4 @@
-"""`size` and `param`: units, values, tables and limits."""
+"""Elaborates `size` and `param`: units, values, tables and limits."""
 
 from itertools import product
 from math import isfinite

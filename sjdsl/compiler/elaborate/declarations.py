@@ -1,4 +1,4 @@
-"""Declarations: numbers, words, shapes, kinds and fields become the static tables every scope sees."""
+"""Elaborates declarations: numbers, kinds, fields, agents and shapes become the symbol table that every scope sees."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""Defines: a name for an expression, written out where it is used."""
+"""Expands `define`s: the expression replaces the name, with its free variables bound where it is used."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits

@@ -1,4 +1,4 @@
-"""Domains: who a sentence is about, the variables that binds, and what is then known."""
+"""Elaborates domains: the agents or cells a quantifier ranges over, the variables it binds, and facts that then hold."""
 
 from dataclasses import replace
 

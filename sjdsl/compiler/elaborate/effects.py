@@ -1,4 +1,4 @@
-"""Effects: `give`, `tally`, `send`, and whom they reach."""
+"""Elaborates the effects `give`, `tally` and `send`, and whom they reach."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors

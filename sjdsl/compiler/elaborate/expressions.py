@@ -1,4 +1,4 @@
-"""Expressions: from the tree as written to typed IR, with units, intervals and guards checked.
+"""Elaborates expressions: from AST to typed IR, with units, intervals and guards checked.
 
 Every function takes the tree and the scope and returns IR, or reports what is wrong and raises `Poisoned`.
 """

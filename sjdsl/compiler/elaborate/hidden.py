@@ -1,4 +1,4 @@
-"""`hide marks`, `hide marks on water when …`, `hide content on agents`: what of some cells is not seen.
+"""Elaborates `hide`: marks, contents or fields of some cells that an observation leaves out.
 
 observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="river", kinds=("water", "channel"))
 """

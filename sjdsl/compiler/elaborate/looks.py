@@ -1,4 +1,4 @@
-"""`look`: how cells and agents are drawn, as colours and sprites that pictures know; no rule depends on it."""
+"""Elaborates `look`: colours and sprites of cells and agents; no rule depends on them."""
 
 from dataclasses import replace
 

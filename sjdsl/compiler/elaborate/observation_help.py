@@ -1,4 +1,4 @@
-"""What is said where `show` or `hide` names no field: an agent, a kind, a group, or what agents and cells have of themselves."""
+"""Help for a `show` or `hide` that names no field: what agents and cells have that can be shown."""
 
 from collections.abc import Mapping
 

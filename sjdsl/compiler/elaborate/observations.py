@@ -1,4 +1,4 @@
-"""`observe`: what an agent sees, as a list of sights in a fixed order."""
+"""Elaborates `observe`: the egocentric window of an agent, and the planes in it, in a fixed order."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition

@@ -1,4 +1,4 @@
-"""Paths: what a name means where it stands, its members and its entries."""
+"""Resolves dotted paths such as `agent.bag[raw]`: variables, their attributes, and entries of tables."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses

@@ -1,4 +1,4 @@
-"""The schedule: each use of a phase is built on its own, with its arguments filled in."""
+"""Elaborates the schedule: each use of a phase is built separately, with its arguments filled in."""
 
 from dataclasses import replace
 

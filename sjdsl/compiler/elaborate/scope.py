@@ -1,4 +1,4 @@
-"""What names mean: the static tables of a game, and the variables and known facts in scope."""
+"""Scopes: the symbol table of a game, and the variables and known facts at one point of the rules."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

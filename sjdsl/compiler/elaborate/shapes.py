@@ -1,4 +1,4 @@
-"""Shapes: pictures and built-in forms become lanes of (ahead, right) offsets."""
+"""Elaborates shapes such as beams: pictures and built-in forms become lanes of (ahead, right) offsets."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses, limits

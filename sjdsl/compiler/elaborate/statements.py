@@ -1,4 +1,4 @@
-"""Sentences: from the tree as written to typed IR."""
+"""Elaborates statements: from AST to typed IR."""
 
 from typing import assert_never
 

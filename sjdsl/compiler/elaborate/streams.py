@@ -1,4 +1,4 @@
-"""Names of random streams: from the phase use and the text of the sentences, so that no other sentence matters."""
+"""Names of random streams: made from the phase use and the text of a statement, so that other statements do not matter."""
 
 import hashlib
 import re

@@ -1,4 +1,4 @@
-"""Maps: text, inline or in a file beside the game, checked against the legend row by row."""
+"""Elaborates the map: text in the game or in a file beside it, checked against the legend row by row."""
 
 import re
 import unicodedata

@@ -1,4 +1,4 @@
-"""Rendering: the array program becomes the text of a Python module; the template only prints."""
+"""Emits the text of a Python module from an array program; the template only prints."""
 
 import hashlib
 from functools import cache

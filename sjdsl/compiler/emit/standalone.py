@@ -1,4 +1,4 @@
-"""A generated module in one file that needs only JAX and NumPy: with the kernels it calls, each in a scope of its own."""
+"""Emits a standalone module that needs only JAX and NumPy: it contains the kernels it calls."""
 
 import ast
 from functools import cache

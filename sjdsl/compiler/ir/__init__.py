@@ -1,4 +1,4 @@
-"""The typed IR: one game with every name resolved, every size a number, every phase use written out, every draw named.
+"""The typed IR: a game with names resolved, sizes computed, phase uses expanded and random draws named.
 
 Words and agents are values; numbers carry their unit and the interval they provably stay in. Variables are named as in
 the text; an inner one never has the name of an outer one. All nodes are frozen and compare by content; `origin` is the

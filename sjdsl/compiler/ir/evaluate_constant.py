@@ -1,4 +1,4 @@
-"""Evaluates what is constant: two numbers (constant folding), and a `require`, when compiled and whenever a `Params` is built."""
+"""Evaluates constant expressions: two numbers (constant folding), and `require` for given parameters."""
 
 from collections.abc import Mapping
 from typing import Any

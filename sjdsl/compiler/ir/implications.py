@@ -1,4 +1,4 @@
-"""What guards prove: conditions split into parts with a canonical text, and the intervals they leave to an expression."""
+"""What guards imply: conditions split into facts, and the intervals that these leave to an expression."""
 
 from collections.abc import Iterator
 from math import ceil, floor, inf

@@ -1,4 +1,4 @@
-"""Names that may stand in generated code: checked, and clear of Python's own words and of the module's."""
+"""Identifiers of generated code: valid names, different from Python's keywords and from the module's own."""
 
 import keyword
 import re

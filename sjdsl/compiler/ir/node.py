@@ -1,4 +1,4 @@
-"""What all parts of the IR share: frozen nodes that compare by content, and types."""
+"""The base classes of IR nodes: frozen, equal by content; and types."""
 
 from __future__ import annotations
 

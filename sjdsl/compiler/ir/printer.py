@@ -1,4 +1,4 @@
-"""IR as stable text: expressions as an author would write them, whole games for `dump` and for comparing two programs."""
+"""Prints the IR as stable text: expressions as an author would write them, whole games for `dump`."""
 
 from collections.abc import Iterator
 from typing import assert_never

@@ -1,4 +1,4 @@
-"""The typed IR: statements, what a phase does."""
+"""The typed IR: statements of a phase."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What no node of the IR can see alone: checked after the front end and after every pass in tests.
+"""Verifies invariants of the IR that no node can check alone, after elaboration and after every pass in tests.
 
 Raises AssertionError: a game that fails is a bug of the compiler, never of its author.
 """

@@ -1,4 +1,4 @@
-"""Lowering: the typed IR becomes an array program: representation of each field, tables of the map, one function a phase.
+"""Lowering: from the typed IR to an array program, with tables of the map and one function a phase.
 
     ir.Game -> Program
 

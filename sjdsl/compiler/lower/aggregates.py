@@ -1,4 +1,4 @@
-"""`count` and `sum` over domains, and the fast form for neighbours on a fixed map."""
+"""Lowers `count` and `sum` over domains, with a fast form for neighbours on a fixed map."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""`set` and `add`: new values of fields, by selection where the member is the axis, by scatter where it is computed."""
+"""Lowers `set` and `add`: by selection where the target is the axis itself, by scatter where its index is computed."""
 
 from dataclasses import replace
 

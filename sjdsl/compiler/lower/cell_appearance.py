@@ -1,4 +1,4 @@
-"""What a cell can look like: states of kinds as numbers, raw (all that is painted) and as an observer is shown them."""
+"""Appearance of cells: numbers for the states of kinds, as painted and as an observer sees them."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Domains: the axis a quantifier adds, who on it is a member, and the cells of shapes."""
+"""Lowers domains: the axis that a quantifier adds, its membership mask, and the cells of shapes."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Draws: the words of a stream for every instance of a place, and what is made of them."""
+"""Lowers random draws: one number of a stream for every instance, and the distribution made of it."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, invert, literal, union, wrapped

@@ -1,4 +1,4 @@
-"""What the environment around a generated module must know of the game: events, variables, roles."""
+"""Metadata of a generated module that its environment needs: events, variables, roles."""
 
 from math import isfinite
 

@@ -1,4 +1,4 @@
-"""Expressions: typed IR to array text."""
+"""Lowers expressions to array expressions."""
 
 from dataclasses import replace
 from typing import assert_never

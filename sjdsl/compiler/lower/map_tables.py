@@ -1,4 +1,4 @@
-"""The map of a game as the lowering sees it: glyphs of kinds, cells, tables, each with the text that makes it."""
+"""Tables of the map for lowered code: glyphs of kinds, cells, padding, and the code that builds each table."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""`move`: actions to targets by tables of the map, then one resolution for all."""
+"""Lowers `move`: looks up the target of each action in tables of the map, then settles collisions of all agents at once."""
 
 import numpy as np
 

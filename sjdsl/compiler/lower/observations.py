@@ -1,4 +1,4 @@
-"""`observe`: the map is painted once, cut into windows, and each byte taken apart into the planes of an observation."""
+"""Lowers `observe`: paints the map once, cuts it into egocentric windows, and decodes each byte into observation planes."""
 
 from dataclasses import dataclass, replace
 

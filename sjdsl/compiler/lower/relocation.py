@@ -1,4 +1,4 @@
-"""`send` and `remove`: who is sent is collected over the phase, then placed pool by pool."""
+"""Lowers `send` and `remove`: collects who is sent over the phase, then spawns or respawns them on free cells."""
 
 from dataclasses import dataclass, field
 

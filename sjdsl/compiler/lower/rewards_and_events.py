@@ -1,4 +1,4 @@
-"""Rewards and counts of events: what each agent, everybody or the episode gets from all instances of a sentence together."""
+"""Lowers `give` and `tally`: sums rewards and event counts over all instances of a statement."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Quantifiers that choose: `pick`, `first`, `match`."""
+"""Lowers the choosing quantifiers `pick`, `first` and `match`."""
 
 from dataclasses import replace
 from math import prod

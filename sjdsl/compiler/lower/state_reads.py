@@ -1,4 +1,4 @@
-"""Reading the state: fields, places and attributes of the variables in scope."""
+"""Lowers reads of the state: fields, positions and attributes of the variables in scope."""
 
 from dataclasses import replace
 

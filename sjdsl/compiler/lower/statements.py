@@ -1,4 +1,4 @@
-"""Sentences: each becomes lines that act on all its instances at once."""
+"""Lowers statements: each becomes array code for all its instances at once."""
 
 from dataclasses import replace
 from typing import assert_never

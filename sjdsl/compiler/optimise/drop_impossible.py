@@ -1,4 +1,4 @@
-"""Drops sentences that can never happen.
+"""Dead code elimination: drops statements that can never run.
 
 chance 0 { … } otherwise { A }   ->   A          each wall { … } on a map without walls   ->   (nothing)
 """

@@ -1,4 +1,4 @@
-"""Drops values nobody reads: `let`, and draws (their streams are their own, so no other draw changes).
+"""Dead code elimination: drops unread `let`s and draws; each draw has its own stream, so no other draw changes.
 
 let near = count(…)  set soil.fruit = ripe   ->   set soil.fruit = ripe
 """

@@ -1,4 +1,4 @@
-"""Computes what is known when compiled: conditions and whole numbers (reals keep their float32 order of operations).
+"""Constant folding of conditions and whole numbers; reals keep their float32 order of operations.
 
 when 3 < 5 and agent.index < 2 { … }   ->   when agent.index < 2 { … }
 """

@@ -1,4 +1,4 @@
-"""Rewriting the IR bottom-up: what every pass is made of."""
+"""Rewrites the IR bottom-up; every pass is built on it."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar

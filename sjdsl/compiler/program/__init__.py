@@ -1,4 +1,4 @@
-"""The array program: what a generated module consists of, in order, before it becomes text."""
+"""The array program: everything a generated module consists of, in order, before it becomes text."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Turns the parser's tree into `ast` nodes: a table from grammar rule to class or small function.
+"""Builds the AST from the parser's tree: a table from grammar rule to class or small function.
 
 Assumes the tree of a text without syntax errors, no deeper than `limits.MAX_TREE`; adds and changes no meaning.
 """

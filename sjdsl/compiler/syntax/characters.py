@@ -1,4 +1,4 @@
-"""Characters that are not part of the language: what they were meant to be, and what to say about them."""
+"""Characters outside the language: what they were meant to be, and the message about them."""
 
 import re
 import unicodedata

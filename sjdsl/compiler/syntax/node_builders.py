@@ -1,4 +1,4 @@
-"""Makes the `ast` nodes of the rules whose children are not simply the fields of their class."""
+"""Builders of AST nodes whose fields are not simply the children of their grammar rule."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""From text to tree: every independent syntax error of the file at once, or the tree of a text without any.
+"""Parses a text: returns its AST, or every independent syntax error at once.
 
 Source -> ast.File
 """

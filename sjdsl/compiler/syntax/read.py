@@ -1,4 +1,4 @@
-"""Reads a file from disk into a `Source`, or says in the author's words why it cannot."""
+"""Reads a file into a `Source`, with a clear message if that fails."""
 
 from pathlib import Path
 

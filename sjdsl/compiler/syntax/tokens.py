@@ -1,4 +1,4 @@
-"""Cuts a text into words and signs, mistakes in its characters reported and read as what they were meant to be.
+"""The lexer: cuts a text into tokens, and reports mistaken characters.
 
 Source -> tokens, problems
 """

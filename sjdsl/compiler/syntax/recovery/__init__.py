@@ -1,1 +1,1 @@
-"""Error recovery of the parser: after a mistake it goes on, and the messages say what was expected."""
+"""Error recovery of the parser: after a syntax error it continues, and messages say what was expected."""

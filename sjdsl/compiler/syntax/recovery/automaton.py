@@ -1,4 +1,4 @@
-"""The parser's table run on kinds of tokens alone: what may come next, how far a text goes on, what is still open."""
+"""The parser's LALR table run on token types: what may come next, and which brackets are still open."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Recognises what is written as in other languages, `agent.bag += 1`, and says how it is written here.
+"""Recognises idioms of other languages such as `agent.bag += 1`, and tells how to write them here.
 
 Assumes that the table refused a token; an idiom is believed only if what it stands for can be read in its place.
 """

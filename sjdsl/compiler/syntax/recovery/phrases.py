@@ -1,4 +1,4 @@
-"""How sentences, declarations and expressions are written by those who do not know the language yet, and how they are written here.
+"""Phrases that newcomers write for statements, declarations and expressions, and how to write them here.
 
 In a pattern `PATH`, `EXPR`, `DOMAIN`, `NAME`, `INT`, `STRING` stand for such a part, `NAMES` and `TURNS` for several names; all else is
 meant literally. In what stands instead, `{1}` is the first part, `{minus1}` it with the other sign, `{all1}` it in brackets if need be.

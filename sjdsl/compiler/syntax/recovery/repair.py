@@ -1,4 +1,4 @@
-"""How reading goes on after a syntax error: the small change that lets most of the text behind it be read.
+"""Error recovery: finds the smallest change after a syntax error that lets most of the following text be read.
 
 Assumes that the stack cannot read the next token; guarantees that it can read one after the change.
 """
