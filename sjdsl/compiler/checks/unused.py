@@ -4,7 +4,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.elaborate.scope import Static
+from sjdsl.compiler.elaborate.scope import Declared, Static
 
 MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
 
@@ -47,21 +47,21 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
         if static.cells.get(kind.name, 0) == 0 and not kind.blocks:  # walls are for other maps too
             problems.add(errors.KindAbsent(composition.kinds[kind.name].name.span, name=kind.name))
         for attribute in kind.fields:
-            if f"{kind.name}.{attribute.name}" not in used and attribute.type.kind != "word":
+            if Declared(attribute.name, kind.name) not in used and attribute.type.kind != "word":
                 problems.add(errors.Unused(attribute.origin, what="the field", name=f"{kind.name}.{attribute.name}"))  # type: ignore[arg-type]
     for name, constant in composition.constants.items():
-        if name not in used:
+        if Declared(name) not in used:
             what = "the size" if constant.is_size else "the parameter"
             problems.add(errors.Unused(constant.name.span, what=what, name=name))
     for name, define in composition.defines.items():
-        if name not in used:
+        if Declared(name) not in used:
             problems.add(errors.Unused(define.name.span, what="the define", name=name))
     for name, shape in composition.shapes.items():
-        if f"shape {name}" not in used:
+        if Declared(name, among="shapes") not in used:
             problems.add(errors.Unused(shape.name.span, what="the shape", name=name))
     for name, declared in static.agent_fields.items():
-        if f"agent.{name}" not in used:
+        if Declared(name, "agent") not in used:
             problems.add(errors.Unused(declared.origin, what="the field", name=f"agent.{name}"))  # type: ignore[arg-type]
     for name, declared in static.fields.items():
-        if f"field {name}" not in used:
+        if Declared(name) not in used:
             problems.add(errors.Unused(declared.origin, what="the field", name=name))  # type: ignore[arg-type]

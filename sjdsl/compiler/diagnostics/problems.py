@@ -1,14 +1,16 @@
 """Collects the diagnostics of a stage, each once, and declares the exception that skips what cannot be built."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label, near
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.near_names import nearest
+
+K = TypeVar("K", bound=Hashable)
 
 
 class Named(Protocol):
@@ -62,10 +64,10 @@ class Problems:
         return self.fail(errors.UnknownName(name.span, name=name.text, help=help_, near=near(name.text, candidates, what)))
 
     @contextmanager
-    def survive(self, broken: set[str] | None = None, name: str = "") -> Iterator[None]:
-        """Goes on after something that could not be built; its name joins `broken`, so that uses of it are not reported too."""
+    def survive(self, broken: set[K] | None = None, key: K | None = None) -> Iterator[None]:
+        """Goes on after something that could not be built; its key joins `broken`, so that uses of it are not reported too."""
         try:
             yield
         except Poisoned:
-            if broken is not None:
-                broken.add(name)
+            if broken is not None and key is not None:
+                broken.add(key)

@@ -6,7 +6,7 @@ from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.fields import one_field
 from sjdsl.compiler.elaborate.lookup import action_number
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
 
 
@@ -49,13 +49,13 @@ def declare_agents(game: Composition, scope: Scope) -> None:
     if game.moves is not None and game.moves.frame.text not in ("relative", "compass"):
         problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
     for name, declared in game.agent_fields.items():
-        with problems.survive(static.broken, f"agent.{name}"):
+        with problems.survive(static.broken, Declared(name, "agent")):
             static.agent_fields[name] = one_field(declared, scope, "agent", "")
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:
         problems.add(errors.MISSING_PART, span, what="number of agents", help="`agents 2 { acts ... moves relative }`")
     elif game.acts is None:
-        static.broken.add("actions")
+        static.broken.add(ALL_ACTIONS)
         problems.add(errors.MISSING_PART, span, what="actions", help="`acts turn_left, ..., stay` in `agents`")
 
 

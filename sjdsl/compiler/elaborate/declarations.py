@@ -12,7 +12,7 @@ from sjdsl.compiler.elaborate.agents import declare_agents, declare_number, over
 from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 
 BUILT_IN_ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
 SEEN = {"outside": "what an agent sees off the map", "everyone": "all agents, in `observe`"}  # no names of kinds
@@ -30,7 +30,7 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
         override_number(game, overrides, num_agents, problems)
     scope = Scope(static, problems)
     for declared in game.constants.values():
-        with problems.survive(static.broken, declared.name.text):
+        with problems.survive(static.broken, Declared(declared.name.text)):
             constant(declared, scope, overrides.get(declared.name.text))
     return static
 
@@ -88,18 +88,18 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     _check_counts(game, problems)
     scope = Scope(static, problems)
     for shape in game.shapes.values():
-        with problems.survive(static.broken, f"shape {shape.name.text}"):
+        with problems.survive(static.broken, Declared(shape.name.text, among="shapes")):
             static.shapes[shape.name.text] = shapes.declared(shape, scope)
     declare_number(game, scope)
     for kind in game.kinds.values():
-        with problems.survive(static.broken, kind.name.text):
+        with problems.survive(static.broken, Declared(kind.name.text)):
             static.kinds[kind.name.text] = fields_of(kind.attributes, scope, "cell", kind.name.text)
             _glyphs(kind, scope)
     for group in game.groups.values():
-        with problems.survive(static.broken, group.name.text):
+        with problems.survive(static.broken, Declared(group.name.text)):
             static.groups[group.name.text] = tuple(_kind(name, scope) for name in group.kinds)
     for declared in game.fields.values():
-        with problems.survive(static.broken, declared.name.text):
+        with problems.survive(static.broken, Declared(declared.name.text)):
             made_field = one_field(declared, scope, "world", "")
             static.fields[made_field.name] = made_field
     declare_agents(game, scope)
@@ -131,7 +131,7 @@ def _glyphs(kind: ast.Kind, scope: Scope) -> None:
             continue
         starts = []
         for field_name, tree in attribute.starts:
-            if f"{name}.{field_name.text}" in scope.static.broken:
+            if Declared(field_name.text, name) in scope.static.broken:
                 continue
             if field_name.text not in fields:
                 choices = near_or_all(field_name.text, fields, "its fields")
@@ -166,7 +166,7 @@ def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block
         test = inner.bind("agent", ir.Member(name="agent", who="agent")).condition(attribute.condition)
     found = []
     for what in attribute.what:
-        if f"shape {what.text}" in scope.static.broken:
+        if Declared(what.text, among="shapes") in scope.static.broken:
             continue
         if what.text != "agents" and what.text not in scope.static.shapes:
             scope.problems.unknown(what, ["agents", *scope.static.shapes], "what a cell can block")

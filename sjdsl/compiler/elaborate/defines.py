@@ -3,13 +3,13 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.scope import Declared, Scope
 
 
 def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
     """Writes a `define` out where it is used: its own names and its arguments, none of the variables around."""
     define = scope.static.defines[name.text]
-    scope.static.used.add(name.text)
+    scope.static.used.add(Declared(name.text))
     if name.text in scope.defining:
         raise scope.problems.fail(errors.DEFINE_CYCLE, name.span, name=name.text)
     if len(arguments) != len(define.parameters):

@@ -5,7 +5,7 @@ from math import inf
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text
-from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
 
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "reward")
@@ -19,7 +19,7 @@ def fields_of(attributes: tuple[object, ...], scope: Scope, place: str, kind: st
             if attribute.name.text in made:
                 scope.problems.add(errors.TWICE, attribute.name.span, what=f"the field `{attribute.name.text}`")
                 continue
-            with scope.problems.survive(scope.static.broken, f"{kind}.{attribute.name.text}"):
+            with scope.problems.survive(scope.static.broken, Declared(attribute.name.text, kind)):
                 made[attribute.name.text] = one_field(attribute, scope, place, kind)
     return made
 

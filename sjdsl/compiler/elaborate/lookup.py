@@ -8,7 +8,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import near_or_all
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
 
 AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
 CELL_ATTRIBUTES = ("row", "col")
@@ -22,11 +22,10 @@ def as_agent(e: ir.Expr) -> bool:
 def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     """Returns the kinds a kind or group name stands for."""
     kinds = scope.static.kinds_of(name.text)
-    if kinds is None and name.text in scope.static.broken:
+    if kinds is None and Declared(name.text) in scope.static.broken:
         raise Poisoned
     if kinds is None:
         raise scope.problems.unknown(name, ["agent", *scope.static.kinds, *scope.static.groups], "the agents and kinds of this game")
-    scope.static.used.update({name.text, *kinds})
     return kinds
 
 
@@ -34,11 +33,10 @@ def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> 
     """Returns the number of an action of the agents."""
     actions = scope.static.actions
     wanted = resolved or name.text
-    if "actions" in scope.static.broken:
+    if ALL_ACTIONS in scope.static.broken:
         raise Poisoned
     if wanted not in actions:
         raise scope.problems.fail(errors.NO_ACTION, name.span, name=wanted, **near_or_all(wanted, actions, "the actions"))
-    scope.static.used.add(f"action {wanted}")
     return actions.index(wanted)
 
 
@@ -70,14 +68,14 @@ def check_known_word(tree: ast.Expr | ast.Table, owner: str, words: Iterable[str
     if not isinstance(tree, ast.Path) or tree.steps or tree.name.text in scope.variables or static.is_word(tree.name.text):
         return
     name = tree.name.text
-    if name not in static.names() | static.broken and name not in static.events:
+    if name not in static.names() and Declared(name) not in static.broken and name not in static.events:
         raise scope.problems.not_a_word(tree.span, name, owner, words)
 
 
 def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     """Reports a name that is no value: something else, or nothing at all."""
     static = scope.static
-    if name.text in static.broken:
+    if Declared(name.text) in static.broken:
         return Poisoned()
     if name.text in scope.withheld:
         what, wanted = "a variable of the sentences around", "something that is the same for all who are sent"

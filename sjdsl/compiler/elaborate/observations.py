@@ -7,7 +7,7 @@ from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.hidden import is_of_a_plane
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.observation_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.compiler.ir.types import HEADINGS, element, words
 
 SIDES = ("ahead", "behind", "left", "right")
@@ -106,10 +106,10 @@ def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> 
             return ("cell", head, ""), None
         if head not in static.fields:
             raise without_field(sight, static, problems)
-        static.used.add(f"field {head}")
+        static.used.add(Declared(head))
         return ("world", "", head), static.fields[head]
     name = members[0]
-    if ("agent" if head in OWNERS else head) + f".{name.text}" in static.broken:
+    if Declared(name.text, "agent" if head in OWNERS else head) in static.broken:
         raise Poisoned
     if head in OWNERS:
         if head == "other" and name.text == "heading":
@@ -135,8 +135,7 @@ def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: P
         return
     if field is None:
         return
-    prefix = "agent." if what in OWNERS.values() else "field " if what == "world" else f"{kind}."
-    static.used.add(prefix + name)
+    static.used.add(Declared(name, "agent" if what in OWNERS.values() else kind))
     labels = _labels(show, what, kind, static, problems)
     type_ = field.type
     if not labels and type_.kind in ("agent", "agents"):

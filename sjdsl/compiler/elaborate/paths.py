@@ -5,7 +5,7 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, no_field, unknown
-from sjdsl.compiler.elaborate.scope import START, Scope
+from sjdsl.compiler.elaborate.scope import START, Declared, Scope
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import HEADINGS, describe, element, integer, words
@@ -35,18 +35,18 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     if name == "step":
         return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
     if name in static.sizes:
-        static.used.add(name)
+        static.used.add(Declared(name))
         size = static.sizes[name]
         if size.type.by:
             raise scope.problems.fail(errors.NOT_SUPPORTED, e.span, what="a size that is a table")
         return ir.Number(type=size.type, value=size.value, origin=e.span)  # type: ignore[arg-type]
     if name in static.params:
-        static.used.add(name)
+        static.used.add(Declared(name))
         return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
     if name in static.defines:
         return use_define(e.name, (), scope)
     if name in static.fields:
-        static.used.add(f"field {name}")
+        static.used.add(Declared(name))
         return ir.FieldRead(type=static.fields[name].type, owner=None, place="world", name=name, origin=e.span)
     if scope.events_readable and name in static.events:
         return event_total(e, scope)
@@ -79,7 +79,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if not isinstance(owner, ir.Member) and f"(not ({text(owner)} is nobody))" not in scope.facts:
         raise scope.problems.fail(errors.CAN_BE_NOBODY, name.span, path=text(owner))
     if name.text in static.agent_fields:
-        static.used.add(f"agent.{name.text}")
+        static.used.add(Declared(name.text, "agent"))
         type_ = static.agent_fields[name.text].type
         return ir.FieldRead(type=type_, owner=owner, place="agent", name=name.text, origin=name.span)
     types = {
@@ -98,7 +98,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         raise scope.problems.fail(errors.NO_PLACE_YET, name.span, what=f"{text(owner)}.{name.text}")
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
-    if f"agent.{name.text}" in static.broken:
+    if Declared(name.text, "agent") in static.broken:
         raise Poisoned
     raise no_field(name, "an agent", [*static.agent_fields, *AGENT_ATTRIBUTES], guesses.AGENT_FIELDS | guesses.PLACES, scope.problems)
 
@@ -111,13 +111,13 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
     found = []
     for kind in owner.kinds:
         fields = static.kinds[kind]
-        if f"{kind}.{name.text}" in static.broken:
+        if Declared(name.text, kind) in static.broken:
             raise Poisoned
         if name.text not in fields:
             what = f"the kind `{kind}`" if len(owner.kinds) == 1 else f"the kind `{kind}` of the group"
             raise no_field(name, what, [*fields, *CELL_ATTRIBUTES], guesses.PLACES, scope.problems)
         found.append(fields[name.text])
-        static.used.add(f"{kind}.{name.text}")
+        static.used.add(Declared(name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
         raise scope.problems.fail(
             errors.NO_FIELD,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
@@ -12,6 +13,17 @@ from sjdsl.compiler.ir.types import describe, is_number
 from sjdsl.near_names import nearest
 
 START = "`phase start`"  # the place of a scope in which no agent stands anywhere
+
+
+class Declared(NamedTuple):
+    """A declaration: its name, whose it is (of a kind, of the agents; empty for the game's own), and which sort of names it is among."""
+
+    name: str
+    owner: str = ""
+    among: Literal["names", "shapes", "actions"] = "names"
+
+
+ALL_ACTIONS = Declared("", "agent", "actions")
 
 
 @dataclass
@@ -40,8 +52,8 @@ class Static:
     num_agents: int = 1
     map_rows: int = 0
     map_cols: int = 0
-    used: set[str] = field(default_factory=set)
-    broken: set[str] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
+    used: set[Declared] = field(default_factory=set)
+    broken: set[Declared] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
 

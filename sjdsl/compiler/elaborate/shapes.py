@@ -3,7 +3,7 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.scope import Declared, Scope
 
 Offset = tuple[int, int]
 BUILT_IN = {"line": ("n",), "fan": ("length", "radius"), "disc": ("r",), "diamond": ("r",), "square": ("r",)}
@@ -24,13 +24,12 @@ def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if ref.arguments is None:
         shape = static.shapes.get(ref.name.text)
         if shape is None:
-            if f"shape {ref.name.text}" in static.broken:
+            if Declared(ref.name.text, among="shapes") in static.broken:
                 raise Poisoned
             raise scope.problems.unknown(ref.name, [*static.shapes, *BUILT_IN], "the shapes", guesses.SHAPES)
-        static.used.add(f"shape {ref.name.text}")
+        static.used.add(Declared(ref.name.text, among="shapes"))
         return shape
     shape = built_in(ref, scope)
-    static.used.add(f"shape {shape.name}")
     return static.shapes.setdefault(shape.name, shape)
 
 
