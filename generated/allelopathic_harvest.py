@@ -10,17 +10,38 @@ from jax import Array
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, ranks, threshold, words, words_at
 from sjdsl.runtime.fields import StateField
-from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
+from sjdsl.runtime.geometry import (
+    cells_of,
+    inside,
+    lane_reach,
+    next_cells,
+    own_cell,
+    painted,
+    shape_offsets,
+    site_numbers,
+    values_of,
+)
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'allelopathic_harvest'
-TITLE = 'Allelopathic Harvest'
-HASH = '1ba3e245d4f2c8df'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap', 'sow_red', 'sow_green', 'sow_blue')
+NAME = "allelopathic_harvest"
+TITLE = "Allelopathic Harvest"
+HASH = "1ba3e245d4f2c8df"
+ACTIONS = (
+    "turn_left",
+    "turn_right",
+    "step_left",
+    "step_right",
+    "forward",
+    "backward",
+    "stay",
+    "zap",
+    "sow_red",
+    "sow_green",
+    "sow_blue",
+)
 STAY = 6
 NUM_AGENTS = 16
 PAD = 9
@@ -28,27 +49,27 @@ FRAME = (48, 47)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = True
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('eaten[red]', 'event_eaten', 0),
-    ('eaten[green]', 'event_eaten', 1),
-    ('eaten[blue]', 'event_eaten', 2),
-    ('planted[red]', 'event_planted', 0),
-    ('planted[green]', 'event_planted', 1),
-    ('planted[blue]', 'event_planted', 2),
-    ('banished', 'event_banished', None),
+EVENTS = (
+    ("eaten[red]", "event_eaten", 0),
+    ("eaten[green]", "event_eaten", 1),
+    ("eaten[blue]", "event_eaten", 2),
+    ("planted[red]", "event_planted", 0),
+    ("planted[green]", "event_planted", 1),
+    ("planted[blue]", "event_planted", 2),
+    ("banished", "event_banished", None),
 )
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='bush_colour', encoding='word', size=3),
-    StateField(attribute='bush_fruit', encoding='word', size=2),
-    StateField(attribute='bush_young', encoding='number'),
-    StateField(attribute='agent_taste', encoding='word', size=2),
-    StateField(attribute='agent_bag', encoding='word', size=3),
-    StateField(attribute='agent_coat', encoding='word', size=4),
-    StateField(attribute='agent_hits', encoding='number', low=0.0, high=2.0),
-    StateField(attribute='agent_recovering', encoding='number'),
-    StateField(attribute='agent_stunned', encoding='number'),
-    StateField(attribute='agent_hot', encoding='number'),
-    StateField(attribute='agent_empty', encoding='number'),
+FIELDS = (
+    StateField(attribute="bush_colour", encoding="word", size=3),
+    StateField(attribute="bush_fruit", encoding="word", size=2),
+    StateField(attribute="bush_young", encoding="number"),
+    StateField(attribute="agent_taste", encoding="word", size=2),
+    StateField(attribute="agent_bag", encoding="word", size=3),
+    StateField(attribute="agent_coat", encoding="word", size=4),
+    StateField(attribute="agent_hits", encoding="number", low=0.0, high=2.0),
+    StateField(attribute="agent_recovering", encoding="number"),
+    StateField(attribute="agent_stunned", encoding="number"),
+    StateField(attribute="agent_hot", encoding="number"),
+    StateField(attribute="agent_empty", encoding="number"),
 )
 MAP = (
     '.bg...g..gb.g..r..r.b...br.g.',
@@ -83,38 +104,120 @@ MAP = (
     'r...rg..g..g.g.r...b.b.g...b.',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'floor', 'bush colour=red fruit=unripe', 'bush colour=red fruit=ripe', 'bush colour=green fruit=unripe', 'bush colour=green fruit=ripe', 'bush colour=blue fruit=unripe', 'bush colour=blue fruit=ripe'), high=7),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('sow(sow_red, red)', 'sow(sow_green, green)', 'sow(sow_blue, blue)', 'fire'), high=15),
-    TokenPlane(name='other.coat', encoding='word', labels=('nobody', 'none', 'red', 'green', 'blue'), high=4),
-    TokenPlane(name='other.hits', encoding='number', labels=(), high=2),
-    TokenPlane(name='agent.taste', encoding='word', labels=('red', 'green'), high=1),
-    TokenPlane(name='agent.stunned', encoding='number', labels=(), high=255),
-    TokenPlane(name='agent.hot', encoding='number', labels=(), high=255),
-    TokenPlane(name='agent.empty', encoding='number', labels=(), high=255),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=(
+            "outside",
+            "floor",
+            "bush colour=red fruit=unripe",
+            "bush colour=red fruit=ripe",
+            "bush colour=green fruit=unripe",
+            "bush colour=green fruit=ripe",
+            "bush colour=blue fruit=unripe",
+            "bush colour=blue fruit=ripe",
+        ),
+        high=7,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(
+        name="marks",
+        encoding="bits",
+        labels=("sow(sow_red, red)", "sow(sow_green, green)", "sow(sow_blue, blue)", "fire"),
+        high=15,
+    ),
+    TokenPlane(name="other.coat", encoding="word", labels=("nobody", "none", "red", "green", "blue"), high=4),
+    TokenPlane(name="other.hits", encoding="number", labels=(), high=2),
+    TokenPlane(name="agent.taste", encoding="word", labels=("red", "green"), high=1),
+    TokenPlane(name="agent.stunned", encoding="number", labels=(), high=255),
+    TokenPlane(name="agent.hot", encoding="number", labels=(), high=255),
+    TokenPlane(name="agent.empty", encoding="number", labels=(), high=255),
 )
 
-CELLS_FLOOR = jnp.asarray(cells_of(MAP, PAD, '.'))  # cells of floor
-SITE_OF_FLOOR = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, '.')))  # number of each cell among floor; past the end: none
-SITE_OF_BUSH = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'rgb')))  # number of each cell among bush; past the end: none
+NUM_BUSH = 348  # cells of bush
+NUM_FLOOR = 522  # cells of floor
+ACTION_SOW_RED = 8
+ACTION_SOW_GREEN = 9
+ACTION_SOW_BLUE = 10
+ACTION_ZAP = 7
+AGENT_GREEN = 1
+BUSH_UNRIPE = 0
+BUSH_RED = 0
+BUSH_GREEN = 1
+BUSH_BLUE = 2
+BUSH_RIPE = 1
+AGENT_RED = 0
+AGENT_BLUE = 2
+AGENT_NONE = 0
+NOWHERE = 0  # the cell of agents that are not on the map
+ANY_HEADING = 4
+SAME_HEADING = 5
+NO_STEP = 4
+NUM_SEEDS_CELLS = 3  # cells of the shape
+FRAME_CELLS = 2256
+BUSH_LOOK = 2  # as it is painted
+MARK_SOW_SOW_RED_RED_BIT = 1
+MARK_SOW_SOW_GREEN_GREEN_BIT = 2
+MARK_SOW_SOW_BLUE_BLUE_BIT = 4
+MARK_FIRE_BIT = 8
+AGENT_SHIFT = 3
+NUM_VIEW_CELLS = 121  # cells of a window
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 31
+MARK_MASK = 15
+MARKS_OF_SOW_SOW_RED_RED = 48  # cells that sow(sow_red, red) can mark
+MARKS_OF_SOW_SOW_GREEN_GREEN = 48  # cells that sow(sow_green, green) can mark
+MARKS_OF_SOW_SOW_BLUE_BLUE = 48  # cells that sow(sow_blue, blue) can mark
+MARKS_OF_FIRE = 144  # cells that fire can mark
+STREAM_START = 0xfafaab88  # allelopathic_harvest.sj:49
+STREAM_START_2 = 0x3ab98008  # allelopathic_harvest.sj:49
+STREAM_TICK = 0x2464a29a  # allelopathic_harvest.sj:78
+STREAM_TICK_2 = 0xb9a05024  # allelopathic_harvest.sj:78
+STREAM_RIPEN = 0x52ea6413  # allelopathic_harvest.sj:56
+STREAM_WALK = 0xbcc46097  # allelopathic_harvest.sj:58
+STREAM_PLANT = 0xc69ac9fb  # allelopathic_harvest.sj:67
+
+CELLS_FLOOR = jnp.asarray(cells_of(MAP, PAD, "."))  # cells of floor
+# number of each cell among floor; past the end: none
+SITE_OF_FLOOR = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, ".")))
+# number of each cell among bush; past the end: none
+SITE_OF_BUSH = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "rgb")))
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4, 4, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, ''))  # where a step leads, by cell and direction; the cell itself if blocked
-SEEDS_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))))  # cells of seeds from an agent's cell, for each heading
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, ""))
+# cells of seeds from an agent's cell, for each heading
+SEEDS_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))))
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-SEEDS_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))), (3,), 'rgb'))  # cells of seeds not behind what blocks it: bits by cell and heading
+# cells of seeds not behind what blocks it: bits by cell and heading
+SEEDS_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))), (3,), "rgb"))
 LANES_OF_SEEDS = jnp.asarray([[0, 1, 2]], jnp.int32)  # cells of each lane of seeds, nearest first
-ZAP_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0), (0, -1), (1, -1), (2, -1), (0, 1), (1, 1), (2, 1))))  # cells of zap from an agent's cell, for each heading
+ZAP_OFFSETS = jnp.asarray(  # cells of zap from an agent's cell, for each heading
+    shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0), (0, -1), (1, -1), (2, -1), (0, 1), (1, 1), (2, 1)))
+)
+# cells of each lane of zap, nearest first
 LANES_OF_ZAP = jnp.asarray([[0, 1, 2],
- [3, 4, 5],
- [6, 7, 8]], jnp.int32)  # cells of each lane of zap, nearest first
-FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True,  True,  True,  True], bool)  # actions a `forbid` is about
-FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True, False, False, False], bool)  # actions a `forbid` is about
-FORBIDS_3 = jnp.asarray([False, False, False, False, False, False, False, False,  True,  True,  True], bool)  # actions a `forbid` is about
-BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, 'r': 2, 'g': 2, 'b': 2}))  # looks of the cells of the frame, fields aside
-CELLS_BUSH = jnp.asarray(cells_of(MAP, PAD, 'rgb'))  # cells of bush
+                            [3, 4, 5],
+                            [6, 7, 8]], jnp.int32)
+# actions a `forbid` is about
+FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True,  True,  True,  True], bool)
+# actions a `forbid` is about
+FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True, False, False, False], bool)
+# actions a `forbid` is about
+FORBIDS_3 = jnp.asarray([False, False, False, False, False, False, False, False,  True,  True,  True], bool)
+BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "r": 2, "g": 2, "b": 2}))  # looks of the cells of the frame, fields aside
+CELLS_BUSH = jnp.asarray(cells_of(MAP, PAD, "rgb"))  # cells of bush
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
-BUSH_COLOUR_START = jnp.asarray(values_of(MAP, {'r': 0, 'g': 1, 'b': 2}, 'uint8'))  # colour of bush as on the map
+BUSH_COLOUR_START = jnp.asarray(values_of(MAP, {"r": 0, "g": 1, "b": 2}, "uint8"))  # colour of bush as on the map
 
 
 @struct.dataclass
@@ -191,45 +294,43 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(16, jnp.int32),
-        heading=jnp.zeros(16, jnp.int32),
-        away=jnp.zeros(16, jnp.int32),
-        away_pool=jnp.zeros(16, jnp.int32),
-        away_facing=jnp.zeros(16, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
+        away=jnp.zeros(NUM_AGENTS, jnp.int32),
+        away_pool=jnp.zeros(NUM_AGENTS, jnp.int32),
+        away_facing=jnp.zeros(NUM_AGENTS, jnp.int32),
         bush_colour=BUSH_COLOUR_START,
-        bush_fruit=jnp.full((348,), 0, jnp.uint8),
-        bush_young=jnp.full((348,), 0, jnp.int32),
-        agent_taste=jnp.full((16,), 0, jnp.uint8),
-        agent_bag=jnp.full((16,), 0, jnp.uint8),
-        agent_coat=jnp.full((16,), 0, jnp.uint8),
-        agent_hits=jnp.full((16,), 0, jnp.uint8),
-        agent_recovering=jnp.full((16,), 0, jnp.int32),
-        agent_stunned=jnp.full((16,), 0, jnp.uint8),
-        agent_hot=jnp.full((16,), 0, jnp.uint8),
-        agent_empty=jnp.full((16,), 0, jnp.uint8),
-        mark_sow_sow_red_red=jnp.zeros(48, jnp.int32),
-        mark_sow_sow_green_green=jnp.zeros(48, jnp.int32),
-        mark_sow_sow_blue_blue=jnp.zeros(48, jnp.int32),
-        mark_fire=jnp.zeros(144, jnp.int32),
+        bush_fruit=jnp.full(NUM_BUSH, BUSH_UNRIPE, jnp.uint8),
+        bush_young=jnp.full(NUM_BUSH, 0, jnp.int32),
+        agent_taste=jnp.full(NUM_AGENTS, AGENT_RED, jnp.uint8),
+        agent_bag=jnp.full(NUM_AGENTS, AGENT_RED, jnp.uint8),
+        agent_coat=jnp.full(NUM_AGENTS, AGENT_NONE, jnp.uint8),
+        agent_hits=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        agent_recovering=jnp.full(NUM_AGENTS, 0, jnp.int32),
+        agent_stunned=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        agent_hot=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        agent_empty=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        mark_sow_sow_red_red=jnp.zeros(MARKS_OF_SOW_SOW_RED_RED, jnp.int32),
+        mark_sow_sow_green_green=jnp.zeros(MARKS_OF_SOW_SOW_GREEN_GREEN, jnp.int32),
+        mark_sow_sow_blue_blue=jnp.zeros(MARKS_OF_SOW_SOW_BLUE_BLUE, jnp.int32),
+        mark_fire=jnp.zeros(MARKS_OF_FIRE, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(16, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_eaten=jnp.zeros((16, 3), jnp.int32),
-        event_planted=jnp.zeros((16, 3), jnp.int32),
-        event_banished=jnp.zeros((16,), jnp.int32),
+        event_eaten=jnp.zeros((NUM_AGENTS, 3), jnp.int32),
+        event_planted=jnp.zeros((NUM_AGENTS, 3), jnp.int32),
+        event_banished=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -238,7 +339,12 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
     allowed = jnp.take_along_axis(allowed_actions(state, params), actions[:, None], axis=1)[:, 0]
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
-    state = state.replace(mark_sow_sow_red_red=jnp.zeros_like(state.mark_sow_sow_red_red), mark_sow_sow_green_green=jnp.zeros_like(state.mark_sow_sow_green_green), mark_sow_sow_blue_blue=jnp.zeros_like(state.mark_sow_sow_blue_blue), mark_fire=jnp.zeros_like(state.mark_fire))
+    state = state.replace(
+        mark_sow_sow_red_red=jnp.zeros_like(state.mark_sow_sow_red_red),
+        mark_sow_sow_green_green=jnp.zeros_like(state.mark_sow_sow_green_green),
+        mark_sow_sow_blue_blue=jnp.zeros_like(state.mark_sow_sow_blue_blue),
+        mark_fire=jnp.zeros_like(state.mark_fire),
+    )
     state, out = tick(state, out, params, actions, key)
     state, out = ripen(state, out, params, actions, key)
     state, out = walk(state, out, params, actions, key)
@@ -253,32 +359,53 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(16, True)  # allelopathic_harvest.sj:49
-    agent_taste = jnp.where((jnp.arange(16, dtype=jnp.int32) % 2) == 1, 1, state.agent_taste)  # allelopathic_harvest.sj:49
+    """Phase `start`, before the first step: for each agent, sends agent to floor, sets agent.taste to green; for each
+    bush, sets bush.young to patience.
+    """
+    sent = jnp.full(NUM_AGENTS, True)  # allelopathic_harvest.sj:49
+    # allelopathic_harvest.sj:49
+    agent_taste = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) % 2 == 1, AGENT_GREEN, state.agent_taste)
     bush_young = jnp.full_like(state.bush_young, params.patience)  # allelopathic_harvest.sj:50
-    position, placed = place(CELLS_FLOOR, jnp.full(522, True), words(key, 0xfafaab88, 16), state.position, sent)  # allelopathic_harvest.sj:49
-    heading = jnp.where(placed, below(words(key, 0x3ab98008, 16), 4), state.heading)  # allelopathic_harvest.sj:49
+    position, placed = place(  # allelopathic_harvest.sj:49
+        CELLS_FLOOR, jnp.full(NUM_FLOOR, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+    )
+    # allelopathic_harvest.sj:49
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     away = jnp.where(placed, 0, state.away)  # allelopathic_harvest.sj:49
-    return state.replace(agent_taste=agent_taste, bush_young=bush_young, position=position, heading=heading, away=away), out
+    return (
+        state.replace(agent_taste=agent_taste, bush_young=bush_young, position=position, heading=heading, away=away),
+        out,
+    )
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one; agents whose time away is over return."""
     bush_young = state.bush_young - (state.bush_young > 0).astype(state.bush_young.dtype)  # allelopathic_harvest.sj:27
-    agent_recovering = state.agent_recovering - (state.agent_recovering > 0).astype(state.agent_recovering.dtype)  # allelopathic_harvest.sj:38
-    agent_stunned = state.agent_stunned - (state.agent_stunned > 0).astype(state.agent_stunned.dtype)  # allelopathic_harvest.sj:39
+    # allelopathic_harvest.sj:38
+    agent_recovering = state.agent_recovering - (state.agent_recovering > 0).astype(state.agent_recovering.dtype)
+    # allelopathic_harvest.sj:39
+    agent_stunned = state.agent_stunned - (state.agent_stunned > 0).astype(state.agent_stunned.dtype)
     agent_hot = state.agent_hot - (state.agent_hot > 0).astype(state.agent_hot.dtype)  # allelopathic_harvest.sj:39
-    agent_empty = state.agent_empty - (state.agent_empty > 0).astype(state.agent_empty.dtype)  # allelopathic_harvest.sj:40
-    state = state.replace(bush_young=bush_young, agent_recovering=agent_recovering, agent_stunned=agent_stunned, agent_hot=agent_hot, agent_empty=agent_empty)
-    due = (state.position == 0) & (state.away == 1)
-    state = state.replace(away=state.away - ((state.position == 0) & (state.away > 1)).astype(jnp.int32))
+    # allelopathic_harvest.sj:40
+    agent_empty = state.agent_empty - (state.agent_empty > 0).astype(state.agent_empty.dtype)
+    state = state.replace(
+        bush_young=bush_young,
+        agent_recovering=agent_recovering,
+        agent_stunned=agent_stunned,
+        agent_hot=agent_hot,
+        agent_empty=agent_empty,
+    )
+    due = (state.position == NOWHERE) & (state.away == 1)
+    state = state.replace(away=state.away - ((state.position == NOWHERE) & (state.away > 1)).astype(jnp.int32))
     back = due & (state.away_pool == 1)  # allelopathic_harvest.sj:78
     floor_under = SITE_OF_FLOOR[state.position]  # allelopathic_harvest.sj:78
-    free = ~occupied(floor_under, 522)  # allelopathic_harvest.sj:78
-    position, placed = place(CELLS_FLOOR, free, words(key, 0x2464a29a, 16), state.position, back)  # allelopathic_harvest.sj:78
-    facing = jnp.where(state.away_facing == 4, below(words(key, 0xb9a05024, 16), 4), state.away_facing)  # allelopathic_harvest.sj:78
-    facing = jnp.where(state.away_facing == 5, state.heading, facing)  # allelopathic_harvest.sj:78
+    free = ~occupied(floor_under, NUM_FLOOR)  # allelopathic_harvest.sj:78
+    # allelopathic_harvest.sj:78
+    position, placed = place(CELLS_FLOOR, free, words(key, STREAM_TICK, NUM_AGENTS), state.position, back)
+    facing = jnp.where(  # allelopathic_harvest.sj:78
+        state.away_facing == ANY_HEADING, below(words(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
+    )
+    facing = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing)  # allelopathic_harvest.sj:78
     heading = jnp.where(placed, facing, state.heading)  # allelopathic_harvest.sj:78
     away = jnp.where(placed, 0, state.away)  # allelopathic_harvest.sj:78
     state = state.replace(position=position, heading=heading, away=away)  # allelopathic_harvest.sj:78
@@ -286,159 +413,225 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `ripen`."""
+    """Phase `ripen`: for each bush (b), by chance, sets b.fruit to ripe."""
     bush_under = SITE_OF_BUSH[state.position]  # allelopathic_harvest.sj:56
-    covered = occupied(bush_under, 348)  # allelopathic_harvest.sj:56
+    covered = occupied(bush_under, NUM_BUSH)  # allelopathic_harvest.sj:56
     subject = state.bush_colour  # allelopathic_harvest.sj:56
-    num_bush = jnp.sum(state.bush_colour == 0, dtype=jnp.int32)  # allelopathic_harvest.sj:56
-    num_bush_2 = jnp.sum(state.bush_colour == 1, dtype=jnp.int32)  # allelopathic_harvest.sj:56
-    num_bush_3 = jnp.sum(state.bush_colour == 2, dtype=jnp.int32)  # allelopathic_harvest.sj:56
-    alike = jnp.where(subject == 0, num_bush, jnp.where(subject == 1, num_bush_2, num_bush_3))  # allelopathic_harvest.sj:56
-    happens = (words(key, 0x52ea6413, 348) >> 1) < (threshold(params.growth * alike.astype(jnp.float32)))  # allelopathic_harvest.sj:56
-    bush_fruit = jnp.where((((state.bush_fruit == 0) & (state.bush_young == 0)) & ~covered) & happens, 1, state.bush_fruit)  # allelopathic_harvest.sj:56
+    num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)  # allelopathic_harvest.sj:56
+    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)  # allelopathic_harvest.sj:56
+    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)  # allelopathic_harvest.sj:56
+    # allelopathic_harvest.sj:56
+    alike = jnp.where(subject == BUSH_RED, num_bush, jnp.where(subject == BUSH_GREEN, num_bush_2, num_bush_3))
+    # allelopathic_harvest.sj:56
+    happens = (words(key, STREAM_RIPEN, NUM_BUSH) >> 1) < threshold(params.growth * alike.astype(jnp.float32))
+    bush_fruit = jnp.where(  # allelopathic_harvest.sj:56
+        (state.bush_fruit == BUSH_UNRIPE) & (state.bush_young == 0) & ~covered & happens, BUSH_RIPE, state.bush_fruit
+    )
     return state.replace(bush_fruit=bush_fruit), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
-    present = state.position != 0  # allelopathic_harvest.sj:58
-    chosen = jnp.where(present, actions, 6)  # allelopathic_harvest.sj:58
+    """Phase `walk`: moves each agent."""
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:58
+    chosen = jnp.where(present, actions, STAY)  # allelopathic_harvest.sj:58
     heading = (state.heading + TURN[chosen]) & 3  # allelopathic_harvest.sj:58
     stride = STEP_BY[chosen]  # allelopathic_harvest.sj:58
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # allelopathic_harvest.sj:58
-    position = resolve(state.position, target, words(key, 0xbcc46097, 16))  # allelopathic_harvest.sj:58
+    # allelopathic_harvest.sj:58
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # allelopathic_harvest.sj:58
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`."""
-    present = state.position != 0  # allelopathic_harvest.sj:60
+    """Phase `eat`: for each agent on bush, sets bush.fruit to unripe, sets bush.young to patience, counts eaten, gives
+    a reward to agent.
+    """
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:60
     bush_under = SITE_OF_BUSH[state.position]  # allelopathic_harvest.sj:60
-    active = (present & (bush_under < 348)) & (state.bush_fruit[bush_under] == 1)  # allelopathic_harvest.sj:60
-    bush_fruit = state.bush_fruit.at[jnp.where(active, bush_under, 348)].set(0, mode="drop")  # allelopathic_harvest.sj:61
-    bush_young = state.bush_young.at[jnp.where(active, bush_under, 348)].set(params.patience, mode="drop")  # allelopathic_harvest.sj:61
-    event_eaten = out.event_eaten + (jnp.where(active[:, None] & (state.bush_colour[bush_under][:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:61
+    # allelopathic_harvest.sj:60
+    active = present & (bush_under < NUM_BUSH) & (state.bush_fruit[bush_under] == BUSH_RIPE)
+    to_bush = jnp.where(active, bush_under, NUM_BUSH)  # allelopathic_harvest.sj:61
+    bush_fruit = state.bush_fruit.at[to_bush].set(BUSH_UNRIPE, mode="drop")  # allelopathic_harvest.sj:61
+    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")  # allelopathic_harvest.sj:61
+    event_eaten = out.event_eaten + (  # allelopathic_harvest.sj:61
+        active[:, None] & (state.bush_colour[bush_under][:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :])
+    ).astype(jnp.int32)
     subject = state.bush_colour[bush_under] == state.agent_taste  # allelopathic_harvest.sj:62
-    reward = out.reward + (jnp.where(active, jnp.where(subject, params.liked, params.disliked), 0.0))  # allelopathic_harvest.sj:62
-    return state.replace(bush_fruit=bush_fruit, bush_young=bush_young), out.replace(event_eaten=event_eaten, reward=reward)
+    # allelopathic_harvest.sj:62
+    reward = out.reward + jnp.where(active, jnp.where(subject, params.liked, params.disliked), 0.0)
+    return (
+        state.replace(bush_fruit=bush_fruit, bush_young=bush_young), out.replace(event_eaten=event_eaten, reward=reward)
+    )
 
 
 def sow_sow_red_red(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sow(sow_red, red)`."""
-    present = state.position != 0  # allelopathic_harvest.sj:65
-    active = present & (actions == 8)  # allelopathic_harvest.sj:65
+    """Phase `sow(sow_red, red)`: for each agent, marks seeds, sets agent.bag to red, sets agent.empty to loading."""
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:65
+    active = present & (actions == ACTION_SOW_RED)  # allelopathic_harvest.sj:65
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
-    seeds_reached = ((SEEDS_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(3, dtype=jnp.uint8)[None, :]) & 1) != 0  # allelopathic_harvest.sj:65
+    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
+    # allelopathic_harvest.sj:65
+    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
     marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, 0).reshape(-1)  # allelopathic_harvest.sj:65
-    agent_bag = jnp.where(active, 0, state.agent_bag)  # allelopathic_harvest.sj:65
+    agent_bag = jnp.where(active, AGENT_RED, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
     return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_red_red=marked), out
 
 
-def sow_sow_green_green(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sow(sow_green, green)`."""
-    present = state.position != 0  # allelopathic_harvest.sj:65
-    active = present & (actions == 9)  # allelopathic_harvest.sj:65
+def sow_sow_green_green(
+    state: State, out: Outcome, params: Params, actions: Array, key: Array
+) -> tuple[State, Outcome]:
+    """Phase `sow(sow_green, green)`: for each agent, marks seeds, sets agent.bag to green, sets agent.empty to loading.
+    """
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:65
+    active = present & (actions == ACTION_SOW_GREEN)  # allelopathic_harvest.sj:65
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
-    seeds_reached = ((SEEDS_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(3, dtype=jnp.uint8)[None, :]) & 1) != 0  # allelopathic_harvest.sj:65
+    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
+    # allelopathic_harvest.sj:65
+    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
     marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, 0).reshape(-1)  # allelopathic_harvest.sj:65
-    agent_bag = jnp.where(active, 1, state.agent_bag)  # allelopathic_harvest.sj:65
+    agent_bag = jnp.where(active, AGENT_GREEN, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
     return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_green_green=marked), out
 
 
 def sow_sow_blue_blue(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sow(sow_blue, blue)`."""
-    present = state.position != 0  # allelopathic_harvest.sj:65
-    active = present & (actions == 10)  # allelopathic_harvest.sj:65
+    """Phase `sow(sow_blue, blue)`: for each agent, marks seeds, sets agent.bag to blue, sets agent.empty to loading."""
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:65
+    active = present & (actions == ACTION_SOW_BLUE)  # allelopathic_harvest.sj:65
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
-    seeds_reached = ((SEEDS_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(3, dtype=jnp.uint8)[None, :]) & 1) != 0  # allelopathic_harvest.sj:65
+    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
+    # allelopathic_harvest.sj:65
+    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
     marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, 0).reshape(-1)  # allelopathic_harvest.sj:65
-    agent_bag = jnp.where(active, 2, state.agent_bag)  # allelopathic_harvest.sj:65
+    agent_bag = jnp.where(active, AGENT_BLUE, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
     return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_blue_blue=marked), out
 
 
 def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `plant`."""
-    present = state.position != 0  # allelopathic_harvest.sj:67
+    """Phase `plant`: matches each sower with bush in seeds of sower, sets bush.colour to sower.bag, sets bush.young to
+    patience, sets sower.coat to sower.bag, counts planted.
+    """
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:67
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:67
-    seeds_reached = ((SEEDS_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(3, dtype=jnp.uint8)[None, :]) & 1) != 0  # allelopathic_harvest.sj:67
+    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:67
+    # allelopathic_harvest.sj:67
+    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
     seeds_bush = SITE_OF_BUSH[seeds_cells]  # allelopathic_harvest.sj:67
-    ok = ((seeds_bush < 348) & seeds_reached) & ((((((actions == 8) | (actions == 9)) | (actions == 10))[:, None]) & (state.bush_fruit[seeds_bush] == 0)) & (state.bush_colour[seeds_bush] != state.agent_bag[:, None]))  # allelopathic_harvest.sj:67
+    # allelopathic_harvest.sj:67
+    sows = (actions == ACTION_SOW_RED) | (actions == ACTION_SOW_GREEN) | (actions == ACTION_SOW_BLUE)
+    ok = (  # allelopathic_harvest.sj:67
+        (seeds_bush < NUM_BUSH)
+        & seeds_reached
+        & (sows[:, None] & (state.bush_fruit[seeds_bush] == BUSH_UNRIPE))
+        & (state.bush_colour[seeds_bush] != state.agent_bag[:, None])
+    )
     in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_SEEDS]  # allelopathic_harvest.sj:67
     nearest = jnp.argmax(in_lane, axis=-1)  # allelopathic_harvest.sj:67
     found = jnp.any(in_lane, axis=-1)  # allelopathic_harvest.sj:67
-    place_2 = LANES_OF_SEEDS[jnp.arange(1)[None, :], nearest]  # allelopathic_harvest.sj:67
-    bush = jnp.take_along_axis(seeds_bush, jnp.minimum(place_2, 2), axis=1)  # allelopathic_harvest.sj:67
-    order = ranks(words_at(key, 0xc69ac9fb, (jnp.arange(16, dtype=jnp.int32)[:, None] * 348 + bush).astype(jnp.uint32)), (present[:, None] & found))  # allelopathic_harvest.sj:67
-    bush_2 = pair_reached(bush, order, 348, alike=False)  # allelopathic_harvest.sj:67
-    matched = bush_2 < 348  # allelopathic_harvest.sj:67
-    bush_colour = state.bush_colour.at[jnp.where(matched, bush_2, 348)].set(state.agent_bag, mode="drop")  # allelopathic_harvest.sj:68
-    bush_young = state.bush_young.at[jnp.where(matched, bush_2, 348)].set(params.patience, mode="drop")  # allelopathic_harvest.sj:68
+    cell_of_lane = LANES_OF_SEEDS[jnp.arange(1)[None, :], nearest]  # allelopathic_harvest.sj:67
+    bush = jnp.take_along_axis(seeds_bush, jnp.minimum(cell_of_lane, 2), axis=1)  # allelopathic_harvest.sj:67
+    pairs = present[:, None] & found  # allelopathic_harvest.sj:67
+    # allelopathic_harvest.sj:67
+    instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_BUSH + bush).astype(jnp.uint32)
+    order = ranks(words_at(key, STREAM_PLANT, instance), pairs)  # allelopathic_harvest.sj:67
+    bush_2 = pair_reached(bush, order, NUM_BUSH, alike=False)  # allelopathic_harvest.sj:67
+    matched = bush_2 < NUM_BUSH  # allelopathic_harvest.sj:67
+    to_bush = jnp.where(matched, bush_2, NUM_BUSH)  # allelopathic_harvest.sj:68
+    bush_colour = state.bush_colour.at[to_bush].set(state.agent_bag, mode="drop")  # allelopathic_harvest.sj:68
+    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")  # allelopathic_harvest.sj:68
     agent_coat = jnp.where(matched, state.agent_bag + 1, state.agent_coat)  # allelopathic_harvest.sj:68
-    event_planted = out.event_planted + (jnp.where(matched[:, None] & (state.agent_bag[:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:68
-    return state.replace(bush_colour=bush_colour, bush_young=bush_young, agent_coat=agent_coat), out.replace(event_planted=event_planted)
+    event_planted = out.event_planted + (  # allelopathic_harvest.sj:68
+        matched[:, None] & (state.agent_bag[:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :])
+    ).astype(jnp.int32)
+    return (
+        state.replace(bush_colour=bush_colour, bush_young=bush_young, agent_coat=agent_coat),
+        out.replace(event_planted=event_planted),
+    )
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`."""
-    present = state.position != 0  # allelopathic_harvest.sj:72
-    active = present & (actions == 7)  # allelopathic_harvest.sj:72
+    """Phase `fire`: for each zapper, marks zap, sets zapper.hot to cooling, for the first victim in zap of zapper, adds
+    1 to victim.hits, sets victim.stunned to frozen, sets victim.recovering to recovery.
+    """
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:72
+    active = present & (actions == ACTION_ZAP)  # allelopathic_harvest.sj:72
     zap_cells = state.position[:, None] + ZAP_OFFSETS[state.heading]  # allelopathic_harvest.sj:73
     marked = jnp.where(active[:, None] & INSIDE[zap_cells], zap_cells, 0).reshape(-1)  # allelopathic_harvest.sj:73
     agent_hot = jnp.where(active, params.cooling.astype(jnp.uint8), state.agent_hot)  # allelopathic_harvest.sj:73
-    standing = zap_cells[..., None] == state.position[None, None, :]  # allelopathic_harvest.sj:74
+    standing = zap_cells[:, :, None] == state.position[None, None, :]  # allelopathic_harvest.sj:74
     victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # allelopathic_harvest.sj:74
     anybody = jnp.any(standing, axis=-1)  # allelopathic_harvest.sj:74
-    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_ZAP]  # allelopathic_harvest.sj:74
+    # allelopathic_harvest.sj:74
+    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_ZAP]
     nearest = jnp.argmax(in_lane, axis=-1)  # allelopathic_harvest.sj:74
     found = jnp.any(in_lane, axis=-1)  # allelopathic_harvest.sj:74
-    place_2 = LANES_OF_ZAP[jnp.arange(3)[None, :], nearest]  # allelopathic_harvest.sj:74
-    victim_2 = jnp.take_along_axis(victim, jnp.minimum(place_2, 8), axis=1)  # allelopathic_harvest.sj:74
+    cell_of_lane = LANES_OF_ZAP[jnp.arange(3)[None, :], nearest]  # allelopathic_harvest.sj:74
+    victim_2 = jnp.take_along_axis(victim, jnp.minimum(cell_of_lane, 8), axis=1)  # allelopathic_harvest.sj:74
     active_2 = active[:, None] & found  # allelopathic_harvest.sj:74
-    agent_hits_added = jnp.zeros((16,), jnp.int32).at[victim_2].add(jnp.where(active_2, jnp.int32(1), jnp.int32(0)), mode="drop")  # allelopathic_harvest.sj:74
-    agent_stunned = state.agent_stunned.at[jnp.where(active_2, victim_2, 16)].set(params.frozen.astype(jnp.uint8), mode="drop")  # allelopathic_harvest.sj:74
-    agent_recovering = state.agent_recovering.at[jnp.where(active_2, victim_2, 16)].set(params.recovery, mode="drop")  # allelopathic_harvest.sj:74
-    agent_hits = (jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2)).astype(jnp.uint8)
-    return state.replace(agent_hot=agent_hot, agent_stunned=agent_stunned, agent_recovering=agent_recovering, agent_hits=agent_hits, mark_fire=marked), out
+    # allelopathic_harvest.sj:74
+    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(active_2.astype(jnp.int32), mode="drop")
+    to_agent = jnp.where(active_2, victim_2, NUM_AGENTS)  # allelopathic_harvest.sj:74
+    # allelopathic_harvest.sj:74
+    agent_stunned = state.agent_stunned.at[to_agent].set(params.frozen.astype(jnp.uint8), mode="drop")
+    # allelopathic_harvest.sj:74
+    agent_recovering = state.agent_recovering.at[to_agent].set(params.recovery, mode="drop")
+    agent_hits = jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2).astype(jnp.uint8)
+    return (
+        state.replace(
+            agent_hot=agent_hot,
+            agent_stunned=agent_stunned,
+            agent_recovering=agent_recovering,
+            agent_hits=agent_hits,
+            mark_fire=marked,
+        ),
+        out,
+    )
 
 
 def judge(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `judge`."""
-    present = state.position != 0  # allelopathic_harvest.sj:78
-    active = present & (state.agent_hits.astype(jnp.int32) == 2)  # allelopathic_harvest.sj:78
+    """Phase `judge`: for each a, sets a.hits to 0, gives a reward to a, sends a to floor after a delay, counts
+    banished; for each a, sets a.hits to 0.
+    """
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:78
+    active = present & (state.agent_hits == 2)  # allelopathic_harvest.sj:78
     agent_hits = jnp.where(active, 0, state.agent_hits)  # allelopathic_harvest.sj:78
     reward = out.reward + jnp.where(active, params.penalty, 0.0)  # allelopathic_harvest.sj:78
     delay = jnp.int32(25)  # allelopathic_harvest.sj:78
-    event_banished = out.event_banished + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # allelopathic_harvest.sj:78
-    agent_hits = jnp.where(present & ((state.agent_hits.astype(jnp.int32) < 2) & (state.agent_recovering == 0)), 0, agent_hits)  # allelopathic_harvest.sj:79
-    position = jnp.where(active, 0, state.position)  # allelopathic_harvest.sj:78
+    event_banished = out.event_banished + active.astype(jnp.int32)  # allelopathic_harvest.sj:78
+    # allelopathic_harvest.sj:79
+    agent_hits = jnp.where(present & (state.agent_hits < 2) & (state.agent_recovering == 0), 0, agent_hits)
+    position = jnp.where(active, NOWHERE, state.position)  # allelopathic_harvest.sj:78
     away = jnp.where(active, delay, state.away)  # allelopathic_harvest.sj:78
     away_pool = jnp.where(active, 1, state.away_pool)  # allelopathic_harvest.sj:78
-    away_facing = jnp.where(active, 4, state.away_facing)  # allelopathic_harvest.sj:78
-    return state.replace(agent_hits=agent_hits, position=position, away=away, away_pool=away_pool, away_facing=away_facing), out.replace(reward=reward, event_banished=event_banished)
+    away_facing = jnp.where(active, ANY_HEADING, state.away_facing)  # allelopathic_harvest.sj:78
+    return (
+        state.replace(
+            agent_hits=agent_hits, position=position, away=away, away_pool=away_pool, away_facing=away_facing
+        ),
+        out.replace(reward=reward, event_banished=event_banished),
+    )
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((16, 11), bool)
-    forbidden = state.agent_stunned.astype(jnp.int32) > 0  # allelopathic_harvest.sj:39
-    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # allelopathic_harvest.sj:39
-    forbidden_2 = state.agent_hot.astype(jnp.int32) > 0  # allelopathic_harvest.sj:39
-    allowed = allowed & ~(forbidden_2[:, None] & FORBIDS_2[None])  # allelopathic_harvest.sj:39
-    forbidden_3 = state.agent_empty.astype(jnp.int32) > 0  # allelopathic_harvest.sj:40
-    allowed = allowed & ~(forbidden_3[:, None] & FORBIDS_3[None])  # allelopathic_harvest.sj:40
-    return allowed
+    forbidden = state.agent_stunned > 0  # allelopathic_harvest.sj:39
+    closed = forbidden[:, None] & FORBIDS[None]  # allelopathic_harvest.sj:39
+    forbidden_2 = state.agent_hot > 0  # allelopathic_harvest.sj:39
+    closed_2 = forbidden_2[:, None] & FORBIDS_2[None]  # allelopathic_harvest.sj:39
+    forbidden_3 = state.agent_empty > 0  # allelopathic_harvest.sj:40
+    closed_3 = forbidden_3[:, None] & FORBIDS_3[None]  # allelopathic_harvest.sj:40
+    return ~closed & ~closed_2 & ~closed_3
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_bush = jnp.sum(state.bush_colour == 0, dtype=jnp.int32)  # allelopathic_harvest.sj:93
-    num_bush_2 = jnp.sum(state.bush_colour == 1, dtype=jnp.int32)  # allelopathic_harvest.sj:93
-    num_bush_3 = jnp.sum(state.bush_colour == 2, dtype=jnp.int32)  # allelopathic_harvest.sj:93
+    num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)  # allelopathic_harvest.sj:93
+    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)  # allelopathic_harvest.sj:93
+    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)  # allelopathic_harvest.sj:93
     commonest = jnp.maximum(jnp.maximum(num_bush, num_bush_2), num_bush_3)  # allelopathic_harvest.sj:93
-    return {'commonest': commonest.astype(jnp.float32)}
+    return {"commonest": commonest.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -449,21 +642,58 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 9, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_1 = jnp.zeros(2256, jnp.uint8)
-    plane_0 = fill(plane_0, CELLS_BUSH, ((state.bush_colour) * 2 + state.bush_fruit + 2))  # allelopathic_harvest.sj:24
-    plane_1 = paint(plane_1, state.mark_sow_sow_red_red, 1)  # allelopathic_harvest.sj:65
-    plane_1 = paint(plane_1, state.mark_sow_sow_green_green, 2)  # allelopathic_harvest.sj:65
-    plane_1 = paint(plane_1, state.mark_sow_sow_blue_blue, 4)  # allelopathic_harvest.sj:65
-    plane_1 = paint(plane_1, state.mark_fire, 8)  # allelopathic_harvest.sj:71
-    plane_0 = paint(plane_0, state.position, (jnp.arange(16, dtype=jnp.uint8) + 1) << 3)  # allelopathic_harvest.sj:32
-    seen_0 = windows(plane_0.reshape(48, 47), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # allelopathic_harvest.sj:90
-    seen_1 = windows(plane_1.reshape(48, 47), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # allelopathic_harvest.sj:90
-    agent = (seen_0 >> 3) & 31  # allelopathic_harvest.sj:90
+    plane_1 = jnp.zeros(FRAME_CELLS, jnp.uint8)
+    # allelopathic_harvest.sj:24
+    plane_0 = fill(plane_0, CELLS_BUSH, state.bush_colour * 2 + state.bush_fruit + BUSH_LOOK)
+    plane_1 = paint(plane_1, state.mark_sow_sow_red_red, MARK_SOW_SOW_RED_RED_BIT)  # allelopathic_harvest.sj:65
+    plane_1 = paint(plane_1, state.mark_sow_sow_green_green, MARK_SOW_SOW_GREEN_GREEN_BIT)  # allelopathic_harvest.sj:65
+    plane_1 = paint(plane_1, state.mark_sow_sow_blue_blue, MARK_SOW_SOW_BLUE_BLUE_BIT)  # allelopathic_harvest.sj:65
+    plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # allelopathic_harvest.sj:71
+    # allelopathic_harvest.sj:32
+    plane_0 = paint(plane_0, state.position, (jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1) << AGENT_SHIFT)
+    seen_0 = windows(  # allelopathic_harvest.sj:90
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    seen_1 = windows(  # allelopathic_harvest.sj:90
+        plane_1.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    content = seen_0 & CONTENT_MASK  # allelopathic_harvest.sj:90
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # allelopathic_harvest.sj:90
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # allelopathic_harvest.sj:90
+    agents = jnp.where(  # allelopathic_harvest.sj:90
+        MYSELF[None],
+        1,
+        jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
+    ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]  # allelopathic_harvest.sj:90
+    marks = seen_1 & MARK_MASK  # allelopathic_harvest.sj:90
     shown_taste = state.agent_taste  # allelopathic_harvest.sj:91
-    shown_stunned = state.agent_stunned.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:91
-    shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:91
-    shown_empty = state.agent_empty.astype(jnp.int32).astype(jnp.uint8)  # allelopathic_harvest.sj:91
-    present = state.position != 0  # allelopathic_harvest.sj:91
-    return planes_of((11, 11), present, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (seen_1 >> 0) & 15, jnp.where(theirs, state.agent_coat[who] + 1, 0), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_taste[:, None], (16, 121)), jnp.broadcast_to(shown_stunned[:, None], (16, 121)), jnp.broadcast_to(shown_hot[:, None], (16, 121)), jnp.broadcast_to(shown_empty[:, None], (16, 121)))
+    shown_stunned = state.agent_stunned  # allelopathic_harvest.sj:91
+    shown_hot = state.agent_hot  # allelopathic_harvest.sj:91
+    shown_empty = state.agent_empty  # allelopathic_harvest.sj:91
+    present = state.position != NOWHERE  # allelopathic_harvest.sj:91
+    return planes_of(
+        WINDOW,
+        present,
+        content,
+        agents,
+        marks,
+        jnp.where(theirs, state.agent_coat[who] + 1, 0),
+        jnp.where(theirs, state.agent_hits[who], 0),
+        jnp.broadcast_to(shown_taste[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_stunned[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_hot[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_empty[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+    )

@@ -10,17 +10,26 @@ from jax import Array
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, ranks, threshold, words, words_at
 from sjdsl.runtime.fields import StateField
-from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
+from sjdsl.runtime.geometry import (
+    cells_of,
+    inside,
+    next_cells,
+    own_cell,
+    painted,
+    shape_offsets,
+    site_numbers,
+    values_of,
+)
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry, mix
+from sjdsl.runtime.rows import mix
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'chicken'
-TITLE = 'Chicken in the matrix: Arena'
-HASH = '23038c4c60698c3f'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'interact')
+NAME = "chicken"
+TITLE = "Chicken in the matrix: Arena"
+HASH = "23038c4c60698c3f"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "interact")
 STAY = 6
 NUM_AGENTS = 4
 PAD = 9
@@ -28,16 +37,16 @@ FRAME = (42, 43)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = True
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('collected[dove]', 'event_collected', 0),
-    ('collected[hawk]', 'event_collected', 1),
-    ('met', 'event_met', None),
+EVENTS = (
+    ("collected[dove]", "event_collected", 0),
+    ("collected[hawk]", "event_collected", 1),
+    ("met", "event_met", None),
 )
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='patch_class', encoding='word', size=2),
-    StateField(attribute='patch_stock', encoding='word', size=2),
-    StateField(attribute='agent_bag', encoding='number', low=0.0, high=100.0),
-    StateField(attribute='agent_resting', encoding='number'),
+FIELDS = (
+    StateField(attribute="patch_class", encoding="word", size=2),
+    StateField(attribute="patch_stock", encoding="word", size=2),
+    StateField(attribute="agent_bag", encoding="number", low=0.0, high=100.0),
+    StateField(attribute="agent_resting", encoding="number"),
 )
 MAP = (
     '#########################',
@@ -66,27 +75,80 @@ MAP = (
     '#########################',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'floor', 'wall', 'patch class=dove stock=none', 'patch class=dove stock=ripe', 'patch class=hawk stock=none', 'patch class=hawk stock=ripe', 'gate'), high=7),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('meet',), high=1),
-    TokenPlane(name='agent.bag[dove]', encoding='number', labels=(), high=100),
-    TokenPlane(name='agent.bag[hawk]', encoding='number', labels=(), high=100),
-    TokenPlane(name='agent.resting', encoding='word', labels=('held', 'free'), high=1),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=(
+            "outside",
+            "floor",
+            "wall",
+            "patch class=dove stock=none",
+            "patch class=dove stock=ripe",
+            "patch class=hawk stock=none",
+            "patch class=hawk stock=ripe",
+            "gate",
+        ),
+        high=7,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("meet",), high=1),
+    TokenPlane(name="agent.bag[dove]", encoding="number", labels=(), high=100),
+    TokenPlane(name="agent.bag[hawk]", encoding="number", labels=(), high=100),
+    TokenPlane(name="agent.resting", encoding="word", labels=("held", "free"), high=1),
 )
 
-CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of gate
-SITE_OF_PATCH = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'CD')))  # number of each cell among patch; past the end: none
+NUM_GATE = 64  # cells of gate
+NUM_PATCH = 12  # cells of patch
+ACTION_INTERACT = 7
+PATCH_NONE = 0
+PATCH_RIPE = 1
+PATCH_DOVE = 0
+PATCH_HAWK = 1
+NO_STEP = 4
+PATCH_LOOK = 3  # as it is painted
+MARK_MEET_BIT = 64
+AGENT_SHIFT = 3
+NUM_VIEW_CELLS = 121  # cells of a window
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 7
+MARK_MEET_SHIFT = 6
+MARK_MEET_MASK = 1
+MARKS_OF_MEET = 4  # cells that meet can mark
+STREAM_START = 0xa452ab5d  # pd_arena.sj:42
+STREAM_START_2 = 0xcb7943f8  # pd_arena.sj:42
+STREAM_GROW = 0x57b54aff  # pd_arena.sj:46
+STREAM_WALK = 0xbcc46097  # pd_arena.sj:47
+STREAM_MEET = 0x9bef4160  # pd_arena.sj:56
+STREAM_MEET_2 = 0x048272b2  # pd_arena.sj:60
+STREAM_MEET_3 = 0xc3ad4b03  # pd_arena.sj:61
+STREAM_MEET_4 = 0xc2abf391  # pd_arena.sj:61
+
+CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of gate
+# number of each cell among patch; past the end: none
+SITE_OF_PATCH = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "CD")))
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, '#'))  # where a step leads, by cell and direction; the cell itself if blocked
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
 REACH_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0),)))  # cells of reach from an agent's cell, for each heading
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'P')))  # number of each cell among gate; past the end: none
+# number of each cell among gate; past the end: none
+SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "P")))
 FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
-BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'C': 3, 'D': 3, 'P': 7}))  # looks of the cells of the frame, fields aside
-CELLS_PATCH = jnp.asarray(cells_of(MAP, PAD, 'CD'))  # cells of patch
+# looks of the cells of the frame, fields aside
+BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "C": 3, "D": 3, "P": 7}))
+CELLS_PATCH = jnp.asarray(cells_of(MAP, PAD, "CD"))  # cells of patch
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
-PATCH_CLASS_START = jnp.asarray(values_of(MAP, {'C': 0, 'D': 1}, 'uint8'))  # class of patch as on the map
+PATCH_CLASS_START = jnp.asarray(values_of(MAP, {"C": 0, "D": 1}, "uint8"))  # class of patch as on the map
 
 
 @struct.dataclass
@@ -139,31 +201,29 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(4, jnp.int32),
-        heading=jnp.zeros(4, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
         patch_class=PATCH_CLASS_START,
-        patch_stock=jnp.full((12,), 1, jnp.uint8),
-        agent_bag=jnp.full((4, 2), 0, jnp.uint8),
-        agent_resting=jnp.full((4,), 0, jnp.uint8),
-        mark_meet=jnp.zeros(4, jnp.int32),
+        patch_stock=jnp.full(NUM_PATCH, PATCH_RIPE, jnp.uint8),
+        agent_bag=jnp.full((NUM_AGENTS, 2), 0, jnp.uint8),
+        agent_resting=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        mark_meet=jnp.zeros(MARKS_OF_MEET, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(4, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_collected=jnp.zeros((4, 2), jnp.int32),
-        event_met=jnp.zeros((4,), jnp.int32),
+        event_collected=jnp.zeros((NUM_AGENTS, 2), jnp.int32),
+        event_met=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -182,80 +242,134 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(4, True)  # pd_arena.sj:42
-    position, placed = place(CELLS_GATE, jnp.full(64, True), words(key, 0xa452ab5d, 4), state.position, sent)  # pd_arena.sj:42
-    heading = jnp.where(placed, below(words(key, 0xcb7943f8, 4), 4), state.heading)  # pd_arena.sj:42
+    """Phase `start`, before the first step: for each agent, sends agent to gate."""
+    sent = jnp.full(NUM_AGENTS, True)  # pd_arena.sj:42
+    position, placed = place(  # pd_arena.sj:42
+        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+    )
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:42
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`."""
+    """Phase `grow`: for each patch, by chance, sets patch.stock to ripe."""
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:46
-    covered = occupied(patch_under, 12)  # pd_arena.sj:46
-    happens = (words(key, 0x57b54aff, 12) >> 1) < threshold(params.regrow)  # pd_arena.sj:46
-    patch_stock = jnp.where(((state.patch_stock == 0) & ~covered) & happens, 1, state.patch_stock)  # pd_arena.sj:46
+    covered = occupied(patch_under, NUM_PATCH)  # pd_arena.sj:46
+    happens = (words(key, STREAM_GROW, NUM_PATCH) >> 1) < threshold(params.regrow)  # pd_arena.sj:46
+    # pd_arena.sj:46
+    patch_stock = jnp.where((state.patch_stock == PATCH_NONE) & ~covered & happens, PATCH_RIPE, state.patch_stock)
     return state.replace(patch_stock=patch_stock), out
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """All timers fall by one; agents whose time away is over return."""
+    """All timers fall by one."""
     agent_resting = state.agent_resting - (state.agent_resting > 0).astype(state.agent_resting.dtype)  # pd_arena.sj:36
     return state.replace(agent_resting=agent_resting), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
+    """Phase `walk`: moves each agent."""
     heading = (state.heading + TURN[actions]) & 3  # pd_arena.sj:47
     stride = STEP_BY[actions]  # pd_arena.sj:47
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # pd_arena.sj:47
-    position = resolve(state.position, target, words(key, 0xbcc46097, 4))  # pd_arena.sj:47
+    # pd_arena.sj:47
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # pd_arena.sj:47
     return state.replace(heading=heading, position=position), out
 
 
 def collect(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `collect`."""
+    """Phase `collect`: for each agent on patch, sets patch.stock to none, adds 1 to agent.bag[patch.class], counts
+    collected.
+    """
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:49
-    active = (patch_under < 12) & (state.patch_stock[patch_under] == 1)  # pd_arena.sj:49
-    patch_stock = state.patch_stock.at[jnp.where(active, patch_under, 12)].set(0, mode="drop")  # pd_arena.sj:50
-    agent_bag_added = jnp.where(state.patch_class[patch_under][..., None] == jnp.arange(2, dtype=jnp.uint8)[None, :], (jnp.where(active, jnp.int32(1), jnp.int32(0)))[..., None], jnp.int32(0))  # pd_arena.sj:51
-    event_collected = out.event_collected + (jnp.where(active[:, None] & (state.patch_class[patch_under][:, None] == jnp.arange(2, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # pd_arena.sj:51
-    agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 100)).astype(jnp.uint8)
+    active = (patch_under < NUM_PATCH) & (state.patch_stock[patch_under] == PATCH_RIPE)  # pd_arena.sj:49
+    to_patch = jnp.where(active, patch_under, NUM_PATCH)  # pd_arena.sj:50
+    patch_stock = state.patch_stock.at[to_patch].set(PATCH_NONE, mode="drop")  # pd_arena.sj:50
+    agent_bag_added = jnp.where(  # pd_arena.sj:51
+        state.patch_class[patch_under][..., None] == jnp.arange(2, dtype=jnp.uint8)[None, :],
+        active.astype(jnp.int32)[..., None],
+        jnp.int32(0),
+    )
+    event_collected = out.event_collected + (  # pd_arena.sj:51
+        active[:, None] & (state.patch_class[patch_under][:, None] == jnp.arange(2, dtype=jnp.uint8)[None, :])
+    ).astype(jnp.int32)
+    agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 100).astype(jnp.uint8)
     return state.replace(patch_stock=patch_stock, agent_bag=agent_bag), out.replace(event_collected=event_collected)
 
 
 def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `meet`."""
+    """Phase `meet`: for each row, marks reach; matches each row with column in reach of row, gives a reward to row,
+    gives a reward to column, for each one of row and column, sets one.resting to rest, sets one.bag to 0, sends one
+    to gate, counts met.
+    """
     reach_cells = state.position[:, None] + REACH_OFFSETS[state.heading]  # pd_arena.sj:55
-    marked = (jnp.where(((actions == 7)[:, None]) & INSIDE[reach_cells], reach_cells, 0)).reshape(-1)  # pd_arena.sj:55
+    # pd_arena.sj:55
+    marked = jnp.where((actions == ACTION_INTERACT)[:, None] & INSIDE[reach_cells], reach_cells, 0).reshape(-1)
     in_reach = jnp.any(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
-    order = ranks(words(key, 0x9bef4160, 4, 4), (in_reach & ((((actions == 7) & (((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0) & (state.agent_resting.astype(jnp.int32) == 0)))[:, None]) & ((((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0) & (state.agent_resting.astype(jnp.int32) == 0))[None, :]))) & ~jnp.eye(4, dtype=bool))  # pd_arena.sj:56
+    ready = (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)  # pd_arena.sj:56
+    pairs = (  # pd_arena.sj:56
+        in_reach & ((actions == ACTION_INTERACT) & ready)[:, None] & ready[None, :] & ~jnp.eye(NUM_AGENTS, dtype=bool)
+    )
+    order = ranks(words(key, STREAM_MEET, NUM_AGENTS, NUM_AGENTS), pairs)  # pd_arena.sj:56
     column = pair(order, alike=True)  # pd_arena.sj:56
-    matched = column < 4  # pd_arena.sj:56
-    reward = out.reward + (jnp.where(matched, jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * jnp.sum((mix(state.agent_bag.astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32), 0.0))  # pd_arena.sj:57
-    reward = reward + (jnp.sum(jnp.where(matched[:, None] & (column[:, None] == jnp.arange(4, dtype=jnp.int32)[None, :]), ((jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * jnp.sum((mix(state.agent_bag[column].astype(jnp.int32)))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32), axis=1, dtype=jnp.float32))[:, None]), 0.0), axis=0, dtype=jnp.float32))  # pd_arena.sj:58
-    one = jnp.stack([jnp.broadcast_to(jnp.arange(4, dtype=jnp.int32), (4,)), jnp.broadcast_to(column, (4,))], axis=1)  # pd_arena.sj:59
-    active = matched[:, None] & (~((((jnp.arange(2) == 1))[None, :]) & ((column == jnp.arange(4, dtype=jnp.int32))[:, None])))  # pd_arena.sj:59
-    rest = (below(words_at(key, 0x048272b2, (((jnp.arange(4, dtype=jnp.int32) * 4)[:, None]) + one).astype(jnp.uint32)), (params.rest_hi - params.rest_lo) + 1)) + params.rest_lo  # pd_arena.sj:60
-    agent_resting = state.agent_resting.at[jnp.where(active, one, 4)].set(rest.astype(jnp.uint8), mode="drop")  # pd_arena.sj:61
-    agent_bag = state.agent_bag.at[jnp.where(active, one, 4)].set(0, mode="drop")  # pd_arena.sj:61
-    sent = jnp.zeros(4, bool).at[jnp.where(active, one, 4)].set(True, mode="drop")  # pd_arena.sj:61
-    times = jnp.sum(active[:, :, None] & (one[:, :, None] == jnp.arange(4, dtype=jnp.int32)[None, None, :]), axis=(0, 1), dtype=jnp.int32)  # pd_arena.sj:61
+    matched = column < NUM_AGENTS  # pd_arena.sj:56
+    expected_row = jnp.sum(  # pd_arena.sj:57
+        mix(state.agent_bag.astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
+    )
+    # pd_arena.sj:57
+    expected = jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * expected_row, axis=1, dtype=jnp.float32)
+    reward = out.reward + jnp.where(matched, expected, 0.0)  # pd_arena.sj:57
+    expected_row_2 = jnp.sum(  # pd_arena.sj:58
+        mix(state.agent_bag[column].astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
+    )
+    # pd_arena.sj:58
+    expected_2 = jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * expected_row_2, axis=1, dtype=jnp.float32)
+    reward = reward + jnp.sum(  # pd_arena.sj:58
+        jnp.where(
+            matched[:, None] & (column[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
+            expected_2[:, None],
+            0.0,
+        ),
+        axis=0,
+        dtype=jnp.float32,
+    )
+    one = jnp.stack([jnp.arange(NUM_AGENTS, dtype=jnp.int32), column], axis=1)  # pd_arena.sj:59
+    active = matched[:, None] & ~(  # pd_arena.sj:59
+        (jnp.arange(2, dtype=jnp.int32) == 1)[None, :] & (column == jnp.arange(NUM_AGENTS, dtype=jnp.int32))[:, None]
+    )
+    # pd_arena.sj:60
+    instance = ((jnp.arange(NUM_AGENTS, dtype=jnp.int32) * NUM_AGENTS)[:, None] + one).astype(jnp.uint32)
+    word = words_at(key, STREAM_MEET_2, instance)  # pd_arena.sj:60
+    rest = below(word, params.rest_hi - params.rest_lo + 1) + params.rest_lo  # pd_arena.sj:60
+    to_agent = jnp.where(active, one, NUM_AGENTS)  # pd_arena.sj:61
+    agent_resting = state.agent_resting.at[to_agent].set(rest.astype(jnp.uint8), mode="drop")  # pd_arena.sj:61
+    agent_bag = state.agent_bag.at[to_agent].set(0, mode="drop")  # pd_arena.sj:61
+    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent].set(True, mode="drop")  # pd_arena.sj:61
+    times = jnp.sum(  # pd_arena.sj:61
+        active[:, :, None] & (one[:, :, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, None, :]),
+        axis=(0, 1),
+        dtype=jnp.int32,
+    )
     event_met = out.event_met + times  # pd_arena.sj:61
     gate_under = SITE_OF_GATE[state.position]  # pd_arena.sj:61
-    others = jnp.where(sent, 64, gate_under)  # pd_arena.sj:61
-    free = ~occupied(others, 64)  # pd_arena.sj:61
-    position, placed = place(CELLS_GATE, free, words(key, 0xc3ad4b03, 4), state.position, sent)  # pd_arena.sj:61
-    heading = jnp.where(placed, below(words(key, 0xc2abf391, 4), 4), state.heading)  # pd_arena.sj:61
-    return state.replace(agent_resting=agent_resting, agent_bag=agent_bag, position=position, heading=heading, mark_meet=marked), out.replace(reward=reward, event_met=event_met)
+    others = jnp.where(sent, NUM_GATE, gate_under)  # pd_arena.sj:61
+    free = ~occupied(others, NUM_GATE)  # pd_arena.sj:61
+    # pd_arena.sj:61
+    position, placed = place(CELLS_GATE, free, words(key, STREAM_MEET_3, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(words(key, STREAM_MEET_4, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:61
+    return (
+        state.replace(
+            agent_resting=agent_resting, agent_bag=agent_bag, position=position, heading=heading, mark_meet=marked
+        ),
+        out.replace(reward=reward, event_met=event_met),
+    )
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((4, 8), bool)
-    forbidden = state.agent_resting.astype(jnp.int32) > 0  # pd_arena.sj:36
-    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # pd_arena.sj:36
-    return allowed
+    forbidden = state.agent_resting > 0  # pd_arena.sj:36
+    closed = forbidden[:, None] & FORBIDS[None]  # pd_arena.sj:36
+    return ~closed
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
@@ -271,12 +385,33 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_PATCH, ((state.patch_class) * 2 + state.patch_stock + 3))  # chicken.sj:11
-    plane_0 = paint(plane_0, state.mark_meet, 64)  # pd_arena.sj:54
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # pd_arena.sj:32
-    seen_0 = windows(plane_0.reshape(42, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # pd_arena.sj:74
-    agent = (seen_0 >> 3) & 7  # pd_arena.sj:74
-    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # pd_arena.sj:75
-    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # pd_arena.sj:75
-    shown_resting = (jnp.where(state.agent_resting.astype(jnp.int32) > 0, jnp.uint8(0), jnp.uint8(1))).astype(jnp.uint8)  # pd_arena.sj:75
-    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (4, 121)), jnp.broadcast_to(shown_bag_2[:, None], (4, 121)), jnp.broadcast_to(shown_resting[:, None], (4, 121)))
+    plane_0 = fill(plane_0, CELLS_PATCH, state.patch_class * 2 + state.patch_stock + PATCH_LOOK)  # chicken.sj:11
+    plane_0 = paint(plane_0, state.mark_meet, MARK_MEET_BIT)  # pd_arena.sj:54
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # pd_arena.sj:32
+    seen_0 = windows(  # pd_arena.sj:74
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    content = seen_0 & CONTENT_MASK  # pd_arena.sj:74
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # pd_arena.sj:74
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # pd_arena.sj:74
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # pd_arena.sj:74
+    marks = (seen_0 >> MARK_MEET_SHIFT) & MARK_MEET_MASK  # pd_arena.sj:74
+    shown_bag = state.agent_bag[:, PATCH_DOVE]  # pd_arena.sj:75
+    shown_bag_2 = state.agent_bag[:, PATCH_HAWK]  # pd_arena.sj:75
+    shown_resting = jnp.where(state.agent_resting > 0, jnp.uint8(0), jnp.uint8(1))  # pd_arena.sj:75
+    return planes_of(
+        WINDOW,
+        None,
+        content,
+        agents,
+        marks,
+        jnp.broadcast_to(shown_bag[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_bag_2[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_resting[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+    )

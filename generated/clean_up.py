@@ -10,17 +10,26 @@ from jax import Array
 from sjdsl.runtime.counting import occupied, times_in
 from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.fields import StateField
-from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
+from sjdsl.runtime.geometry import (
+    cells_of,
+    inside,
+    next_cells,
+    own_cell,
+    painted,
+    shape_offsets,
+    site_numbers,
+    values_of,
+)
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import as_bits, entry, ramp
+from sjdsl.runtime.rows import as_bits, ramp
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'clean_up'
-TITLE = 'Clean Up'
-HASH = '32b3f72fba0afb30'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap', 'clean')
+NAME = "clean_up"
+TITLE = "Clean Up"
+HASH = "32b3f72fba0afb30"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap", "clean")
 STAY = 6
 NUM_AGENTS = 7
 PAD = 9
@@ -28,15 +37,11 @@ FRAME = (37, 46)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = False
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('eaten', 'event_eaten', None),
-    ('cleaned', 'event_cleaned', None),
-    ('hits', 'event_hits', None),
-)
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='water_state', encoding='word', size=2),
-    StateField(attribute='water_cleaners', encoding='agents'),
-    StateField(attribute='orchard_fruit', encoding='word', size=2),
+EVENTS = (("eaten", "event_eaten", None), ("cleaned", "event_cleaned", None), ("hits", "event_hits", None))
+FIELDS = (
+    StateField(attribute="water_state", encoding="word", size=2),
+    StateField(attribute="water_cleaners", encoding="agents"),
+    StateField(attribute="orchard_fruit", encoding="word", size=2),
 )
 MAP = (
     'FFHFHFHFHFHFHFHFHFHFHFHFHFFF',
@@ -60,25 +65,87 @@ MAP = (
     'BBBBBBBBBBBBBBBBBBBBBBBBBBBB',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'grass', 'wall', 'water state=clean', 'water state=dirty', 'channel', 'orchard fruit=none', 'orchard fruit=ripe', 'gate'), high=8),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('scrub', 'fire'), high=3),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=(
+            "outside",
+            "grass",
+            "wall",
+            "water state=clean",
+            "water state=dirty",
+            "channel",
+            "orchard fruit=none",
+            "orchard fruit=ripe",
+            "gate",
+        ),
+        high=8,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("scrub", "fire"), high=3),
 )
 
-CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of gate
-SITE_OF_ORCHARD = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'B')))  # number of each cell among orchard; past the end: none
+NUM_GATE = 19  # cells of gate
+NUM_ORCHARD = 122  # cells of orchard
+NUM_WATER = 147  # cells of water
+ACTION_CLEAN = 8
+ACTION_ZAP = 7
+ORCHARD_NONE = 0
+WATER_DIRTY = 1
+ORCHARD_RIPE = 1
+WATER_CLEAN = 0
+NO_STEP = 4
+NUM_BEAM_CELLS = 4  # cells of the shape
+WATER_LOOK = 2  # as it is painted
+ORCHARD_LOOK = 5  # as it is painted
+MARK_SCRUB_BIT = 64
+MARK_FIRE_BIT = 128
+AGENT_SHIFT = 3
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 7
+MARK_SHIFT = 6
+MARK_MASK = 3
+MARKS_OF_SCRUB = 28  # cells that scrub can mark
+MARKS_OF_FIRE = 28  # cells that fire can mark
+STREAM_START = 0xa452ab5d  # clean_up.sj:45
+STREAM_START_2 = 0xcb7943f8  # clean_up.sj:45
+STREAM_GROW = 0x3679110a  # clean_up.sj:50
+STREAM_POLLUTE = 0x259c5149  # clean_up.sj:54
+STREAM_POLLUTE_2 = 0xa026049f  # clean_up.sj:54
+STREAM_WALK = 0xbcc46097  # clean_up.sj:57
+STREAM_RINSE = 0xebc84c0a  # clean_up.sj:69
+STREAM_FIRE = 0x586408f2  # clean_up.sj:76
+STREAM_FIRE_2 = 0xba266f0d  # clean_up.sj:76
+
+CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of gate
+# number of each cell among orchard; past the end: none
+SITE_OF_ORCHARD = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "B")))
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, '#'))  # where a step leads, by cell and direction; the cell itself if blocked
-BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1, 1))))  # cells of beam from an agent's cell, for each heading
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
+# cells of beam from an agent's cell, for each heading
+BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1, 1))))
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-SITE_OF_WATER = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'HF')))  # number of each cell among water; past the end: none
-SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'P')))  # number of each cell among gate; past the end: none
-BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'H': 2, 'F': 2, 'S': 4, 'B': 5, 'P': 7}))  # looks of the cells of the frame, fields aside
-CELLS_WATER = jnp.asarray(cells_of(MAP, PAD, 'HF'))  # cells of water
-CELLS_ORCHARD = jnp.asarray(cells_of(MAP, PAD, 'B'))  # cells of orchard
+# number of each cell among water; past the end: none
+SITE_OF_WATER = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "HF")))
+# number of each cell among gate; past the end: none
+SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "P")))
+# looks of the cells of the frame, fields aside
+BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "H": 2, "F": 2, "S": 4, "B": 5, "P": 7}))
+CELLS_WATER = jnp.asarray(cells_of(MAP, PAD, "HF"))  # cells of water
+CELLS_ORCHARD = jnp.asarray(cells_of(MAP, PAD, "B"))  # cells of orchard
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
-WATER_STATE_START = jnp.asarray(values_of(MAP, {'H': 0, 'F': 1}, 'uint8'))  # state of water as on the map
+WATER_STATE_START = jnp.asarray(values_of(MAP, {"H": 0, "F": 1}, "uint8"))  # state of water as on the map
 
 
 @struct.dataclass
@@ -136,32 +203,30 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(7, jnp.int32),
-        heading=jnp.zeros(7, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
         water_state=WATER_STATE_START,
-        water_cleaners=jnp.full((147,), 0, jnp.uint8),
-        orchard_fruit=jnp.full((122,), 0, jnp.uint8),
-        mark_scrub=jnp.zeros(28, jnp.int32),
-        mark_fire=jnp.zeros(28, jnp.int32),
+        water_cleaners=jnp.full(NUM_WATER, 0, jnp.uint8),
+        orchard_fruit=jnp.full(NUM_ORCHARD, ORCHARD_NONE, jnp.uint8),
+        mark_scrub=jnp.zeros(MARKS_OF_SCRUB, jnp.int32),
+        mark_fire=jnp.zeros(MARKS_OF_FIRE, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(7, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_eaten=jnp.zeros((7,), jnp.int32),
-        event_cleaned=jnp.zeros((7,), jnp.int32),
-        event_hits=jnp.zeros((7,), jnp.int32),
+        event_eaten=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_cleaned=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_hits=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -171,7 +236,6 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
     state = state.replace(mark_scrub=jnp.zeros_like(state.mark_scrub), mark_fire=jnp.zeros_like(state.mark_fire))
     state, out = grow(state, out, params, actions, key)
     state, out = pollute(state, out, params, actions, key)
-    state, out = tick(state, out, params, actions, key)
     state, out = walk(state, out, params, actions, key)
     state, out = eat(state, out, params, actions, key)
     state, out = scrub(state, out, params, actions, key)
@@ -181,85 +245,103 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(7, True)  # clean_up.sj:45
-    position, placed = place(CELLS_GATE, jnp.full(19, True), words(key, 0xa452ab5d, 7), state.position, sent)  # clean_up.sj:45
-    heading = jnp.where(placed, below(words(key, 0xcb7943f8, 7), 4), state.heading)  # clean_up.sj:45
+    """Phase `start`, before the first step: for each agent, sends agent to gate."""
+    sent = jnp.full(NUM_AGENTS, True)  # clean_up.sj:45
+    position, placed = place(  # clean_up.sj:45
+        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+    )
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:45
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`."""
+    """Phase `grow`: for each orchard, by chance, sets orchard.fruit to ripe."""
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:50
-    covered = occupied(orchard_under, 122)  # clean_up.sj:50
-    num_water = jnp.sum(state.water_state == 1, dtype=jnp.int32)  # clean_up.sj:50
+    covered = occupied(orchard_under, NUM_ORCHARD)  # clean_up.sj:50
+    num_water = jnp.sum(state.water_state == WATER_DIRTY, dtype=jnp.int32)  # clean_up.sj:50
     dirt = num_water.astype(jnp.float32) / 167.0  # clean_up.sj:50
     growth = params.best_rate * ramp(dirt, params.spoiled_at, params.perfect_at)  # clean_up.sj:50
-    happens = (words(key, 0x3679110a, 122) >> 1) < threshold(growth)  # clean_up.sj:50
-    orchard_fruit = jnp.where(((state.orchard_fruit == 0) & ~covered) & happens, 1, state.orchard_fruit)  # clean_up.sj:50
+    happens = (words(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)  # clean_up.sj:50
+    orchard_fruit = jnp.where(  # clean_up.sj:50
+        (state.orchard_fruit == ORCHARD_NONE) & ~covered & happens, ORCHARD_RIPE, state.orchard_fruit
+    )
     return state.replace(orchard_fruit=orchard_fruit), out
 
 
 def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `pollute`."""
-    happens = (words(key, 0x259c5149) >> 1) < threshold(params.pollution)  # clean_up.sj:54
+    """Phase `pollute`: by chance, picks 1 water, sets water.state to dirty."""
+    happens = (words(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # clean_up.sj:54
     active = (state.step >= params.grace) & happens  # clean_up.sj:54
-    water, found = pick(state.water_state == 0, words(key, 0xa026049f, 1)[0])  # clean_up.sj:54
-    water_state = state.water_state.at[jnp.where(active & found, water, 147)].set(1, mode="drop")  # clean_up.sj:54
+    water, found = pick(state.water_state == WATER_CLEAN, words(key, STREAM_POLLUTE_2, 1)[0])  # clean_up.sj:54
+    to_water = jnp.where(active & found, water, NUM_WATER)  # clean_up.sj:54
+    water_state = state.water_state.at[to_water].set(WATER_DIRTY, mode="drop")  # clean_up.sj:54
     return state.replace(water_state=water_state), out
 
 
-def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """All timers fall by one; agents whose time away is over return."""
-    return state, out
-
-
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
+    """Phase `walk`: moves each agent."""
     heading = (state.heading + TURN[actions]) & 3  # clean_up.sj:57
     stride = STEP_BY[actions]  # clean_up.sj:57
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # clean_up.sj:57
-    position = resolve(state.position, target, words(key, 0xbcc46097, 7))  # clean_up.sj:57
+    # clean_up.sj:57
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # clean_up.sj:57
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`."""
+    """Phase `eat`: for each agent on orchard, sets orchard.fruit to none, gives a reward to agent, counts eaten."""
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:59
-    active = (orchard_under < 122) & (state.orchard_fruit[orchard_under] == 1)  # clean_up.sj:59
-    orchard_fruit = state.orchard_fruit.at[jnp.where(active, orchard_under, 122)].set(0, mode="drop")  # clean_up.sj:59
+    active = (orchard_under < NUM_ORCHARD) & (state.orchard_fruit[orchard_under] == ORCHARD_RIPE)  # clean_up.sj:59
+    to_orchard = jnp.where(active, orchard_under, NUM_ORCHARD)  # clean_up.sj:59
+    orchard_fruit = state.orchard_fruit.at[to_orchard].set(ORCHARD_NONE, mode="drop")  # clean_up.sj:59
     reward = out.reward + jnp.where(active, params.apple, 0.0)  # clean_up.sj:59
-    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # clean_up.sj:59
+    event_eaten = out.event_eaten + active.astype(jnp.int32)  # clean_up.sj:59
     return state.replace(orchard_fruit=orchard_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
 def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `scrub`."""
-    active = actions == 8  # clean_up.sj:62
+    """Phase `scrub`: for each cleaner, marks beam, for each water in beam of cleaner, adds cleaner to water.cleaners.
+    """
+    active = actions == ACTION_CLEAN  # clean_up.sj:62
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:63
     marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:63
     beam_water = SITE_OF_WATER[beam_cells]  # clean_up.sj:64
-    water_cleaners_joined = jnp.zeros((147, 7), bool).at[jnp.where((active[:, None] & (beam_water < 147)) & (state.water_state[beam_water] == 1), beam_water, 147), jnp.broadcast_to(jnp.arange(7, dtype=jnp.int32)[:, None], (7, 4,))].set(True, mode="drop")  # clean_up.sj:64
-    water_cleaners_joined_2 = as_bits(water_cleaners_joined, jnp.uint8)  # clean_up.sj:64
-    water_cleaners = state.water_cleaners | water_cleaners_joined_2
+    to_water = jnp.where(  # clean_up.sj:64
+        active[:, None] & (beam_water < NUM_WATER) & (state.water_state[beam_water] == WATER_DIRTY),
+        beam_water,
+        NUM_WATER,
+    )
+    members = jnp.zeros((NUM_WATER, NUM_AGENTS), bool).at[  # clean_up.sj:64
+        to_water, jnp.broadcast_to(jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None], (NUM_AGENTS, NUM_BEAM_CELLS))
+    ].set(True, mode="drop")
+    water_cleaners_joined = as_bits(members, jnp.uint8)  # clean_up.sj:64
+    water_cleaners = state.water_cleaners | water_cleaners_joined
     return state.replace(water_cleaners=water_cleaners, mark_scrub=marked), out
 
 
 def rinse(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `rinse`."""
+    """Phase `rinse`: for each water, picks 1 cleaner in water.cleaners, counts cleaned, sets water.state to clean, sets
+    water.cleaners to nobody.
+    """
     active = state.water_cleaners != 0  # clean_up.sj:68
-    cleaner, found = pick_of_sets(jnp.where(active, state.water_cleaners, 0), key, lambda key: words(key, 0xebc84c0a, 147, 1)[:, 0])  # clean_up.sj:69
-    cleaner_2 = cleaner.astype(jnp.int32)  # clean_up.sj:69
-    times = times_in(jnp.where(active & found, jnp.uint8(1) << cleaner_2.astype(jnp.uint8), 0), 7)  # clean_up.sj:69
+    picked, found = pick_of_sets(  # clean_up.sj:69
+        jnp.where(active, state.water_cleaners, 0), key, lambda key: words(key, STREAM_RINSE, NUM_WATER, 1)[:, 0]
+    )
+    cleaner = picked.astype(jnp.int32)  # clean_up.sj:69
+    # clean_up.sj:69
+    times = times_in(jnp.where(active & found, jnp.uint8(1) << cleaner.astype(jnp.uint8), 0), NUM_AGENTS)
     event_cleaned = out.event_cleaned + times  # clean_up.sj:69
-    water_state = jnp.where(active, 0, state.water_state)  # clean_up.sj:70
+    water_state = jnp.where(active, WATER_CLEAN, state.water_state)  # clean_up.sj:70
     water_cleaners = jnp.where(active, 0, state.water_cleaners)  # clean_up.sj:70
-    return state.replace(water_state=water_state, water_cleaners=water_cleaners), out.replace(event_cleaned=event_cleaned)
+    return (
+        state.replace(water_state=water_state, water_cleaners=water_cleaners), out.replace(event_cleaned=event_cleaned)
+    )
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`."""
-    active = actions == 7  # clean_up.sj:74
+    """Phase `fire`: for each zapper, marks beam, for each victim in beam of zapper, sends victim to gate, counts hits.
+    """
+    active = actions == ACTION_ZAP  # clean_up.sj:74
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:75
     marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:75
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:76
@@ -268,23 +350,23 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:76
     event_hits = out.event_hits + times  # clean_up.sj:76
     gate_under = SITE_OF_GATE[state.position]  # clean_up.sj:76
-    others = jnp.where(sent, 19, gate_under)  # clean_up.sj:76
-    free = ~occupied(others, 19)  # clean_up.sj:76
-    position, placed = place(CELLS_GATE, free, words(key, 0x586408f2, 7), state.position, sent)  # clean_up.sj:76
-    heading = jnp.where(placed, below(words(key, 0xba266f0d, 7), 4), state.heading)  # clean_up.sj:76
+    others = jnp.where(sent, NUM_GATE, gate_under)  # clean_up.sj:76
+    free = ~occupied(others, NUM_GATE)  # clean_up.sj:76
+    # clean_up.sj:76
+    position, placed = place(CELLS_GATE, free, words(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(words(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:76
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((7, 9), bool)
-    return allowed
+    return jnp.ones((NUM_AGENTS, len(ACTIONS)), bool)
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_water = jnp.sum(state.water_state == 0, dtype=jnp.int32)  # clean_up.sj:84
-    return {'clean_water': num_water.astype(jnp.float32)}
+    num_water = jnp.sum(state.water_state == WATER_CLEAN, dtype=jnp.int32)  # clean_up.sj:84
+    return {"clean_water": num_water.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -295,13 +377,24 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_WATER, (state.water_state + 2))  # clean_up.sj:25
-    plane_0 = fill(plane_0, CELLS_ORCHARD, (state.orchard_fruit + 5))  # clean_up.sj:30
-    plane_0 = paint(plane_0, state.mark_scrub, 64)  # clean_up.sj:61
-    plane_0 = paint(plane_0, state.mark_fire, 128)  # clean_up.sj:73
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # clean_up.sj:35
-    seen_0 = windows(plane_0.reshape(37, 46), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # clean_up.sj:83
-    raw = seen_0 & 7  # clean_up.sj:83
-    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # clean_up.sj:83
-    agent = (seen_0 >> 3) & 7  # clean_up.sj:83
-    return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 3)
+    plane_0 = fill(plane_0, CELLS_WATER, state.water_state + WATER_LOOK)  # clean_up.sj:25
+    plane_0 = fill(plane_0, CELLS_ORCHARD, state.orchard_fruit + ORCHARD_LOOK)  # clean_up.sj:30
+    plane_0 = paint(plane_0, state.mark_scrub, MARK_SCRUB_BIT)  # clean_up.sj:61
+    plane_0 = paint(plane_0, state.mark_fire, MARK_FIRE_BIT)  # clean_up.sj:73
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # clean_up.sj:35
+    seen_0 = windows(  # clean_up.sj:83
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    raw = seen_0 & CONTENT_MASK  # clean_up.sj:83
+    content = raw + (raw >= WATER_LOOK).astype(jnp.uint8)  # clean_up.sj:83
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # clean_up.sj:83
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # clean_up.sj:83
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # clean_up.sj:83
+    marks = (seen_0 >> MARK_SHIFT) & MARK_MASK  # clean_up.sj:83
+    return planes_of(WINDOW, None, content, agents, marks)

@@ -14,13 +14,12 @@ from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, site
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'coins'
-TITLE = 'Coins'
-HASH = 'e6eb0d4cc2e0fda5'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay')
+NAME = "coins"
+TITLE = "Coins"
+HASH = "e6eb0d4cc2e0fda5"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
 STAY = 6
 NUM_AGENTS = 2
 PAD = 9
@@ -28,13 +27,10 @@ FRAME = (34, 29)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = False
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('own_coins', 'event_own_coins', None),
-    ('other_coins', 'event_other_coins', None),
-)
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='tile_coin', encoding='word', size=3),
-    StateField(attribute='agent_colour', encoding='word', size=2),
+EVENTS = (("own_coins", "event_own_coins", None), ("other_coins", "event_other_coins", None))
+FIELDS = (
+    StateField(attribute="tile_coin", encoding="word", size=3),
+    StateField(attribute="agent_colour", encoding="word", size=2),
 )
 MAP = (
     'CCCCCCCCCCC',
@@ -55,17 +51,49 @@ MAP = (
     'CCCCCCCCCCC',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'tile coin=mine', 'tile coin=theirs', 'tile coin=none', 'corner'), high=4),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=("outside", "tile coin=mine", "tile coin=theirs", "tile coin=none", "corner"),
+        high=4,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
 )
 
-CELLS_CORNER = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of corner
-SITE_OF_TILE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'C')))  # number of each cell among tile; past the end: none
+NUM_CORNER = 2  # cells of corner
+NUM_TILE = 174  # cells of tile
+AGENT_GREEN = 1
+TILE_NONE = 0
+AGENT_RED = 0
+NO_STEP = 4
+TILE_LOOK = 1  # as it is painted
+AGENT_SHIFT = 3
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 7
+STREAM_START = 0x98bd07c2  # coins.sj:31
+STREAM_START_2 = 0x0bf964bf  # coins.sj:31
+STREAM_GROW = 0x4d3a9d5a  # coins.sj:40
+STREAM_GROW_2 = 0x79aa7760  # coins.sj:41
+STREAM_WALK = 0xbcc46097  # coins.sj:46
+
+CELLS_CORNER = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of corner
+# number of each cell among tile; past the end: none
+SITE_OF_TILE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "C")))
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, ''))  # where a step leads, by cell and direction; the cell itself if blocked
-BASE = jnp.asarray(painted(MAP, PAD, {'C': 1, 'P': 4}))  # looks of the cells of the frame, fields aside
-CELLS_TILE = jnp.asarray(cells_of(MAP, PAD, 'C'))  # cells of tile
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, ""))
+BASE = jnp.asarray(painted(MAP, PAD, {"C": 1, "P": 4}))  # looks of the cells of the frame, fields aside
+CELLS_TILE = jnp.asarray(cells_of(MAP, PAD, "C"))  # cells of tile
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
@@ -114,28 +142,26 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(2, jnp.int32),
-        heading=jnp.zeros(2, jnp.int32),
-        tile_coin=jnp.full((174,), 0, jnp.uint8),
-        agent_colour=jnp.full((2,), 0, jnp.uint8),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
+        tile_coin=jnp.full(NUM_TILE, TILE_NONE, jnp.uint8),
+        agent_colour=jnp.full(NUM_AGENTS, AGENT_RED, jnp.uint8),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(2, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_own_coins=jnp.zeros((2,), jnp.int32),
-        event_other_coins=jnp.zeros((2,), jnp.int32),
+        event_own_coins=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_other_coins=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -149,53 +175,68 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(2, True)  # coins.sj:31
-    agent_colour = jnp.where(jnp.arange(2, dtype=jnp.int32) == 1, 1, state.agent_colour)  # coins.sj:32
-    position, placed = place(CELLS_CORNER, jnp.full(2, True), words(key, 0x98bd07c2, 2), state.position, sent)  # coins.sj:31
-    heading = jnp.where(placed, below(words(key, 0x0bf964bf, 2), 4), state.heading)  # coins.sj:31
+    """Phase `start`, before the first step: for each agent, sends agent to corner, sets agent.colour to green."""
+    sent = jnp.full(NUM_AGENTS, True)  # coins.sj:31
+    # coins.sj:32
+    agent_colour = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 1, AGENT_GREEN, state.agent_colour)
+    position, placed = place(  # coins.sj:31
+        CELLS_CORNER, jnp.full(NUM_CORNER, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+    )
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # coins.sj:31
     return state.replace(agent_colour=agent_colour, position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`."""
+    """Phase `grow`: for each tile, by chance, sets tile.coin to colour."""
     tile_under = SITE_OF_TILE[state.position]  # coins.sj:39
-    covered = occupied(tile_under, 174)  # coins.sj:39
-    happens = (words(key, 0x4d3a9d5a, 174) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:40
-    active = ((state.tile_coin == 0) & ~covered) & happens  # coins.sj:40
-    colour = below(words(key, 0x79aa7760, 174), 2).astype(jnp.uint8)  # coins.sj:41
+    covered = occupied(tile_under, NUM_TILE)  # coins.sj:39
+    happens = (words(key, STREAM_GROW, NUM_TILE) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:40
+    active = (state.tile_coin == TILE_NONE) & ~covered & happens  # coins.sj:40
+    colour = below(words(key, STREAM_GROW_2, NUM_TILE), 2).astype(jnp.uint8)  # coins.sj:41
     tile_coin = jnp.where(active, colour + 1, state.tile_coin)  # coins.sj:42
     return state.replace(tile_coin=tile_coin), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
+    """Phase `walk`: moves each agent."""
     heading = (state.heading + TURN[actions]) & 3  # coins.sj:46
     stride = STEP_BY[actions]  # coins.sj:46
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # coins.sj:46
-    position = resolve(state.position, target, words(key, 0xbcc46097, 2))  # coins.sj:46
+    # coins.sj:46
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # coins.sj:46
     return state.replace(heading=heading, position=position), out
 
 
 def take(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `take`."""
+    """Phase `take`: for each agent on tile, gives a reward to agent, sets tile.coin to none, counts own_coins, counts
+    other_coins, for each owner, gives a reward to owner.
+    """
     tile_under = SITE_OF_TILE[state.position]  # coins.sj:48
-    active = (tile_under < 174) & (state.tile_coin[tile_under] != 0)  # coins.sj:48
+    active = (tile_under < NUM_TILE) & (state.tile_coin[tile_under] != TILE_NONE)  # coins.sj:48
     reward = out.reward + jnp.where(active, params.coin, 0.0)  # coins.sj:49
-    tile_coin = state.tile_coin.at[jnp.where(active, tile_under, 174)].set(0, mode="drop")  # coins.sj:50
-    holds = state.tile_coin[tile_under] == (state.agent_colour + 1)  # coins.sj:51
-    event_own_coins = out.event_own_coins + (jnp.where(active & holds, jnp.int32(1), jnp.int32(0)))  # coins.sj:51
+    to_tile = jnp.where(active, tile_under, NUM_TILE)  # coins.sj:50
+    tile_coin = state.tile_coin.at[to_tile].set(TILE_NONE, mode="drop")  # coins.sj:50
+    holds = state.tile_coin[tile_under] == state.agent_colour + 1  # coins.sj:51
+    event_own_coins = out.event_own_coins + (active & holds).astype(jnp.int32)  # coins.sj:51
     active_2 = active & ~holds  # coins.sj:51
-    event_other_coins = out.event_other_coins + (jnp.where(active_2, jnp.int32(1), jnp.int32(0)))  # coins.sj:53
-    times = jnp.sum(active_2[:, None] & (state.agent_colour[None, :] == ((jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]])[:, None])), axis=0, dtype=jnp.int32)  # coins.sj:54
-    reward = reward + (times.astype(jnp.float32) * params.harm)  # coins.sj:54
-    return state.replace(tile_coin=tile_coin), out.replace(reward=reward, event_own_coins=event_own_coins, event_other_coins=event_other_coins)
+    event_other_coins = out.event_other_coins + active_2.astype(jnp.int32)  # coins.sj:53
+    times = jnp.sum(  # coins.sj:54
+        active_2[:, None] & (
+            state.agent_colour[None, :] == jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]][:, None]
+        ),
+        axis=0,
+        dtype=jnp.int32,
+    )
+    reward = reward + times.astype(jnp.float32) * params.harm  # coins.sj:54
+    return (
+        state.replace(tile_coin=tile_coin),
+        out.replace(reward=reward, event_own_coins=event_own_coins, event_other_coins=event_other_coins),
+    )
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((2, 7), bool)
-    return allowed
+    return jnp.ones((NUM_AGENTS, len(ACTIONS)), bool)
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
@@ -211,12 +252,31 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 2, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_TILE, (state.tile_coin + 1))  # coins.sj:19
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coins.sj:23
-    seen_0 = windows(plane_0.reshape(34, 29), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coins.sj:60
-    raw = seen_0 & 7  # coins.sj:60
-    is_tile = (raw >= 1) & (raw < 4)  # coins.sj:60
-    tile_coin = (raw - 1)  # coins.sj:60
-    content = jnp.where(is_tile, ((jnp.where(tile_coin == ((state.agent_colour + 1)[:, None]), 0, jnp.where(tile_coin != 0, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8)) + 1, raw)  # coins.sj:60
-    agent = (seen_0 >> 3) & 7  # coins.sj:60
-    return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8))
+    plane_0 = fill(plane_0, CELLS_TILE, state.tile_coin + TILE_LOOK)  # coins.sj:19
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # coins.sj:23
+    seen_0 = windows(  # coins.sj:60
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    raw = seen_0 & CONTENT_MASK  # coins.sj:60
+    is_tile = (raw >= TILE_LOOK) & (raw < 4)  # coins.sj:60
+    tile_coin = raw - TILE_LOOK  # coins.sj:60
+    content = jnp.where(  # coins.sj:60
+        is_tile,
+        jnp.where(
+            tile_coin == (state.agent_colour + 1)[:, None],
+            0,
+            jnp.where(tile_coin != TILE_NONE, jnp.uint8(1), jnp.uint8(2)),
+        )
+        + 1,
+        raw,
+    )
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # coins.sj:60
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # coins.sj:60
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # coins.sj:60
+    return planes_of(WINDOW, None, content, agents)

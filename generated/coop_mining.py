@@ -10,17 +10,16 @@ from jax import Array
 from sjdsl.runtime.counting import occupied, size_of_set, times_in
 from sjdsl.runtime.draws import below, next_threshold, threshold, words
 from sjdsl.runtime.fields import StateField
-from sjdsl.runtime.geometry import cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
+from sjdsl.runtime.geometry import cells_of, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'coop_mining'
-TITLE = 'Coop Mining'
-HASH = 'a28de6f1cdd26daf'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'mine')
+NAME = "coop_mining"
+TITLE = "Coop Mining"
+HASH = "a28de6f1cdd26daf"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "mine")
 STAY = 6
 NUM_AGENTS = 6
 PAD = 9
@@ -28,15 +27,15 @@ FRAME = (45, 45)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = False
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('iron_mined', 'event_iron_mined', None),
-    ('gold_mined', 'event_gold_mined', None),
-    ('ores_shared', 'event_ores_shared', None),
+EVENTS = (
+    ("iron_mined", "event_iron_mined", None),
+    ("gold_mined", "event_gold_mined", None),
+    ("ores_shared", "event_ores_shared", None),
 )
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='rock_ore', encoding='word', size=4),
-    StateField(attribute='rock_miners', encoding='agents'),
-    StateField(attribute='rock_left', encoding='number'),
+FIELDS = (
+    StateField(attribute="rock_ore", encoding="word", size=4),
+    StateField(attribute="rock_miners", encoding="agents"),
+    StateField(attribute="rock_left", encoding="number"),
 )
 MAP = (
     '###########################',
@@ -68,22 +67,62 @@ MAP = (
     '###########################',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'rock ore=none', 'rock ore=iron', 'rock ore=gold', 'rock ore=partial', 'wall', 'camp'), high=6),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('mine',), high=1),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=("outside", "rock ore=none", "rock ore=iron", "rock ore=gold", "rock ore=partial", "wall", "camp"),
+        high=6,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("mine",), high=1),
 )
 
-CELLS_CAMP = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of camp
+NUM_CAMP = 18  # cells of camp
+NUM_ROCK = 538  # cells of rock
+ACTION_MINE = 7
+ROCK_NONE = 0
+ROCK_IRON = 1
+ROCK_GOLD = 2
+ROCK_PARTIAL = 3
+NO_STEP = 4
+NUM_RAY_CELLS = 3  # cells of the shape
+ROCK_LOOK = 1  # as it is painted
+MARK_MINE_BIT = 64
+AGENT_SHIFT = 3
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 7
+MARK_MINE_SHIFT = 6
+MARK_MINE_MASK = 1
+MARKS_OF_MINE = 18  # cells that mine can mark
+STREAM_START = 0x85f9092c  # coop_mining.sj:39
+STREAM_START_2 = 0xf7e7fa1d  # coop_mining.sj:39
+STREAM_WALK = 0xbcc46097  # coop_mining.sj:43
+STREAM_SETTLE = 0x23bf2029  # coop_mining.sj:52
+STREAM_GROW = 0x842a84eb  # coop_mining.sj:76
+
+CELLS_CAMP = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of camp
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, '#'))  # where a step leads, by cell and direction; the cell itself if blocked
-RAY_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))))  # cells of ray from an agent's cell, for each heading
-INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-RAY_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))), (3,), '#'))  # cells of ray not behind what blocks it: bits by cell and heading
-SITE_OF_ROCK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'O')))  # number of each cell among rock; past the end: none
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
+# cells of ray from an agent's cell, for each heading
+RAY_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))))
+# cells of ray not behind what blocks it: bits by cell and heading
+RAY_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))), (3,), "#"))
+# number of each cell among rock; past the end: none
+SITE_OF_ROCK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "O")))
 LANES_OF_RAY = jnp.asarray([[0, 1, 2]], jnp.int32)  # cells of each lane of ray, nearest first
-BASE = jnp.asarray(painted(MAP, PAD, {'O': 1, '#': 5, 'P': 6}))  # looks of the cells of the frame, fields aside
-CELLS_ROCK = jnp.asarray(cells_of(MAP, PAD, 'O'))  # cells of rock
+BASE = jnp.asarray(painted(MAP, PAD, {"O": 1, "#": 5, "P": 6}))  # looks of the cells of the frame, fields aside
+CELLS_ROCK = jnp.asarray(cells_of(MAP, PAD, "O"))  # cells of rock
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
@@ -143,31 +182,29 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(6, jnp.int32),
-        heading=jnp.zeros(6, jnp.int32),
-        rock_ore=jnp.full((538,), 0, jnp.uint8),
-        rock_miners=jnp.full((538,), 0, jnp.uint8),
-        rock_left=jnp.full((538,), 0, jnp.uint8),
-        mark_mine=jnp.zeros(18, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
+        rock_ore=jnp.full(NUM_ROCK, ROCK_NONE, jnp.uint8),
+        rock_miners=jnp.full(NUM_ROCK, 0, jnp.uint8),
+        rock_left=jnp.full(NUM_ROCK, 0, jnp.uint8),
+        mark_mine=jnp.zeros(MARKS_OF_MINE, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(6, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_iron_mined=jnp.zeros((6,), jnp.int32),
-        event_gold_mined=jnp.zeros((6,), jnp.int32),
+        event_iron_mined=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_gold_mined=jnp.zeros(NUM_AGENTS, jnp.int32),
         event_ores_shared=jnp.zeros((), jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -185,104 +222,128 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(6, True)  # coop_mining.sj:39
-    position, placed = place(CELLS_CAMP, jnp.full(18, True), words(key, 0x85f9092c, 6), state.position, sent)  # coop_mining.sj:39
-    heading = jnp.where(placed, below(words(key, 0xf7e7fa1d, 6), 4), state.heading)  # coop_mining.sj:39
+    """Phase `start`, before the first step: for each agent, sends agent to camp."""
+    sent = jnp.full(NUM_AGENTS, True)  # coop_mining.sj:39
+    position, placed = place(  # coop_mining.sj:39
+        CELLS_CAMP, jnp.full(NUM_CAMP, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+    )
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # coop_mining.sj:39
     return state.replace(position=position, heading=heading), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
+    """Phase `walk`: moves each agent."""
     heading = (state.heading + TURN[actions]) & 3  # coop_mining.sj:43
     stride = STEP_BY[actions]  # coop_mining.sj:43
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # coop_mining.sj:43
-    position = resolve(state.position, target, words(key, 0xbcc46097, 6))  # coop_mining.sj:43
+    # coop_mining.sj:43
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # coop_mining.sj:43
     return state.replace(heading=heading, position=position), out
 
 
 def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `mine`."""
-    active = actions == 7  # coop_mining.sj:45
+    """Phase `mine`: for each miner, marks ray, for the first rock in ray of miner, adds miner to rock.miners."""
+    active = actions == ACTION_MINE  # coop_mining.sj:45
     ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # coop_mining.sj:46
-    ray_reached = ((RAY_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(3, dtype=jnp.uint8)[None, :]) & 1) != 0  # coop_mining.sj:46
+    ray_bits = RAY_REACH[state.position * 4 + state.heading]  # coop_mining.sj:46
+    # coop_mining.sj:46
+    ray_reached = ((ray_bits[:, None] >> jnp.arange(NUM_RAY_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
     marked = jnp.where(active[:, None] & ray_reached, ray_cells, 0).reshape(-1)  # coop_mining.sj:46
     ray_rock = SITE_OF_ROCK[ray_cells]  # coop_mining.sj:47
-    ok = ((ray_rock < 538) & ray_reached) & (state.rock_ore[ray_rock] != 0)  # coop_mining.sj:47
+    ok = (ray_rock < NUM_ROCK) & ray_reached & (state.rock_ore[ray_rock] != ROCK_NONE)  # coop_mining.sj:47
     in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_RAY]  # coop_mining.sj:47
     nearest = jnp.argmax(in_lane, axis=-1)  # coop_mining.sj:47
     found = jnp.any(in_lane, axis=-1)  # coop_mining.sj:47
-    place_2 = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # coop_mining.sj:47
-    rock = jnp.take_along_axis(ray_rock, jnp.minimum(place_2, 2), axis=1)  # coop_mining.sj:47
-    rock_miners_joined = jnp.zeros((538,), jnp.uint8).at[jnp.where(active[:, None] & found, rock, 538)].add(((jnp.uint8(1) << jnp.arange(6, dtype=jnp.uint8)))[:, None], mode="drop")  # coop_mining.sj:47
+    cell_of_lane = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # coop_mining.sj:47
+    rock = jnp.take_along_axis(ray_rock, jnp.minimum(cell_of_lane, 2), axis=1)  # coop_mining.sj:47
+    to_rock = jnp.where(active[:, None] & found, rock, NUM_ROCK)  # coop_mining.sj:47
+    rock_miners_joined = jnp.zeros(NUM_ROCK, jnp.uint8).at[to_rock].add(  # coop_mining.sj:47
+        (jnp.uint8(1) << jnp.arange(NUM_AGENTS, dtype=jnp.uint8))[:, None],
+        mode="drop",
+    )
     rock_miners = state.rock_miners | rock_miners_joined
     return state.replace(rock_miners=rock_miners, mark_mine=marked), out
 
 
 def settle(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `settle`."""
-    active = (state.rock_miners != 0) & (state.rock_ore == 1)  # coop_mining.sj:51
-    winner, found = pick_of_sets(jnp.where(active, state.rock_miners, 0), key, lambda key: words(key, 0x23bf2029, 538, 1)[:, 0])  # coop_mining.sj:52
-    winner_2 = winner.astype(jnp.int32)  # coop_mining.sj:52
+    """Phase `settle`: for each rock, picks 1 winner in rock.miners, gives a reward to winner, counts iron_mined, sets
+    rock.ore to none, sets rock.miners to nobody; for each rock, sets rock.ore to partial, sets rock.left to
+    patience, gives a reward to rock.miners, counts gold_mined, counts ores_shared, sets rock.ore, sets rock.miners
+    to nobody, sets rock.left to 0.
+    """
+    active = (state.rock_miners != 0) & (state.rock_ore == ROCK_IRON)  # coop_mining.sj:51
+    picked, found = pick_of_sets(  # coop_mining.sj:52
+        jnp.where(active, state.rock_miners, 0), key, lambda key: words(key, STREAM_SETTLE, NUM_ROCK, 1)[:, 0]
+    )
+    winner = picked.astype(jnp.int32)  # coop_mining.sj:52
     active_2 = active & found  # coop_mining.sj:52
-    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner_2.astype(jnp.uint8), 0), 6)  # coop_mining.sj:52
-    reward = out.reward + (times.astype(jnp.float32) * params.iron_pays)  # coop_mining.sj:52
+    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner.astype(jnp.uint8), 0), NUM_AGENTS)  # coop_mining.sj:52
+    reward = out.reward + times.astype(jnp.float32) * params.iron_pays  # coop_mining.sj:52
     event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:52
-    rock_ore = jnp.where(active, 0, state.rock_ore)  # coop_mining.sj:53
+    rock_ore = jnp.where(active, ROCK_NONE, state.rock_ore)  # coop_mining.sj:53
     rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:54
-    active_3 = (state.rock_miners != 0) & (state.rock_ore != 1)  # coop_mining.sj:56
+    active_3 = (state.rock_miners != 0) & (state.rock_ore != ROCK_IRON)  # coop_mining.sj:56
     num_agent = size_of_set(state.rock_miners)  # coop_mining.sj:57
-    holds = (num_agent < params.fewest) & (state.rock_ore == 2)  # coop_mining.sj:58
+    holds = (num_agent < params.fewest) & (state.rock_ore == ROCK_GOLD)  # coop_mining.sj:58
     active_4 = active_3 & holds  # coop_mining.sj:58
-    rock_ore = jnp.where(active_4, 3, rock_ore)  # coop_mining.sj:58
+    rock_ore = jnp.where(active_4, ROCK_PARTIAL, rock_ore)  # coop_mining.sj:58
     rock_left = jnp.where(active_4, params.patience.astype(jnp.uint8), state.rock_left)  # coop_mining.sj:58
     holds_2 = num_agent >= params.fewest  # coop_mining.sj:58
-    active_5 = (active_3 & ~holds) & holds_2  # coop_mining.sj:58
+    active_5 = active_3 & ~holds & holds_2  # coop_mining.sj:58
     active_6 = active_5 & (num_agent <= params.most)  # coop_mining.sj:60
-    times_2 = times_in(jnp.where(active_6, state.rock_miners, 0), 6)  # coop_mining.sj:61
-    reward = reward + (times_2.astype(jnp.float32) * params.gold_pays)  # coop_mining.sj:61
+    times_2 = times_in(jnp.where(active_6, state.rock_miners, 0), NUM_AGENTS)  # coop_mining.sj:61
+    reward = reward + times_2.astype(jnp.float32) * params.gold_pays  # coop_mining.sj:61
     event_gold_mined = out.event_gold_mined + times_2  # coop_mining.sj:62
     times_3 = jnp.sum(active_6, dtype=jnp.int32)  # coop_mining.sj:63
     event_ores_shared = out.event_ores_shared + times_3  # coop_mining.sj:63
     subject = num_agent <= params.most  # coop_mining.sj:65
-    rock_ore = jnp.where(active_5, jnp.asarray([0, 2], jnp.uint8)[jnp.where(subject, jnp.uint8(0), jnp.uint8(1))], rock_ore)  # coop_mining.sj:65
+    # coop_mining.sj:65
+    rock_ore = jnp.where(active_5, jnp.where(subject, jnp.uint8(ROCK_NONE), jnp.uint8(ROCK_GOLD)), rock_ore)
     rock_miners = jnp.where(active_5, 0, rock_miners)  # coop_mining.sj:66
     rock_left = jnp.where(active_5, 0, rock_left)  # coop_mining.sj:67
-    return state.replace(rock_ore=rock_ore, rock_miners=rock_miners, rock_left=rock_left), out.replace(reward=reward, event_iron_mined=event_iron_mined, event_gold_mined=event_gold_mined, event_ores_shared=event_ores_shared)
+    return (
+        state.replace(rock_ore=rock_ore, rock_miners=rock_miners, rock_left=rock_left),
+        out.replace(
+            reward=reward,
+            event_iron_mined=event_iron_mined,
+            event_gold_mined=event_gold_mined,
+            event_ores_shared=event_ores_shared,
+        ),
+    )
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """All timers fall by one; agents whose time away is over return."""
+    """All timers fall by one."""
     rock_left = state.rock_left - (state.rock_left > 0).astype(state.rock_left.dtype)  # coop_mining.sj:27
     return state.replace(rock_left=rock_left), out
 
 
 def close(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `close`."""
-    active = (state.rock_ore == 3) & (state.rock_left.astype(jnp.int32) == 0)  # coop_mining.sj:72
-    rock_ore = jnp.where(active, 2, state.rock_ore)  # coop_mining.sj:72
+    """Phase `close`: for each rock, sets rock.ore to gold, sets rock.miners to nobody."""
+    active = (state.rock_ore == ROCK_PARTIAL) & (state.rock_left == 0)  # coop_mining.sj:72
+    rock_ore = jnp.where(active, ROCK_GOLD, state.rock_ore)  # coop_mining.sj:72
     rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:72
     return state.replace(rock_ore=rock_ore, rock_miners=rock_miners), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`."""
+    """Phase `grow`: for each rock, by chance, sets rock.ore to iron, sets rock.ore to gold."""
     rock_under = SITE_OF_ROCK[state.position]  # coop_mining.sj:75
-    covered = occupied(rock_under, 538)  # coop_mining.sj:75
-    word = words(key, 0x842a84eb, 538) >> 1  # coop_mining.sj:76
+    covered = occupied(rock_under, NUM_ROCK)  # coop_mining.sj:75
+    word = words(key, STREAM_GROW, NUM_ROCK) >> 1  # coop_mining.sj:76
     limit = threshold(params.spawn_iron)  # coop_mining.sj:76
     happens = word < limit  # coop_mining.sj:76
     limit_2 = next_threshold(limit, params.spawn_gold)  # coop_mining.sj:76
     happens_2 = (word < limit_2) & (word >= limit)  # coop_mining.sj:76
-    rock_ore = jnp.where(((state.rock_ore == 0) & ~covered) & happens, 1, state.rock_ore)  # coop_mining.sj:76
-    rock_ore = jnp.where(((state.rock_ore == 0) & ~covered) & happens_2, 2, rock_ore)  # coop_mining.sj:76
+    # coop_mining.sj:76
+    rock_ore = jnp.where((state.rock_ore == ROCK_NONE) & ~covered & happens, ROCK_IRON, state.rock_ore)
+    rock_ore = jnp.where((state.rock_ore == ROCK_NONE) & ~covered & happens_2, ROCK_GOLD, rock_ore)  # coop_mining.sj:76
     return state.replace(rock_ore=rock_ore), out
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((6, 8), bool)
-    return allowed
+    return jnp.ones((NUM_AGENTS, len(ACTIONS)), bool)
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
@@ -298,9 +359,21 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_ROCK, (state.rock_ore + 1))  # coop_mining.sj:24
-    plane_0 = paint(plane_0, state.mark_mine, 64)  # coop_mining.sj:44
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # coop_mining.sj:33
-    seen_0 = windows(plane_0.reshape(45, 45), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # coop_mining.sj:84
-    agent = (seen_0 >> 3) & 7  # coop_mining.sj:84
-    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)
+    plane_0 = fill(plane_0, CELLS_ROCK, state.rock_ore + ROCK_LOOK)  # coop_mining.sj:24
+    plane_0 = paint(plane_0, state.mark_mine, MARK_MINE_BIT)  # coop_mining.sj:44
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # coop_mining.sj:33
+    seen_0 = windows(  # coop_mining.sj:84
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    content = seen_0 & CONTENT_MASK  # coop_mining.sj:84
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # coop_mining.sj:84
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # coop_mining.sj:84
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # coop_mining.sj:84
+    marks = (seen_0 >> MARK_MINE_SHIFT) & MARK_MINE_MASK  # coop_mining.sj:84
+    return planes_of(WINDOW, None, content, agents, marks)

@@ -17,10 +17,10 @@ from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import entry, lowest
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'gift_refinement'
-TITLE = 'Gift Refinement'
-HASH = 'e0d74889f2a12658'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'gift', 'consume')
+NAME = "gift_refinement"
+TITLE = "Gift Refinement"
+HASH = "e0d74889f2a12658"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "gift", "consume")
 STAY = 6
 NUM_AGENTS = 5
 PAD = 9
@@ -28,17 +28,17 @@ FRAME = (43, 43)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = False
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('consumed', 'event_consumed', None),
-    ('given', 'event_given', None),
-    ('received[raw]', 'event_received', 0),
-    ('received[cut]', 'event_received', 1),
-    ('received[fine]', 'event_received', 2),
+EVENTS = (
+    ("consumed", "event_consumed", None),
+    ("given", "event_given", None),
+    ("received[raw]", "event_received", 0),
+    ("received[cut]", "event_received", 1),
+    ("received[fine]", "event_received", 2),
 )
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='ground_token', encoding='word', size=2),
-    StateField(attribute='agent_bag', encoding='number', low=0.0, high=15.0),
-    StateField(attribute='agent_post', encoding='number', low=0.0, high=25.0),
+FIELDS = (
+    StateField(attribute="ground_token", encoding="word", size=2),
+    StateField(attribute="agent_bag", encoding="number", low=0.0, high=15.0),
+    StateField(attribute="agent_post", encoding="number", low=0.0, high=25.0),
 )
 MAP = (
     'TTTTTTTTTTTTTTTTTTTTTTTTT',
@@ -68,24 +68,64 @@ MAP = (
     'TTTTTTTTTTTTTTTTTTTTTTTTT',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'ground token=none', 'ground token=raw', 'wall', 'camp'), high=4),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('offer',), high=1),
-    TokenPlane(name='agent.bag[raw]', encoding='number', labels=(), high=15),
-    TokenPlane(name='agent.bag[cut]', encoding='number', labels=(), high=15),
-    TokenPlane(name='agent.bag[fine]', encoding='number', labels=(), high=15),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=("outside", "ground token=none", "ground token=raw", "wall", "camp"),
+        high=4,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("offer",), high=1),
+    TokenPlane(name="agent.bag[raw]", encoding="number", labels=(), high=15),
+    TokenPlane(name="agent.bag[cut]", encoding="number", labels=(), high=15),
+    TokenPlane(name="agent.bag[fine]", encoding="number", labels=(), high=15),
 )
 
-CELLS_CAMP = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of camp
-SITE_OF_GROUND = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'T')))  # number of each cell among ground; past the end: none
+NUM_CAMP = 18  # cells of camp
+NUM_GROUND = 538  # cells of ground
+ACTION_CONSUME = 8
+ACTION_GIFT = 7
+GROUND_NONE = 0
+GROUND_RAW = 1
+AGENT_BAG_RAW = 0
+AGENT_BAG_CUT = 1
+AGENT_BAG_FINE = 2
+NO_STEP = 4
+GROUND_LOOK = 1  # as it is painted
+MARK_OFFER_BIT = 64
+AGENT_SHIFT = 3
+NUM_VIEW_CELLS = 121  # cells of a window
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 7
+MARK_OFFER_SHIFT = 6
+MARK_OFFER_MASK = 1
+MARKS_OF_OFFER = 5  # cells that offer can mark
+STREAM_START = 0x85f9092c  # gift_refinement.sj:36
+STREAM_START_2 = 0xf7e7fa1d  # gift_refinement.sj:36
+STREAM_GROW = 0x00158b1a  # gift_refinement.sj:40
+STREAM_WALK = 0xbcc46097  # gift_refinement.sj:41
+
+CELLS_CAMP = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of camp
+# number of each cell among ground; past the end: none
+SITE_OF_GROUND = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "T")))
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, '#'))  # where a step leads, by cell and direction; the cell itself if blocked
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
 RAY_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0),)))  # cells of ray from an agent's cell, for each heading
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
 LANES_OF_RAY = jnp.asarray([[0]], jnp.int32)  # cells of each lane of ray, nearest first
-BASE = jnp.asarray(painted(MAP, PAD, {'T': 1, '#': 3, 'P': 4}))  # looks of the cells of the frame, fields aside
-CELLS_GROUND = jnp.asarray(cells_of(MAP, PAD, 'T'))  # cells of ground
+BASE = jnp.asarray(painted(MAP, PAD, {"T": 1, "#": 3, "P": 4}))  # looks of the cells of the frame, fields aside
+CELLS_GROUND = jnp.asarray(cells_of(MAP, PAD, "T"))  # cells of ground
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
@@ -139,31 +179,29 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(5, jnp.int32),
-        heading=jnp.zeros(5, jnp.int32),
-        ground_token=jnp.full((538,), 0, jnp.uint8),
-        agent_bag=jnp.full((5, 3), 0, jnp.uint8),
-        agent_post=jnp.full((5, 3), 0, jnp.uint8),
-        mark_offer=jnp.zeros(5, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
+        ground_token=jnp.full(NUM_GROUND, GROUND_NONE, jnp.uint8),
+        agent_bag=jnp.full((NUM_AGENTS, 3), 0, jnp.uint8),
+        agent_post=jnp.full((NUM_AGENTS, 3), 0, jnp.uint8),
+        mark_offer=jnp.zeros(MARKS_OF_OFFER, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(5, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_consumed=jnp.zeros((5,), jnp.int32),
-        event_given=jnp.zeros((5,), jnp.int32),
-        event_received=jnp.zeros((5, 3), jnp.int32),
+        event_consumed=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_given=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_received=jnp.zeros((NUM_AGENTS, 3), jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -182,104 +220,174 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(5, True)  # gift_refinement.sj:36
-    position, placed = place(CELLS_CAMP, jnp.full(18, True), words(key, 0x85f9092c, 5), state.position, sent)  # gift_refinement.sj:36
-    heading = jnp.where(placed, below(words(key, 0xf7e7fa1d, 5), 4), state.heading)  # gift_refinement.sj:36
+    """Phase `start`, before the first step: for each agent, sends agent to camp."""
+    sent = jnp.full(NUM_AGENTS, True)  # gift_refinement.sj:36
+    position, placed = place(  # gift_refinement.sj:36
+        CELLS_CAMP, jnp.full(NUM_CAMP, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+    )
+    # gift_refinement.sj:36
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`."""
+    """Phase `grow`: for each ground, by chance, sets ground.token to raw."""
     ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:40
-    covered = occupied(ground_under, 538)  # gift_refinement.sj:40
-    happens = (words(key, 0x00158b1a, 538) >> 1) < threshold(params.spawn)  # gift_refinement.sj:40
-    ground_token = jnp.where(((state.ground_token == 0) & ~covered) & happens, 1, state.ground_token)  # gift_refinement.sj:40
+    covered = occupied(ground_under, NUM_GROUND)  # gift_refinement.sj:40
+    happens = (words(key, STREAM_GROW, NUM_GROUND) >> 1) < threshold(params.spawn)  # gift_refinement.sj:40
+    # gift_refinement.sj:40
+    ground_token = jnp.where((state.ground_token == GROUND_NONE) & ~covered & happens, GROUND_RAW, state.ground_token)
     return state.replace(ground_token=ground_token), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
+    """Phase `walk`: moves each agent."""
     heading = (state.heading + TURN[actions]) & 3  # gift_refinement.sj:41
     stride = STEP_BY[actions]  # gift_refinement.sj:41
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # gift_refinement.sj:41
-    position = resolve(state.position, target, words(key, 0xbcc46097, 5))  # gift_refinement.sj:41
+    # gift_refinement.sj:41
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # gift_refinement.sj:41
     return state.replace(heading=heading, position=position), out
 
 
 def collect(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `collect`."""
+    """Phase `collect`: for each agent on ground, sets ground.token to none, adds 1 to agent.bag[raw]."""
     ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:43
-    active = (ground_under < 538) & (state.ground_token[ground_under] == 1)  # gift_refinement.sj:43
-    ground_token = state.ground_token.at[jnp.where(active, ground_under, 538)].set(0, mode="drop")  # gift_refinement.sj:43
-    agent_bag_added = jnp.where(0 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, jnp.int32(1), jnp.int32(0)))[..., None], jnp.int32(0))  # gift_refinement.sj:43
-    agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
+    active = (ground_under < NUM_GROUND) & (state.ground_token[ground_under] == GROUND_RAW)  # gift_refinement.sj:43
+    to_ground = jnp.where(active, ground_under, NUM_GROUND)  # gift_refinement.sj:43
+    ground_token = state.ground_token.at[to_ground].set(GROUND_NONE, mode="drop")  # gift_refinement.sj:43
+    agent_bag_added = jnp.where(  # gift_refinement.sj:43
+        AGENT_BAG_RAW == jnp.arange(3, dtype=jnp.uint8)[None, :], active.astype(jnp.int32)[..., None], jnp.int32(0)
+    )
+    agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(ground_token=ground_token, agent_bag=agent_bag), out
 
 
 def consume(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `consume`."""
-    active = actions == 8  # gift_refinement.sj:46
-    reward = out.reward + (jnp.where(active, params.worth * ((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)).astype(jnp.float32)), 0.0))  # gift_refinement.sj:47
+    """Phase `consume`: for each agent, gives a reward to agent, sets agent.bag to 0, counts consumed."""
+    active = actions == ACTION_CONSUME  # gift_refinement.sj:46
+    reward = out.reward + jnp.where(  # gift_refinement.sj:47
+        active, params.worth * jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32).astype(jnp.float32), 0.0
+    )
     agent_bag = jnp.where(active[:, None], 0, state.agent_bag)  # gift_refinement.sj:47
-    event_consumed = out.event_consumed + (jnp.where(active, jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32), 0))  # gift_refinement.sj:47
+    # gift_refinement.sj:47
+    event_consumed = out.event_consumed + jnp.where(active, jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32), 0)
     return state.replace(agent_bag=agent_bag), out.replace(reward=reward, event_consumed=event_consumed)
 
 
 def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `offer`."""
+    """Phase `offer`: for each giver, marks ray; for each giver, for the first friend in ray of giver, adds -1 to
+    giver.bag[level], adds yields[level] to friend.post[becomes[level]], counts given.
+    """
     ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # gift_refinement.sj:51
-    marked = (jnp.where(((actions == 7)[:, None]) & INSIDE[ray_cells], ray_cells, 0)).reshape(-1)  # gift_refinement.sj:51
-    active = (actions == 7) & ((jnp.sum(state.agent_bag.astype(jnp.int32), axis=-1, dtype=jnp.int32)) > 0)  # gift_refinement.sj:52
+    # gift_refinement.sj:51
+    marked = jnp.where((actions == ACTION_GIFT)[:, None] & INSIDE[ray_cells], ray_cells, 0).reshape(-1)
+    # gift_refinement.sj:52
+    active = (actions == ACTION_GIFT) & (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0)
     offered = lowest(state.agent_bag.astype(jnp.int32))  # gift_refinement.sj:53
-    standing = ray_cells[..., None] == state.position[None, None, :]  # gift_refinement.sj:54
+    standing = ray_cells[:, :, None] == state.position[None, None, :]  # gift_refinement.sj:54
     friend = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # gift_refinement.sj:54
     anybody = jnp.any(standing, axis=-1)  # gift_refinement.sj:54
-    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_RAY]  # gift_refinement.sj:54
+    # gift_refinement.sj:54
+    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_RAY]
     nearest = jnp.argmax(in_lane, axis=-1)  # gift_refinement.sj:54
     found = jnp.any(in_lane, axis=-1)  # gift_refinement.sj:54
-    place_2 = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # gift_refinement.sj:54
-    friend_2 = jnp.take_along_axis(friend, jnp.minimum(place_2, 0), axis=1)  # gift_refinement.sj:54
-    active_2 = (active[:, None] & found) & ((entry(state.agent_bag[friend_2].astype(jnp.int32), params.becomes[offered][:, None])) < 15)  # gift_refinement.sj:55
-    agent_bag_added = jnp.sum(jnp.where(offered[:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], (jnp.where(active_2, jnp.int32(-1), jnp.int32(0)))[..., None], jnp.int32(0)), axis=1, dtype=jnp.int32)  # gift_refinement.sj:56
-    agent_post_added = jnp.zeros((5, 3,), jnp.int32).at[friend_2].add(jnp.where(params.becomes[offered][:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :], jnp.where(active_2, params.yields[offered][:, None], 0)[..., None], jnp.int32(0)), mode="drop")  # gift_refinement.sj:57
+    cell_of_lane = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # gift_refinement.sj:54
+    friend_2 = jnp.take_along_axis(friend, jnp.minimum(cell_of_lane, 0), axis=1)  # gift_refinement.sj:54
+    active_2 = active[:, None] & found & (  # gift_refinement.sj:55
+        entry(state.agent_bag[friend_2].astype(jnp.int32), params.becomes[offered][:, None]) < 15
+    )
+    agent_bag_added = jnp.sum(  # gift_refinement.sj:56
+        jnp.where(
+            offered[:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :],
+            jnp.where(active_2, jnp.int32(-1), jnp.int32(0))[..., None],
+            jnp.int32(0),
+        ),
+        axis=1,
+        dtype=jnp.int32,
+    )
+    agent_post_added = jnp.zeros((NUM_AGENTS, 3), jnp.int32).at[friend_2].add(  # gift_refinement.sj:57
+        jnp.where(
+            params.becomes[offered][:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :],
+            jnp.where(active_2, params.yields[offered][:, None], 0)[..., None],
+            jnp.int32(0),
+        ),
+        mode="drop",
+    )
     times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # gift_refinement.sj:58
     event_given = out.event_given + times  # gift_refinement.sj:58
-    agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
-    agent_post = (jnp.clip(state.agent_post.astype(jnp.int32) + agent_post_added, 0, 25)).astype(jnp.uint8)
-    return state.replace(agent_bag=agent_bag, agent_post=agent_post, mark_offer=marked), out.replace(event_given=event_given)
+    agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
+    agent_post = jnp.clip(state.agent_post.astype(jnp.int32) + agent_post_added, 0, 25).astype(jnp.uint8)
+    return (
+        state.replace(agent_bag=agent_bag, agent_post=agent_post, mark_offer=marked),
+        out.replace(event_given=event_given),
+    )
 
 
 def receive_cut(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `receive(cut)`."""
-    active = state.agent_post.astype(jnp.int32)[:, 1] > 0  # gift_refinement.sj:64
-    agent_bag_added = jnp.where(1 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, state.agent_post.astype(jnp.int32)[:, 1], 0))[..., None], jnp.int32(0))  # gift_refinement.sj:65
-    event_received = out.event_received.at[:, 1].add(jnp.where(active, jnp.minimum(state.agent_post.astype(jnp.int32)[:, 1], 15 - state.agent_bag.astype(jnp.int32)[:, 1]), 0))  # gift_refinement.sj:66
-    agent_post = state.agent_post.at[:, 1].set(jnp.where(active, 0, state.agent_post[:, 1]))  # gift_refinement.sj:67
-    agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
+    """Phase `receive(cut)`: for each agent, adds agent.post[cut] to agent.bag[cut], counts received, sets
+    agent.post[cut] to 0.
+    """
+    active = state.agent_post[:, AGENT_BAG_CUT] > 0  # gift_refinement.sj:64
+    agent_bag_added = jnp.where(  # gift_refinement.sj:65
+        AGENT_BAG_CUT == jnp.arange(3, dtype=jnp.uint8)[None, :],
+        jnp.where(active, state.agent_post[:, AGENT_BAG_CUT].astype(jnp.int32), 0)[..., None],
+        jnp.int32(0),
+    )
+    event_received = out.event_received.at[:, AGENT_BAG_CUT].add(  # gift_refinement.sj:66
+        jnp.where(
+            active,
+            jnp.minimum(
+                state.agent_post[:, AGENT_BAG_CUT].astype(jnp.int32),
+                15 - state.agent_bag[:, AGENT_BAG_CUT].astype(jnp.int32),
+            ),
+            0,
+        )
+    )
+    # gift_refinement.sj:67
+    agent_post = state.agent_post.at[:, AGENT_BAG_CUT].set(jnp.where(active, 0, state.agent_post[:, AGENT_BAG_CUT]))
+    agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(agent_post=agent_post, agent_bag=agent_bag), out.replace(event_received=event_received)
 
 
 def receive_fine(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `receive(fine)`."""
-    active = state.agent_post.astype(jnp.int32)[:, 2] > 0  # gift_refinement.sj:64
-    agent_bag_added = jnp.where(2 == jnp.arange(3, dtype=jnp.uint8)[None, :], (jnp.where(active, state.agent_post.astype(jnp.int32)[:, 2], 0))[..., None], jnp.int32(0))  # gift_refinement.sj:65
-    event_received = out.event_received.at[:, 2].add(jnp.where(active, jnp.minimum(state.agent_post.astype(jnp.int32)[:, 2], 15 - state.agent_bag.astype(jnp.int32)[:, 2]), 0))  # gift_refinement.sj:66
-    agent_post = state.agent_post.at[:, 2].set(jnp.where(active, 0, state.agent_post[:, 2]))  # gift_refinement.sj:67
-    agent_bag = (jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15)).astype(jnp.uint8)
+    """Phase `receive(fine)`: for each agent, adds agent.post[fine] to agent.bag[fine], counts received, sets
+    agent.post[fine] to 0.
+    """
+    active = state.agent_post[:, AGENT_BAG_FINE] > 0  # gift_refinement.sj:64
+    agent_bag_added = jnp.where(  # gift_refinement.sj:65
+        AGENT_BAG_FINE == jnp.arange(3, dtype=jnp.uint8)[None, :],
+        jnp.where(active, state.agent_post[:, AGENT_BAG_FINE].astype(jnp.int32), 0)[..., None],
+        jnp.int32(0),
+    )
+    event_received = out.event_received.at[:, AGENT_BAG_FINE].add(  # gift_refinement.sj:66
+        jnp.where(
+            active,
+            jnp.minimum(
+                state.agent_post[:, AGENT_BAG_FINE].astype(jnp.int32),
+                15 - state.agent_bag[:, AGENT_BAG_FINE].astype(jnp.int32),
+            ),
+            0,
+        )
+    )
+    # gift_refinement.sj:67
+    agent_post = state.agent_post.at[:, AGENT_BAG_FINE].set(jnp.where(active, 0, state.agent_post[:, AGENT_BAG_FINE]))
+    agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(agent_post=agent_post, agent_bag=agent_bag), out.replace(event_received=event_received)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((5, 9), bool)
-    return allowed
+    return jnp.ones((NUM_AGENTS, len(ACTIONS)), bool)
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    total = jnp.sum(state.agent_bag.astype(jnp.int32)[:, 1] + state.agent_bag.astype(jnp.int32)[:, 2], dtype=jnp.int32)  # gift_refinement.sj:79
-    return {'refined_held': total.astype(jnp.float32)}
+    total = jnp.sum(  # gift_refinement.sj:79
+        state.agent_bag[:, AGENT_BAG_CUT].astype(jnp.int32) + state.agent_bag[:, AGENT_BAG_FINE].astype(jnp.int32),
+        dtype=jnp.int32,
+    )
+    return {"refined_held": total.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -290,12 +398,34 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_token + 1))  # gift_refinement.sj:22
-    plane_0 = paint(plane_0, state.mark_offer, 64)  # gift_refinement.sj:50
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # gift_refinement.sj:27
-    seen_0 = windows(plane_0.reshape(43, 43), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # gift_refinement.sj:76
-    agent = (seen_0 >> 3) & 7  # gift_refinement.sj:76
-    shown_bag = state.agent_bag.astype(jnp.int32)[:, 0].astype(jnp.uint8)  # gift_refinement.sj:76
-    shown_bag_2 = state.agent_bag.astype(jnp.int32)[:, 1].astype(jnp.uint8)  # gift_refinement.sj:76
-    shown_bag_3 = state.agent_bag.astype(jnp.int32)[:, 2].astype(jnp.uint8)  # gift_refinement.sj:76
-    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_bag[:, None], (5, 121)), jnp.broadcast_to(shown_bag_2[:, None], (5, 121)), jnp.broadcast_to(shown_bag_3[:, None], (5, 121)))
+    plane_0 = fill(plane_0, CELLS_GROUND, state.ground_token + GROUND_LOOK)  # gift_refinement.sj:22
+    plane_0 = paint(plane_0, state.mark_offer, MARK_OFFER_BIT)  # gift_refinement.sj:50
+    # gift_refinement.sj:27
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)
+    seen_0 = windows(  # gift_refinement.sj:76
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    content = seen_0 & CONTENT_MASK  # gift_refinement.sj:76
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # gift_refinement.sj:76
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # gift_refinement.sj:76
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # gift_refinement.sj:76
+    marks = (seen_0 >> MARK_OFFER_SHIFT) & MARK_OFFER_MASK  # gift_refinement.sj:76
+    shown_bag = state.agent_bag[:, AGENT_BAG_RAW]  # gift_refinement.sj:76
+    shown_bag_2 = state.agent_bag[:, AGENT_BAG_CUT]  # gift_refinement.sj:76
+    shown_bag_3 = state.agent_bag[:, AGENT_BAG_FINE]  # gift_refinement.sj:76
+    return planes_of(
+        WINDOW,
+        None,
+        content,
+        agents,
+        marks,
+        jnp.broadcast_to(shown_bag[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_bag_2[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_bag_3[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+    )

@@ -10,17 +10,26 @@ from jax import Array
 from sjdsl.runtime.counting import count_near, occupied
 from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.fields import StateField
-from sjdsl.runtime.geometry import cells_of, inside, near_masks, neighbours, next_cells, own_cell, painted, shape_offsets, site_numbers
+from sjdsl.runtime.geometry import (
+    cells_of,
+    inside,
+    near_masks,
+    neighbours,
+    next_cells,
+    own_cell,
+    painted,
+    shape_offsets,
+    site_numbers,
+)
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'harvest_open'
-TITLE = 'Commons Harvest: Open'
-HASH = '89bc5e0df43ff176'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap')
+NAME = "harvest_open"
+TITLE = "Commons Harvest: Open"
+HASH = "89bc5e0df43ff176"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap")
 STAY = 6
 NUM_AGENTS = 7
 PAD = 9
@@ -28,13 +37,8 @@ FRAME = (34, 40)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = False
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('eaten', 'event_eaten', None),
-    ('hits', 'event_hits', None),
-)
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='soil_fruit', encoding='word', size=2),
-)
+EVENTS = (("eaten", "event_eaten", None), ("hits", "event_hits", None))
+FIELDS = (StateField(attribute="soil_fruit", encoding="word", size=2),)
 MAP = (
     'AAA....A......A....AAA',
     'AA....AAA....AAA....AA',
@@ -54,23 +58,92 @@ MAP = (
     'PPPPPPPPPPPPPPPPPPPPPP',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'floor', 'wall', 'soil fruit=none', 'soil fruit=ripe', 'den', 'gate'), high=6),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('fire',), high=1),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=("outside", "floor", "wall", "soil fruit=none", "soil fruit=ripe", "den", "gate"),
+        high=6,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("fire",), high=1),
 )
 
-CELLS_DEN = jnp.asarray(cells_of(MAP, PAD, 'Q'))  # cells of den
-CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of gate
-SITE_OF_SOIL = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'A')))  # number of each cell among soil; past the end: none
-NEAR_DISC_2_SOIL = jnp.asarray(near_masks(neighbours(cells_of(MAP, PAD, 'A'), site_numbers(MAP, PAD, cells_of(MAP, PAD, 'A')), shape_offsets(MAP, PAD, ((2, 0), (1, -1), (1, 0), (1, 1), (0, -2), (0, -1), (0, 1), (0, 2), (-1, -1), (-1, 0), (-1, 1), (-2, 0)))), 64))  # neighbours of each cell in disc(2), as bits
+NUM_DEN = 2  # cells of den
+NUM_GATE = 60  # cells of gate
+NUM_SOIL = 64  # cells of soil
+ACTION_ZAP = 7
+SOIL_NONE = 0
+SOIL_RIPE = 1
+NO_STEP = 4
+SOIL_LOOK = 2  # as it is painted
+MARK_FIRE_BIT = 64
+AGENT_SHIFT = 3
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 7
+MARK_FIRE_SHIFT = 6
+MARK_FIRE_MASK = 1
+MARKS_OF_FIRE = 28  # cells that fire can mark
+STREAM_START = 0x8be3eb0b  # harvest_open.sj:39
+STREAM_START_2 = 0x05fd999c  # harvest_open.sj:39
+STREAM_START_3 = 0xa452ab5d  # harvest_open.sj:39
+STREAM_START_4 = 0xcb7943f8  # harvest_open.sj:39
+STREAM_REGROW = 0x5597eacb  # harvest_open.sj:48
+STREAM_WALK = 0xbcc46097  # harvest_open.sj:51
+STREAM_FIRE = 0x586408f2  # harvest_open.sj:63
+STREAM_FIRE_2 = 0xba266f0d  # harvest_open.sj:63
+
+CELLS_DEN = jnp.asarray(cells_of(MAP, PAD, "Q"))  # cells of den
+CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of gate
+# number of each cell among soil; past the end: none
+SITE_OF_SOIL = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "A")))
+NEAR_DISC_2_SOIL = jnp.asarray(  # neighbours of each cell in disc(2), as bits
+    near_masks(
+        neighbours(
+            cells_of(MAP, PAD, "A"),
+            site_numbers(MAP, PAD, cells_of(MAP, PAD, "A")),
+            shape_offsets(
+                MAP,
+                PAD,
+                (
+                    (2, 0),
+                    (1, -1),
+                    (1, 0),
+                    (1, 1),
+                    (0, -2),
+                    (0, -1),
+                    (0, 1),
+                    (0, 2),
+                    (-1, -1),
+                    (-1, 0),
+                    (-1, 1),
+                    (-2, 0),
+                ),
+            ),
+        ),
+        64,
+    )
+)
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, '#'))  # where a step leads, by cell and direction; the cell itself if blocked
-BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1, 1))))  # cells of beam from an agent's cell, for each heading
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
+# cells of beam from an agent's cell, for each heading
+BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1, 1))))
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'P')))  # number of each cell among gate; past the end: none
-BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'A': 2, 'Q': 4, 'P': 5}))  # looks of the cells of the frame, fields aside
-CELLS_SOIL = jnp.asarray(cells_of(MAP, PAD, 'A'))  # cells of soil
+# number of each cell among gate; past the end: none
+SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "P")))
+# looks of the cells of the frame, fields aside
+BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "A": 2, "Q": 4, "P": 5}))
+CELLS_SOIL = jnp.asarray(cells_of(MAP, PAD, "A"))  # cells of soil
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
@@ -121,28 +194,26 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(7, jnp.int32),
-        heading=jnp.zeros(7, jnp.int32),
-        soil_fruit=jnp.full((64,), 1, jnp.uint8),
-        mark_fire=jnp.zeros(28, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
+        soil_fruit=jnp.full(NUM_SOIL, SOIL_RIPE, jnp.uint8),
+        mark_fire=jnp.zeros(MARKS_OF_FIRE, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(7, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_eaten=jnp.zeros((7,), jnp.int32),
-        event_hits=jnp.zeros((7,), jnp.int32),
+        event_eaten=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_hits=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -151,7 +222,6 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
     out = no_outcome()
     state = state.replace(mark_fire=jnp.zeros_like(state.mark_fire))
     state, out = regrow(state, out, params, actions, key)
-    state, out = tick(state, out, params, actions, key)
     state, out = walk(state, out, params, actions, key)
     state, out = eat(state, out, params, actions, key)
     state, out = fire(state, out, params, actions, key)
@@ -159,54 +229,62 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    holds = jnp.arange(7, dtype=jnp.int32) < 2  # harvest_open.sj:39
+    """Phase `start`, before the first step: for each agent, sends agent to den, sends agent to gate."""
+    holds = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 2  # harvest_open.sj:39
     sent = ~holds  # harvest_open.sj:39
-    position, placed = place(CELLS_DEN, jnp.full(2, True), words(key, 0x8be3eb0b, 7), state.position, holds)  # harvest_open.sj:39
-    heading = jnp.where(placed, below(words(key, 0x05fd999c, 7), 4), state.heading)  # harvest_open.sj:39
-    position, placed_2 = place(CELLS_GATE, jnp.full(60, True), words(key, 0xa452ab5d, 7), position, sent)  # harvest_open.sj:39
-    heading = jnp.where(placed_2, below(words(key, 0xcb7943f8, 7), 4), heading)  # harvest_open.sj:39
+    position, placed = place(  # harvest_open.sj:39
+        CELLS_DEN, jnp.full(NUM_DEN, True), words(key, STREAM_START, NUM_AGENTS), state.position, holds
+    )
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # harvest_open.sj:39
+    position, placed_2 = place(  # harvest_open.sj:39
+        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START_3, NUM_AGENTS), position, sent
+    )
+    heading = jnp.where(placed_2, below(words(key, STREAM_START_4, NUM_AGENTS), 4), heading)  # harvest_open.sj:39
     return state.replace(position=position, heading=heading), out
 
 
 def regrow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `regrow`."""
+    """Phase `regrow`: for each soil, by chance, sets soil.fruit to ripe."""
     soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:46
-    covered = occupied(soil_under, 64)  # harvest_open.sj:46
-    active = (state.soil_fruit == 0) & ~covered  # harvest_open.sj:46
-    near = count_near(state.soil_fruit == 1, NEAR_DISC_2_SOIL)  # harvest_open.sj:47
-    happens = (words(key, 0x5597eacb, 64) >> 1) < (threshold(jnp.where(near == 0, 0.0, jnp.where(near == 1, params.regrow_1, jnp.where(near == 2, params.regrow_2, params.regrow_3)))))  # harvest_open.sj:48
-    soil_fruit = jnp.where(active & happens, 1, state.soil_fruit)  # harvest_open.sj:48
+    covered = occupied(soil_under, NUM_SOIL)  # harvest_open.sj:46
+    active = (state.soil_fruit == SOIL_NONE) & ~covered  # harvest_open.sj:46
+    near = count_near(state.soil_fruit == SOIL_RIPE, NEAR_DISC_2_SOIL)  # harvest_open.sj:47
+    happens = (words(key, STREAM_REGROW, NUM_SOIL) >> 1) < threshold(  # harvest_open.sj:48
+        jnp.where(
+            near == 0,
+            0.0,
+            jnp.where(near == 1, params.regrow_1, jnp.where(near == 2, params.regrow_2, params.regrow_3)),
+        )
+    )
+    soil_fruit = jnp.where(active & happens, SOIL_RIPE, state.soil_fruit)  # harvest_open.sj:48
     return state.replace(soil_fruit=soil_fruit), out
 
 
-def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """All timers fall by one; agents whose time away is over return."""
-    return state, out
-
-
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
+    """Phase `walk`: moves each agent."""
     heading = (state.heading + TURN[actions]) & 3  # harvest_open.sj:51
     stride = STEP_BY[actions]  # harvest_open.sj:51
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # harvest_open.sj:51
-    position = resolve(state.position, target, words(key, 0xbcc46097, 7))  # harvest_open.sj:51
+    # harvest_open.sj:51
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # harvest_open.sj:51
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`."""
+    """Phase `eat`: for each agent on soil, sets soil.fruit to none, gives a reward to agent, counts eaten."""
     soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:53
-    active = (soil_under < 64) & (state.soil_fruit[soil_under] == 1)  # harvest_open.sj:53
-    soil_fruit = state.soil_fruit.at[jnp.where(active, soil_under, 64)].set(0, mode="drop")  # harvest_open.sj:54
+    active = (soil_under < NUM_SOIL) & (state.soil_fruit[soil_under] == SOIL_RIPE)  # harvest_open.sj:53
+    to_soil = jnp.where(active, soil_under, NUM_SOIL)  # harvest_open.sj:54
+    soil_fruit = state.soil_fruit.at[to_soil].set(SOIL_NONE, mode="drop")  # harvest_open.sj:54
     reward = out.reward + jnp.where(active, params.apple, 0.0)  # harvest_open.sj:55
-    event_eaten = out.event_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # harvest_open.sj:56
+    event_eaten = out.event_eaten + active.astype(jnp.int32)  # harvest_open.sj:56
     return state.replace(soil_fruit=soil_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`."""
-    active = actions == 7  # harvest_open.sj:60
+    """Phase `fire`: for each zapper, marks beam, for each victim in beam of zapper, sends victim to gate, counts hits.
+    """
+    active = actions == ACTION_ZAP  # harvest_open.sj:60
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # harvest_open.sj:61
     marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # harvest_open.sj:61
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # harvest_open.sj:62
@@ -215,23 +293,23 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # harvest_open.sj:64
     event_hits = out.event_hits + times  # harvest_open.sj:64
     gate_under = SITE_OF_GATE[state.position]  # harvest_open.sj:63
-    others = jnp.where(sent, 60, gate_under)  # harvest_open.sj:63
-    free = ~occupied(others, 60)  # harvest_open.sj:63
-    position, placed = place(CELLS_GATE, free, words(key, 0x586408f2, 7), state.position, sent)  # harvest_open.sj:63
-    heading = jnp.where(placed, below(words(key, 0xba266f0d, 7), 4), state.heading)  # harvest_open.sj:63
+    others = jnp.where(sent, NUM_GATE, gate_under)  # harvest_open.sj:63
+    free = ~occupied(others, NUM_GATE)  # harvest_open.sj:63
+    # harvest_open.sj:63
+    position, placed = place(CELLS_GATE, free, words(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(words(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # harvest_open.sj:63
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((7, 8), bool)
-    return allowed
+    return jnp.ones((NUM_AGENTS, len(ACTIONS)), bool)
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_soil = jnp.sum(state.soil_fruit == 1, dtype=jnp.int32)  # harvest_open.sj:70
-    return {'apples_left': num_soil.astype(jnp.float32)}
+    num_soil = jnp.sum(state.soil_fruit == SOIL_RIPE, dtype=jnp.int32)  # harvest_open.sj:70
+    return {"apples_left": num_soil.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -242,11 +320,22 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 3, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_SOIL, (state.soil_fruit + 2))  # harvest_open.sj:23
-    plane_0 = paint(plane_0, state.mark_fire, 64)  # harvest_open.sj:59
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # harvest_open.sj:28
-    seen_0 = windows(plane_0.reshape(34, 40), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # harvest_open.sj:69
-    raw = seen_0 & 7  # harvest_open.sj:69
-    content = raw + (((raw >= 2).astype(jnp.uint8)) * 1)  # harvest_open.sj:69
-    agent = (seen_0 >> 3) & 7  # harvest_open.sj:69
-    return planes_of((11, 11), None, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1)
+    plane_0 = fill(plane_0, CELLS_SOIL, state.soil_fruit + SOIL_LOOK)  # harvest_open.sj:23
+    plane_0 = paint(plane_0, state.mark_fire, MARK_FIRE_BIT)  # harvest_open.sj:59
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # harvest_open.sj:28
+    seen_0 = windows(  # harvest_open.sj:69
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    raw = seen_0 & CONTENT_MASK  # harvest_open.sj:69
+    content = raw + (raw >= SOIL_LOOK).astype(jnp.uint8)  # harvest_open.sj:69
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # harvest_open.sj:69
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # harvest_open.sj:69
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # harvest_open.sj:69
+    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK  # harvest_open.sj:69
+    return planes_of(WINDOW, None, content, agents, marks)

@@ -10,17 +10,25 @@ from jax import Array
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.fields import StateField
-from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers, values_of
+from sjdsl.runtime.geometry import (
+    cells_of,
+    inside,
+    next_cells,
+    own_cell,
+    painted,
+    shape_offsets,
+    site_numbers,
+    values_of,
+)
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'mushrooms'
-TITLE = 'Externality Mushrooms'
-HASH = '34c9b372ece8ed37'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap')
+NAME = "mushrooms"
+TITLE = "Externality Mushrooms"
+HASH = "34c9b372ece8ed37"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap")
 STAY = 6
 NUM_AGENTS = 5
 PAD = 9
@@ -28,17 +36,17 @@ FRAME = (30, 41)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = True
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('eaten[red]', 'event_eaten', 0),
-    ('eaten[green]', 'event_eaten', 1),
-    ('eaten[blue]', 'event_eaten', 2),
-    ('eaten[orange]', 'event_eaten', 3),
-    ('hits', 'event_hits', None),
+EVENTS = (
+    ("eaten[red]", "event_eaten", 0),
+    ("eaten[green]", "event_eaten", 1),
+    ("eaten[blue]", "event_eaten", 2),
+    ("eaten[orange]", "event_eaten", 3),
+    ("hits", "event_hits", None),
 )
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='ground_grows', encoding='word', size=5),
-    StateField(attribute='agent_digesting', encoding='number'),
-    StateField(attribute='world_trials', encoding='number', low=0.0, high=20.0),
+FIELDS = (
+    StateField(attribute="ground_grows", encoding="word", size=5),
+    StateField(attribute="agent_digesting", encoding="number"),
+    StateField(attribute="world_trials", encoding="number", low=0.0, high=20.0),
 )
 MAP = (
     '.......................',
@@ -55,23 +63,84 @@ MAP = (
     '.......................',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'ground grows=none', 'ground grows=red', 'ground grows=green', 'ground grows=blue', 'ground grows=orange'), high=5),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('fire',), high=1),
-    TokenPlane(name='agent.digesting', encoding='number', labels=(), high=255),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=(
+            "outside",
+            "ground grows=none",
+            "ground grows=red",
+            "ground grows=green",
+            "ground grows=blue",
+            "ground grows=orange",
+        ),
+        high=5,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("fire",), high=1),
+    TokenPlane(name="agent.digesting", encoding="number", labels=(), high=255),
 )
 
-CELLS_GROUND = jnp.asarray(cells_of(MAP, PAD, '.RGBO'))  # cells of ground
+NUM_GROUND = 276  # cells of ground
+ACTION_ZAP = 7
+GROUND_NONE = 0
+GROUND_RED = 1
+WORLD_TRIALS_RED = 0
+GROUND_GREEN = 2
+WORLD_TRIALS_GREEN = 1
+GROUND_BLUE = 3
+WORLD_TRIALS_BLUE = 2
+GROUND_ORANGE = 4
+WORLD_TRIALS_ORANGE = 3
+NO_STEP = 4
+GROUND_LOOK = 1  # as it is painted
+MARK_FIRE_BIT = 64
+AGENT_SHIFT = 3
+NUM_VIEW_CELLS = 121  # cells of a window
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 7
+AGENT_MASK = 7
+MARK_FIRE_SHIFT = 6
+MARK_FIRE_MASK = 1
+MARKS_OF_FIRE = 20  # cells that fire can mark
+STREAM_START = 0xafd9f3dd  # mushrooms.sj:49
+STREAM_START_2 = 0x1943027e  # mushrooms.sj:49
+STREAM_WALK = 0xbcc46097  # mushrooms.sj:53
+STREAM_SPROUT_RED = 0xc4a410f4  # mushrooms.sj:66
+STREAM_SPROUT_RED_2 = 0xc1bdc6e0  # mushrooms.sj:67
+STREAM_SPROUT_GREEN = 0x4088b2a4  # mushrooms.sj:66
+STREAM_SPROUT_GREEN_2 = 0xc5ecf6c5  # mushrooms.sj:67
+STREAM_SPROUT_BLUE = 0xdca5f36c  # mushrooms.sj:66
+STREAM_SPROUT_BLUE_2 = 0x78621551  # mushrooms.sj:67
+STREAM_SPROUT_ORANGE = 0xecbf1252  # mushrooms.sj:66
+STREAM_SPROUT_ORANGE_2 = 0x2e0c81e2  # mushrooms.sj:67
+STREAM_FIRE = 0x843efd39  # mushrooms.sj:76
+STREAM_FIRE_2 = 0x36b18705  # mushrooms.sj:76
+
+CELLS_GROUND = jnp.asarray(cells_of(MAP, PAD, ".RGBO"))  # cells of ground
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, ''))  # where a step leads, by cell and direction; the cell itself if blocked
-SITE_OF_GROUND = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, '.RGBO')))  # number of each cell among ground; past the end: none
-BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1, 1))))  # cells of beam from an agent's cell, for each heading
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, ""))
+# number of each cell among ground; past the end: none
+SITE_OF_GROUND = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, ".RGBO")))
+# cells of beam from an agent's cell, for each heading
+BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1, 1))))
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
 FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
-BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, 'R': 1, 'G': 1, 'B': 1, 'O': 1}))  # looks of the cells of the frame, fields aside
+# looks of the cells of the frame, fields aside
+BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "R": 1, "G": 1, "B": 1, "O": 1}))
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
-GROUND_GROWS_START = jnp.asarray(values_of(MAP, {'.': 0, 'R': 1, 'G': 2, 'B': 3, 'O': 4}, 'uint8'))  # grows of ground as on the map
+# grows of ground as on the map
+GROUND_GROWS_START = jnp.asarray(values_of(MAP, {".": 0, "R": 1, "G": 2, "B": 3, "O": 4}, "uint8"))
 
 
 @struct.dataclass
@@ -129,30 +198,28 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(5, jnp.int32),
-        heading=jnp.zeros(5, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
         ground_grows=GROUND_GROWS_START,
-        agent_digesting=jnp.full((5,), 0, jnp.uint8),
-        world_trials=jnp.full((4,), 0, jnp.uint8),
-        mark_fire=jnp.zeros(20, jnp.int32),
+        agent_digesting=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        world_trials=jnp.full(4, 0, jnp.uint8),
+        mark_fire=jnp.zeros(MARKS_OF_FIRE, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(5, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_eaten=jnp.zeros((5, 4), jnp.int32),
-        event_hits=jnp.zeros((5,), jnp.int32),
+        event_eaten=jnp.zeros((NUM_AGENTS, 4), jnp.int32),
+        event_hits=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -174,108 +241,139 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(5, True)  # mushrooms.sj:49
-    free = state.ground_grows == 0  # mushrooms.sj:49
-    position, placed = place(CELLS_GROUND, free, words(key, 0xafd9f3dd, 5), state.position, sent)  # mushrooms.sj:49
-    heading = jnp.where(placed, below(words(key, 0x1943027e, 5), 4), state.heading)  # mushrooms.sj:49
+    """Phase `start`, before the first step: for each agent, sends agent to ground."""
+    sent = jnp.full(NUM_AGENTS, True)  # mushrooms.sj:49
+    free = state.ground_grows == GROUND_NONE  # mushrooms.sj:49
+    # mushrooms.sj:49
+    position, placed = place(CELLS_GROUND, free, words(key, STREAM_START, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # mushrooms.sj:49
     return state.replace(position=position, heading=heading), out
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """All timers fall by one; agents whose time away is over return."""
-    agent_digesting = state.agent_digesting - (state.agent_digesting > 0).astype(state.agent_digesting.dtype)  # mushrooms.sj:42
+    """All timers fall by one."""
+    # mushrooms.sj:42
+    agent_digesting = state.agent_digesting - (state.agent_digesting > 0).astype(state.agent_digesting.dtype)
     return state.replace(agent_digesting=agent_digesting), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
+    """Phase `walk`: moves each agent."""
     heading = (state.heading + TURN[actions]) & 3  # mushrooms.sj:53
     stride = STEP_BY[actions]  # mushrooms.sj:53
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # mushrooms.sj:53
-    position = resolve(state.position, target, words(key, 0xbcc46097, 5))  # mushrooms.sj:53
+    # mushrooms.sj:53
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # mushrooms.sj:53
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`."""
+    """Phase `eat`: for each agent on ground, sets ground.grows to none, sets agent.digesting to digestion[meal], counts
+    eaten, adds spores[meal] to trials, gives a reward to agent, gives a reward to all.
+    """
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:55
-    active = (ground_under < 276) & (state.ground_grows[ground_under] != 0)  # mushrooms.sj:55
+    active = (ground_under < NUM_GROUND) & (state.ground_grows[ground_under] != GROUND_NONE)  # mushrooms.sj:55
     meal = state.ground_grows[ground_under] - 1  # mushrooms.sj:56
-    ground_grows = state.ground_grows.at[jnp.where(active, ground_under, 276)].set(0, mode="drop")  # mushrooms.sj:57
-    agent_digesting = jnp.where(active, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)  # mushrooms.sj:58
-    event_eaten = out.event_eaten + (jnp.where(active[:, None] & (meal[:, None] == jnp.arange(4, dtype=jnp.uint8)[None, :]), jnp.int32(1), jnp.int32(0)))  # mushrooms.sj:59
-    world_trials_added = jnp.sum(jnp.where(active[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32)  # mushrooms.sj:60
+    to_ground = jnp.where(active, ground_under, NUM_GROUND)  # mushrooms.sj:57
+    ground_grows = state.ground_grows.at[to_ground].set(GROUND_NONE, mode="drop")  # mushrooms.sj:57
+    # mushrooms.sj:58
+    agent_digesting = jnp.where(active, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)
+    event_eaten = out.event_eaten + (  # mushrooms.sj:59
+        active[:, None] & (meal[:, None] == jnp.arange(4, dtype=jnp.uint8)[None, :])
+    ).astype(jnp.int32)
+    # mushrooms.sj:60
+    world_trials_added = jnp.sum(jnp.where(active[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32)
     reward = out.reward + jnp.where(active, params.eater[meal], 0.0)  # mushrooms.sj:61
-    reward = reward + (jnp.sum(jnp.where(active, params.everyone[meal], 0.0), dtype=jnp.float32))  # mushrooms.sj:61
-    reward = reward + (jnp.sum(jnp.where(active[:, None] & (jnp.arange(5, dtype=jnp.int32)[:, None] != jnp.arange(5, dtype=jnp.int32)[None, :]), params.others[meal][:, None], 0.0), axis=0, dtype=jnp.float32))  # mushrooms.sj:61
-    world_trials = (jnp.clip(state.world_trials.astype(jnp.int32) + world_trials_added, 0, 20)).astype(jnp.uint8)
-    return state.replace(ground_grows=ground_grows, agent_digesting=agent_digesting, world_trials=world_trials), out.replace(event_eaten=event_eaten, reward=reward)
+    reward = reward + jnp.sum(jnp.where(active, params.everyone[meal], 0.0), dtype=jnp.float32)  # mushrooms.sj:61
+    reward = reward + jnp.sum(  # mushrooms.sj:61
+        jnp.where(
+            active[:, None] & (
+                jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]
+            ),
+            params.others[meal][:, None],
+            0.0,
+        ),
+        axis=0,
+        dtype=jnp.float32,
+    )
+    world_trials = jnp.clip(state.world_trials.astype(jnp.int32) + world_trials_added, 0, 20).astype(jnp.uint8)
+    return (
+        state.replace(ground_grows=ground_grows, agent_digesting=agent_digesting, world_trials=world_trials),
+        out.replace(event_eaten=event_eaten, reward=reward),
+    )
 
 
 def sprout_red(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(red)`."""
-    num_ground = jnp.sum(state.ground_grows == 1, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[0]  # mushrooms.sj:65
+    """Phase `sprout(red)`: picks some ground, by chance, sets ground.grows to red; sets trials[red] to 0."""
+    num_ground = jnp.sum(state.ground_grows == GROUND_RED, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[WORLD_TRIALS_RED]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, 276)  # mushrooms.sj:66
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
-    found = jnp.any(member, axis=0)  # mushrooms.sj:66
-    taken = choose(member, words(key, 0xc4a410f4, 20), state.world_trials.astype(jnp.int32)[0])  # mushrooms.sj:66
-    happens = (words(key, 0xc1bdc6e0, 276) >> 1) < threshold(params.regrow[0])  # mushrooms.sj:67
-    ground_grows = jnp.where((active & taken) & happens, 1, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[0].set(0)  # mushrooms.sj:70
+    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
+    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
+    # mushrooms.sj:66
+    taken = choose(member, words(key, STREAM_SPROUT_RED, 20), state.world_trials[WORLD_TRIALS_RED].astype(jnp.int32))
+    # mushrooms.sj:67
+    happens = (words(key, STREAM_SPROUT_RED_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_RED])
+    ground_grows = jnp.where(active & taken & happens, GROUND_RED, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[WORLD_TRIALS_RED].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def sprout_green(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(green)`."""
-    num_ground = jnp.sum(state.ground_grows == 2, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[1]  # mushrooms.sj:65
+    """Phase `sprout(green)`: picks some ground, by chance, sets ground.grows to green; sets trials[green] to 0."""
+    num_ground = jnp.sum(state.ground_grows == GROUND_GREEN, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[WORLD_TRIALS_GREEN]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, 276)  # mushrooms.sj:66
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
-    found = jnp.any(member, axis=0)  # mushrooms.sj:66
-    taken = choose(member, words(key, 0x4088b2a4, 20), state.world_trials.astype(jnp.int32)[1])  # mushrooms.sj:66
-    happens = (words(key, 0xc5ecf6c5, 276) >> 1) < threshold(params.regrow[1])  # mushrooms.sj:67
-    ground_grows = jnp.where((active & taken) & happens, 2, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[1].set(0)  # mushrooms.sj:70
+    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
+    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
+    taken = choose(  # mushrooms.sj:66
+        member, words(key, STREAM_SPROUT_GREEN, 20), state.world_trials[WORLD_TRIALS_GREEN].astype(jnp.int32)
+    )
+    # mushrooms.sj:67
+    happens = (words(key, STREAM_SPROUT_GREEN_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_GREEN])
+    ground_grows = jnp.where(active & taken & happens, GROUND_GREEN, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[WORLD_TRIALS_GREEN].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def sprout_blue(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(blue)`."""
-    num_ground = jnp.sum(state.ground_grows == 3, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[2]  # mushrooms.sj:65
+    """Phase `sprout(blue)`: picks some ground, by chance, sets ground.grows to blue; sets trials[blue] to 0."""
+    num_ground = jnp.sum(state.ground_grows == GROUND_BLUE, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[WORLD_TRIALS_BLUE]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, 276)  # mushrooms.sj:66
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
-    found = jnp.any(member, axis=0)  # mushrooms.sj:66
-    taken = choose(member, words(key, 0xdca5f36c, 20), state.world_trials.astype(jnp.int32)[2])  # mushrooms.sj:66
-    happens = (words(key, 0x78621551, 276) >> 1) < threshold(params.regrow[2])  # mushrooms.sj:67
-    ground_grows = jnp.where((active & taken) & happens, 3, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[2].set(0)  # mushrooms.sj:70
+    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
+    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
+    # mushrooms.sj:66
+    taken = choose(member, words(key, STREAM_SPROUT_BLUE, 20), state.world_trials[WORLD_TRIALS_BLUE].astype(jnp.int32))
+    # mushrooms.sj:67
+    happens = (words(key, STREAM_SPROUT_BLUE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_BLUE])
+    ground_grows = jnp.where(active & taken & happens, GROUND_BLUE, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[WORLD_TRIALS_BLUE].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def sprout_orange(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(orange)`."""
-    num_ground = jnp.sum(state.ground_grows == 4, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[3]  # mushrooms.sj:65
+    """Phase `sprout(orange)`: picks some ground, by chance, sets ground.grows to orange; sets trials[orange] to 0."""
+    num_ground = jnp.sum(state.ground_grows == GROUND_ORANGE, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[WORLD_TRIALS_ORANGE]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, 276)  # mushrooms.sj:66
-    member = (state.ground_grows == 0) & ~covered  # mushrooms.sj:66
-    found = jnp.any(member, axis=0)  # mushrooms.sj:66
-    taken = choose(member, words(key, 0xecbf1252, 20), state.world_trials.astype(jnp.int32)[3])  # mushrooms.sj:66
-    happens = (words(key, 0x2e0c81e2, 276) >> 1) < threshold(params.regrow[3])  # mushrooms.sj:67
-    ground_grows = jnp.where((active & taken) & happens, 4, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[3].set(0)  # mushrooms.sj:70
+    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
+    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
+    taken = choose(  # mushrooms.sj:66
+        member, words(key, STREAM_SPROUT_ORANGE, 20), state.world_trials[WORLD_TRIALS_ORANGE].astype(jnp.int32)
+    )
+    # mushrooms.sj:67
+    happens = (words(key, STREAM_SPROUT_ORANGE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_ORANGE])
+    ground_grows = jnp.where(active & taken & happens, GROUND_ORANGE, state.ground_grows)  # mushrooms.sj:67
+    world_trials = state.world_trials.at[WORLD_TRIALS_ORANGE].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`."""
-    active = actions == 7  # mushrooms.sj:73
+    """Phase `fire`: for each zapper, marks beam, for each victim in beam of zapper, sends victim to ground, counts
+    hits.
+    """
+    active = actions == ACTION_ZAP  # mushrooms.sj:73
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # mushrooms.sj:74
     marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # mushrooms.sj:74
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
@@ -284,18 +382,18 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # mushrooms.sj:77
     event_hits = out.event_hits + times  # mushrooms.sj:77
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:76
-    free = ~occupied(ground_under, 276) & (state.ground_grows == 0)  # mushrooms.sj:76
-    position, placed = place(CELLS_GROUND, free, words(key, 0x843efd39, 5), state.position, sent)  # mushrooms.sj:76
-    heading = jnp.where(placed, below(words(key, 0x36b18705, 5), 4), state.heading)  # mushrooms.sj:76
+    free = ~occupied(ground_under, NUM_GROUND) & (state.ground_grows == GROUND_NONE)  # mushrooms.sj:76
+    # mushrooms.sj:76
+    position, placed = place(CELLS_GROUND, free, words(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(words(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # mushrooms.sj:76
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((5, 8), bool)
-    forbidden = state.agent_digesting.astype(jnp.int32) > 0  # mushrooms.sj:43
-    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # mushrooms.sj:43
-    return allowed
+    forbidden = state.agent_digesting > 0  # mushrooms.sj:43
+    closed = forbidden[:, None] & FORBIDS[None]  # mushrooms.sj:43
+    return ~closed
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
@@ -311,10 +409,24 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 4, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_GROUND, (state.ground_grows + 1))  # mushrooms.sj:28
-    plane_0 = paint(plane_0, state.mark_fire, 64)  # mushrooms.sj:72
-    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << 3)  # mushrooms.sj:39
-    seen_0 = windows(plane_0.reshape(30, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # mushrooms.sj:88
-    agent = (seen_0 >> 3) & 7  # mushrooms.sj:88
-    shown_digesting = state.agent_digesting.astype(jnp.int32).astype(jnp.uint8)  # mushrooms.sj:89
-    return planes_of((11, 11), None, seen_0 & 7, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3), 0)).astype(jnp.uint8), (seen_0 >> 6) & 1, jnp.broadcast_to(shown_digesting[:, None], (5, 121)))
+    plane_0 = fill(plane_0, CELLS_GROUND, state.ground_grows + GROUND_LOOK)  # mushrooms.sj:28
+    plane_0 = paint(plane_0, state.mark_fire, MARK_FIRE_BIT)  # mushrooms.sj:72
+    plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # mushrooms.sj:39
+    seen_0 = windows(  # mushrooms.sj:88
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    content = seen_0 & CONTENT_MASK  # mushrooms.sj:88
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # mushrooms.sj:88
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # mushrooms.sj:88
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # mushrooms.sj:88
+    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK  # mushrooms.sj:88
+    shown_digesting = state.agent_digesting  # mushrooms.sj:89
+    return planes_of(
+        WINDOW, None, content, agents, marks, jnp.broadcast_to(shown_digesting[:, None], (NUM_AGENTS, NUM_VIEW_CELLS))
+    )

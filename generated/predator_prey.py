@@ -14,33 +14,32 @@ from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, paint
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'predator_prey'
-TITLE = 'Predator and Prey: Open'
-HASH = '0d71df7b77592db0'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'bite')
+NAME = "predator_prey"
+TITLE = "Predator and Prey: Open"
+HASH = "0d71df7b77592db0"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "bite")
 STAY = 6
 NUM_AGENTS = 13
 PAD = 9
 FRAME = (37, 41)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = True
-ROLE = 'agent_role'
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('apples_eaten', 'event_apples_eaten', None),
-    ('acorns_eaten', 'event_acorns_eaten', None),
-    ('caught', 'event_caught', None),
-    ('eaten', 'event_eaten', None),
+ROLE = "agent_role"
+EVENTS = (
+    ("apples_eaten", "event_apples_eaten", None),
+    ("acorns_eaten", "event_acorns_eaten", None),
+    ("caught", "event_caught", None),
+    ("eaten", "event_eaten", None),
 )
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='tree_fruit', encoding='word', size=2),
-    StateField(attribute='oak_fruit', encoding='word', size=2),
-    StateField(attribute='agent_role', encoding='word', size=2),
-    StateField(attribute='agent_mouth', encoding='word', size=3),
-    StateField(attribute='agent_chews', encoding='number'),
-    StateField(attribute='agent_resting', encoding='number'),
+FIELDS = (
+    StateField(attribute="tree_fruit", encoding="word", size=2),
+    StateField(attribute="oak_fruit", encoding="word", size=2),
+    StateField(attribute="agent_role", encoding="word", size=2),
+    StateField(attribute="agent_mouth", encoding="word", size=3),
+    StateField(attribute="agent_chews", encoding="number"),
+    StateField(attribute="agent_resting", encoding="number"),
 )
 MAP = (
     '#######################',
@@ -64,33 +63,142 @@ MAP = (
     '#######################',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'floor', 'wall', 'grass', 'nest', 'lair', 'tree fruit=none', 'tree fruit=ripe', 'oak fruit=none', 'oak fruit=ripe'), high=9),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('hunt',), high=1),
-    TokenPlane(name='other.role', encoding='word', labels=('nobody', 'prey', 'predator'), high=2),
-    TokenPlane(name='other.mouth', encoding='word', labels=('nobody', 'empty', 'holding', 'eating'), high=3),
-    TokenPlane(name='agent.role', encoding='word', labels=('prey', 'predator'), high=1),
-    TokenPlane(name='agent.mouth', encoding='word', labels=('empty', 'holding', 'eating'), high=2),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=(
+            "outside",
+            "floor",
+            "wall",
+            "grass",
+            "nest",
+            "lair",
+            "tree fruit=none",
+            "tree fruit=ripe",
+            "oak fruit=none",
+            "oak fruit=ripe",
+        ),
+        high=9,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("hunt",), high=1),
+    TokenPlane(name="other.role", encoding="word", labels=("nobody", "prey", "predator"), high=2),
+    TokenPlane(name="other.mouth", encoding="word", labels=("nobody", "empty", "holding", "eating"), high=3),
+    TokenPlane(name="agent.role", encoding="word", labels=("prey", "predator"), high=1),
+    TokenPlane(name="agent.mouth", encoding="word", labels=("empty", "holding", "eating"), high=2),
 )
 
-CELLS_LAIR = jnp.asarray(cells_of(MAP, PAD, 'X'))  # cells of lair
-CELLS_NEST = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of nest
-SITE_OF_TREE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'a')))  # number of each cell among tree; past the end: none
-SITE_OF_OAK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'n')))  # number of each cell among oak; past the end: none
-SITE_OF_LAIR = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'X')))  # number of each cell among lair; past the end: none
-SITE_OF_NEST = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'P')))  # number of each cell among nest; past the end: none
+NUM_LAIR = 34  # cells of lair
+NUM_NEST = 42  # cells of nest
+NUM_TREE = 141  # cells of tree
+NUM_OAK = 12  # cells of oak
+NUM_GRASS = 42  # cells of grass
+ACTION_BITE = 7
+AGENT_PREDATOR = 1
+TREE_NONE = 0
+TREE_RIPE = 1
+OAK_NONE = 0
+OAK_RIPE = 1
+AGENT_PREY = 0
+AGENT_EMPTY = 0
+AGENT_HOLDING = 1
+AGENT_EATING = 2
+NOWHERE = 0  # the cell of agents that are not on the map
+ANY_HEADING = 4
+SAME_HEADING = 5
+NO_STEP = 4
+FRAME_CELLS = 1517
+TREE_LOOK = 6  # as it is painted
+OAK_LOOK = 8  # as it is painted
+MARK_HUNT_BIT = 1
+AGENT_SHIFT = 4
+NUM_VIEW_CELLS = 121  # cells of a window
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 15
+AGENT_MASK = 15
+MARKS_OF_HUNT = 13  # cells that hunt can mark
+STREAM_START = 0x56ebd98a  # predator_prey.sj:47
+STREAM_START_2 = 0x1bc47d1a  # predator_prey.sj:47
+STREAM_START_3 = 0xc1cbf8e2  # predator_prey.sj:47
+STREAM_START_4 = 0x2d552df5  # predator_prey.sj:47
+STREAM_GROW = 0x893c557c  # predator_prey.sj:53
+STREAM_GROW_2 = 0x4855f567  # predator_prey.sj:54
+STREAM_TICK = 0xae23f91a  # predator_prey.sj:77
+STREAM_TICK_2 = 0x2612843a  # predator_prey.sj:77
+STREAM_TICK_3 = 0x5219557c  # predator_prey.sj:78
+STREAM_TICK_4 = 0xddcd099e  # predator_prey.sj:78
+STREAM_WALK = 0xbcc46097  # predator_prey.sj:56
+STREAM_HUNT = 0x3263fc25  # predator_prey.sj:73
+
+CELLS_LAIR = jnp.asarray(cells_of(MAP, PAD, "X"))  # cells of lair
+CELLS_NEST = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of nest
+# number of each cell among tree; past the end: none
+SITE_OF_TREE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "a")))
+# number of each cell among oak; past the end: none
+SITE_OF_OAK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "n")))
+# number of each cell among lair; past the end: none
+SITE_OF_LAIR = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "X")))
+# number of each cell among nest; past the end: none
+SITE_OF_NEST = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "P")))
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, '#'))  # where a step leads, by cell and direction; the cell itself if blocked
-SITE_OF_GRASS = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'g')))  # number of each cell among grass; past the end: none
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
+# number of each cell among grass; past the end: none
+SITE_OF_GRASS = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "g")))
 JAWS_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0),)))  # cells of jaws from an agent's cell, for each heading
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-DISC_3__CENTRE_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((3, 0), (2, -2), (2, -1), (2, 0), (2, 1), (2, 2), (1, -2), (1, -1), (1, 0), (1, 1), (1, 2), (0, -3), (0, -2), (0, -1), (0, 0), (0, 1), (0, 2), (0, 3), (-1, -2), (-1, -1), (-1, 0), (-1, 1), (-1, 2), (-2, -2), (-2, -1), (-2, 0), (-2, 1), (-2, 2), (-3, 0))))  # cells of disc(3, centre) from an agent's cell, for each heading
+DISC_3__CENTRE_OFFSETS = jnp.asarray(  # cells of disc(3, centre) from an agent's cell, for each heading
+    shape_offsets(
+        MAP,
+        PAD,
+        (
+            (3, 0),
+            (2, -2),
+            (2, -1),
+            (2, 0),
+            (2, 1),
+            (2, 2),
+            (1, -2),
+            (1, -1),
+            (1, 0),
+            (1, 1),
+            (1, 2),
+            (0, -3),
+            (0, -2),
+            (0, -1),
+            (0, 0),
+            (0, 1),
+            (0, 2),
+            (0, 3),
+            (-1, -2),
+            (-1, -1),
+            (-1, 0),
+            (-1, 1),
+            (-1, 2),
+            (-2, -2),
+            (-2, -1),
+            (-2, 0),
+            (-2, 1),
+            (-2, 2),
+            (-3, 0),
+        ),
+    )
+)
 LANES_OF_JAWS = jnp.asarray([[0]], jnp.int32)  # cells of each lane of jaws, nearest first
 FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
-BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'g': 3, 'P': 4, 'X': 5, 'a': 6, 'n': 8}))  # looks of the cells of the frame, fields aside
-CELLS_TREE = jnp.asarray(cells_of(MAP, PAD, 'a'))  # cells of tree
-CELLS_OAK = jnp.asarray(cells_of(MAP, PAD, 'n'))  # cells of oak
+# looks of the cells of the frame, fields aside
+BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "g": 3, "P": 4, "X": 5, "a": 6, "n": 8}))
+CELLS_TREE = jnp.asarray(cells_of(MAP, PAD, "a"))  # cells of tree
+CELLS_OAK = jnp.asarray(cells_of(MAP, PAD, "n"))  # cells of oak
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
@@ -157,38 +265,36 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(13, jnp.int32),
-        heading=jnp.zeros(13, jnp.int32),
-        away=jnp.zeros(13, jnp.int32),
-        away_pool=jnp.zeros(13, jnp.int32),
-        away_facing=jnp.zeros(13, jnp.int32),
-        tree_fruit=jnp.full((141,), 1, jnp.uint8),
-        oak_fruit=jnp.full((12,), 1, jnp.uint8),
-        agent_role=jnp.full((13,), 0, jnp.uint8),
-        agent_mouth=jnp.full((13,), 0, jnp.uint8),
-        agent_chews=jnp.full((13,), 0, jnp.int32),
-        agent_resting=jnp.full((13,), 0, jnp.int32),
-        mark_hunt=jnp.zeros(13, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
+        away=jnp.zeros(NUM_AGENTS, jnp.int32),
+        away_pool=jnp.zeros(NUM_AGENTS, jnp.int32),
+        away_facing=jnp.zeros(NUM_AGENTS, jnp.int32),
+        tree_fruit=jnp.full(NUM_TREE, TREE_RIPE, jnp.uint8),
+        oak_fruit=jnp.full(NUM_OAK, OAK_RIPE, jnp.uint8),
+        agent_role=jnp.full(NUM_AGENTS, AGENT_PREY, jnp.uint8),
+        agent_mouth=jnp.full(NUM_AGENTS, AGENT_EMPTY, jnp.uint8),
+        agent_chews=jnp.full(NUM_AGENTS, 0, jnp.int32),
+        agent_resting=jnp.full(NUM_AGENTS, 0, jnp.int32),
+        mark_hunt=jnp.zeros(MARKS_OF_HUNT, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(13, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_apples_eaten=jnp.zeros((13,), jnp.int32),
-        event_acorns_eaten=jnp.zeros((13,), jnp.int32),
-        event_caught=jnp.zeros((13,), jnp.int32),
-        event_eaten=jnp.zeros((13,), jnp.int32),
+        event_apples_eaten=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_acorns_eaten=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_caught=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_eaten=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -208,54 +314,70 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    holds = jnp.arange(13, dtype=jnp.int32) < 3  # predator_prey.sj:47
-    agent_role = jnp.where(holds, 1, state.agent_role)  # predator_prey.sj:47
+    """Phase `start`, before the first step: for each agent, sets agent.role to predator, sends agent to lair, sends
+    agent to nest.
+    """
+    holds = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 3  # predator_prey.sj:47
+    agent_role = jnp.where(holds, AGENT_PREDATOR, state.agent_role)  # predator_prey.sj:47
     sent = ~holds  # predator_prey.sj:47
-    position, placed = place(CELLS_LAIR, jnp.full(34, True), words(key, 0x56ebd98a, 13), state.position, holds)  # predator_prey.sj:47
-    heading = jnp.where(placed, below(words(key, 0x1bc47d1a, 13), 4), state.heading)  # predator_prey.sj:47
+    position, placed = place(  # predator_prey.sj:47
+        CELLS_LAIR, jnp.full(NUM_LAIR, True), words(key, STREAM_START, NUM_AGENTS), state.position, holds
+    )
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # predator_prey.sj:47
     away = jnp.where(placed, 0, state.away)  # predator_prey.sj:47
-    position, placed_2 = place(CELLS_NEST, jnp.full(42, True), words(key, 0xc1cbf8e2, 13), position, sent)  # predator_prey.sj:47
-    heading = jnp.where(placed_2, below(words(key, 0x2d552df5, 13), 4), heading)  # predator_prey.sj:47
+    position, placed_2 = place(  # predator_prey.sj:47
+        CELLS_NEST, jnp.full(NUM_NEST, True), words(key, STREAM_START_3, NUM_AGENTS), position, sent
+    )
+    heading = jnp.where(placed_2, below(words(key, STREAM_START_4, NUM_AGENTS), 4), heading)  # predator_prey.sj:47
     away = jnp.where(placed_2, 0, away)  # predator_prey.sj:47
     return state.replace(agent_role=agent_role, position=position, heading=heading, away=away), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`."""
+    """Phase `grow`: for each tree, by chance, sets tree.fruit to ripe; for each oak, by chance, sets oak.fruit to ripe.
+    """
     tree_under = SITE_OF_TREE[state.position]  # predator_prey.sj:53
-    covered = occupied(tree_under, 141)  # predator_prey.sj:53
-    happens = (words(key, 0x893c557c, 141) >> 1) < threshold(params.apples)  # predator_prey.sj:53
-    tree_fruit = jnp.where(((state.tree_fruit == 0) & ~covered) & happens, 1, state.tree_fruit)  # predator_prey.sj:53
+    covered = occupied(tree_under, NUM_TREE)  # predator_prey.sj:53
+    happens = (words(key, STREAM_GROW, NUM_TREE) >> 1) < threshold(params.apples)  # predator_prey.sj:53
+    # predator_prey.sj:53
+    tree_fruit = jnp.where((state.tree_fruit == TREE_NONE) & ~covered & happens, TREE_RIPE, state.tree_fruit)
     oak_under = SITE_OF_OAK[state.position]  # predator_prey.sj:54
-    covered_2 = occupied(oak_under, 12)  # predator_prey.sj:54
-    happens_2 = (words(key, 0x4855f567, 12) >> 1) < threshold(params.acorns)  # predator_prey.sj:54
-    oak_fruit = jnp.where(((state.oak_fruit == 0) & ~covered_2) & happens_2, 1, state.oak_fruit)  # predator_prey.sj:54
+    covered_2 = occupied(oak_under, NUM_OAK)  # predator_prey.sj:54
+    happens_2 = (words(key, STREAM_GROW_2, NUM_OAK) >> 1) < threshold(params.acorns)  # predator_prey.sj:54
+    # predator_prey.sj:54
+    oak_fruit = jnp.where((state.oak_fruit == OAK_NONE) & ~covered_2 & happens_2, OAK_RIPE, state.oak_fruit)
     return state.replace(tree_fruit=tree_fruit, oak_fruit=oak_fruit), out
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one; agents whose time away is over return."""
     agent_chews = state.agent_chews - (state.agent_chews > 0).astype(state.agent_chews.dtype)  # predator_prey.sj:38
-    agent_resting = state.agent_resting - (state.agent_resting > 0).astype(state.agent_resting.dtype)  # predator_prey.sj:39
+    # predator_prey.sj:39
+    agent_resting = state.agent_resting - (state.agent_resting > 0).astype(state.agent_resting.dtype)
     state = state.replace(agent_chews=agent_chews, agent_resting=agent_resting)
-    due = (state.position == 0) & (state.away == 1)
-    state = state.replace(away=state.away - ((state.position == 0) & (state.away > 1)).astype(jnp.int32))
+    due = (state.position == NOWHERE) & (state.away == 1)
+    state = state.replace(away=state.away - ((state.position == NOWHERE) & (state.away > 1)).astype(jnp.int32))
     back = due & (state.away_pool == 2)  # predator_prey.sj:77
     lair_under = SITE_OF_LAIR[state.position]  # predator_prey.sj:77
-    free = ~occupied(lair_under, 34)  # predator_prey.sj:77
-    position, placed = place(CELLS_LAIR, free, words(key, 0xae23f91a, 13), state.position, back)  # predator_prey.sj:77
-    facing = jnp.where(state.away_facing == 4, below(words(key, 0x2612843a, 13), 4), state.away_facing)  # predator_prey.sj:77
-    facing = jnp.where(state.away_facing == 5, state.heading, facing)  # predator_prey.sj:77
+    free = ~occupied(lair_under, NUM_LAIR)  # predator_prey.sj:77
+    # predator_prey.sj:77
+    position, placed = place(CELLS_LAIR, free, words(key, STREAM_TICK, NUM_AGENTS), state.position, back)
+    facing = jnp.where(  # predator_prey.sj:77
+        state.away_facing == ANY_HEADING, below(words(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
+    )
+    facing = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing)  # predator_prey.sj:77
     heading = jnp.where(placed, facing, state.heading)  # predator_prey.sj:77
     away = jnp.where(placed, 0, state.away)  # predator_prey.sj:77
     state = state.replace(position=position, heading=heading, away=away)  # predator_prey.sj:77
     back_2 = due & (state.away_pool == 3)  # predator_prey.sj:78
     nest_under = SITE_OF_NEST[state.position]  # predator_prey.sj:78
-    free_2 = ~occupied(nest_under, 42)  # predator_prey.sj:78
-    position_2, placed_2 = place(CELLS_NEST, free_2, words(key, 0x5219557c, 13), state.position, back_2)  # predator_prey.sj:78
-    facing_2 = jnp.where(state.away_facing == 4, below(words(key, 0xddcd099e, 13), 4), state.away_facing)  # predator_prey.sj:78
-    facing_2 = jnp.where(state.away_facing == 5, state.heading, facing_2)  # predator_prey.sj:78
+    free_2 = ~occupied(nest_under, NUM_NEST)  # predator_prey.sj:78
+    # predator_prey.sj:78
+    position_2, placed_2 = place(CELLS_NEST, free_2, words(key, STREAM_TICK_3, NUM_AGENTS), state.position, back_2)
+    facing_2 = jnp.where(  # predator_prey.sj:78
+        state.away_facing == ANY_HEADING, below(words(key, STREAM_TICK_4, NUM_AGENTS), 4), state.away_facing
+    )
+    facing_2 = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing_2)  # predator_prey.sj:78
     heading_2 = jnp.where(placed_2, facing_2, state.heading)  # predator_prey.sj:78
     away_2 = jnp.where(placed_2, 0, state.away)  # predator_prey.sj:78
     state = state.replace(position=position_2, heading=heading_2, away=away_2)  # predator_prey.sj:78
@@ -263,102 +385,176 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
-    present = state.position != 0  # predator_prey.sj:56
-    chosen = jnp.where(present, actions, 6)  # predator_prey.sj:56
+    """Phase `walk`: moves each agent."""
+    present = state.position != NOWHERE  # predator_prey.sj:56
+    chosen = jnp.where(present, actions, STAY)  # predator_prey.sj:56
     heading = (state.heading + TURN[chosen]) & 3  # predator_prey.sj:56
     stride = STEP_BY[chosen]  # predator_prey.sj:56
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # predator_prey.sj:56
-    target = jnp.where(((SITE_OF_GRASS[target] < 42) & (state.agent_role == 1)) & (target != state.position), state.position, target)  # predator_prey.sj:56
-    target = jnp.where(((SITE_OF_NEST[target] < 42) & (state.agent_role == 1)) & (target != state.position), state.position, target)  # predator_prey.sj:56
-    position = resolve(state.position, target, words(key, 0xbcc46097, 13))  # predator_prey.sj:56
+    # predator_prey.sj:56
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    target = jnp.where(  # predator_prey.sj:56
+        (SITE_OF_GRASS[target] < NUM_GRASS) & (state.agent_role == AGENT_PREDATOR) & (target != state.position),
+        state.position,
+        target,
+    )
+    target = jnp.where(  # predator_prey.sj:56
+        (SITE_OF_NEST[target] < NUM_NEST) & (state.agent_role == AGENT_PREDATOR) & (target != state.position),
+        state.position,
+        target,
+    )
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # predator_prey.sj:56
     return state.replace(heading=heading, position=position), out
 
 
 def gather(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `gather`."""
-    present = state.position != 0  # predator_prey.sj:58
+    """Phase `gather`: for each agent on tree, sets tree.fruit to none, gives a reward to agent, counts apples_eaten;
+    for each agent on oak, sets oak.fruit to none, sets agent.mouth to holding.
+    """
+    present = state.position != NOWHERE  # predator_prey.sj:58
     tree_under = SITE_OF_TREE[state.position]  # predator_prey.sj:58
-    active = (present & (tree_under < 141)) & ((state.agent_role == 0) & (state.tree_fruit[tree_under] == 1))  # predator_prey.sj:58
-    tree_fruit = state.tree_fruit.at[jnp.where(active, tree_under, 141)].set(0, mode="drop")  # predator_prey.sj:59
+    active = (  # predator_prey.sj:58
+        present
+        & (tree_under < NUM_TREE)
+        & (state.agent_role == AGENT_PREY)
+        & (state.tree_fruit[tree_under] == TREE_RIPE)
+    )
+    to_tree = jnp.where(active, tree_under, NUM_TREE)  # predator_prey.sj:59
+    tree_fruit = state.tree_fruit.at[to_tree].set(TREE_NONE, mode="drop")  # predator_prey.sj:59
     reward = out.reward + jnp.where(active, params.apple, 0.0)  # predator_prey.sj:59
-    event_apples_eaten = out.event_apples_eaten + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # predator_prey.sj:59
+    event_apples_eaten = out.event_apples_eaten + active.astype(jnp.int32)  # predator_prey.sj:59
     oak_under = SITE_OF_OAK[state.position]  # predator_prey.sj:61
-    active_2 = (present & (oak_under < 12)) & (((state.agent_role == 0) & (state.agent_mouth == 0)) & (state.oak_fruit[oak_under] == 1))  # predator_prey.sj:61
-    oak_fruit = state.oak_fruit.at[jnp.where(active_2, oak_under, 12)].set(0, mode="drop")  # predator_prey.sj:62
-    agent_mouth = jnp.where(active_2, 1, state.agent_mouth)  # predator_prey.sj:62
-    return state.replace(tree_fruit=tree_fruit, oak_fruit=oak_fruit, agent_mouth=agent_mouth), out.replace(reward=reward, event_apples_eaten=event_apples_eaten)
+    active_2 = (  # predator_prey.sj:61
+        present
+        & (oak_under < NUM_OAK)
+        & ((state.agent_role == AGENT_PREY) & (state.agent_mouth == AGENT_EMPTY))
+        & (state.oak_fruit[oak_under] == OAK_RIPE)
+    )
+    to_oak = jnp.where(active_2, oak_under, NUM_OAK)  # predator_prey.sj:62
+    oak_fruit = state.oak_fruit.at[to_oak].set(OAK_NONE, mode="drop")  # predator_prey.sj:62
+    agent_mouth = jnp.where(active_2, AGENT_HOLDING, state.agent_mouth)  # predator_prey.sj:62
+    return (
+        state.replace(tree_fruit=tree_fruit, oak_fruit=oak_fruit, agent_mouth=agent_mouth),
+        out.replace(reward=reward, event_apples_eaten=event_apples_eaten),
+    )
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`."""
-    present = state.position != 0  # predator_prey.sj:66
-    active = present & ((state.agent_mouth == 1) & (actions == 7))  # predator_prey.sj:66
-    agent_mouth = jnp.where(active, 2, state.agent_mouth)  # predator_prey.sj:66
+    """Phase `eat`: for each agent, sets agent.mouth to eating, sets agent.chews to chewing; for each agent, sets
+    agent.mouth to empty, gives a reward to agent, counts acorns_eaten.
+    """
+    present = state.position != NOWHERE  # predator_prey.sj:66
+    active = present & (state.agent_mouth == AGENT_HOLDING) & (actions == ACTION_BITE)  # predator_prey.sj:66
+    agent_mouth = jnp.where(active, AGENT_EATING, state.agent_mouth)  # predator_prey.sj:66
     agent_chews = jnp.where(active, params.chewing, state.agent_chews)  # predator_prey.sj:66
-    active_2 = present & ((state.agent_mouth == 2) & (state.agent_chews == 0))  # predator_prey.sj:67
-    agent_mouth = jnp.where(active_2, 0, agent_mouth)  # predator_prey.sj:68
+    active_2 = present & (state.agent_mouth == AGENT_EATING) & (state.agent_chews == 0)  # predator_prey.sj:67
+    agent_mouth = jnp.where(active_2, AGENT_EMPTY, agent_mouth)  # predator_prey.sj:68
     reward = out.reward + jnp.where(active_2, params.acorn, 0.0)  # predator_prey.sj:68
-    event_acorns_eaten = out.event_acorns_eaten + (jnp.where(active_2, jnp.int32(1), jnp.int32(0)))  # predator_prey.sj:68
-    return state.replace(agent_mouth=agent_mouth, agent_chews=agent_chews), out.replace(reward=reward, event_acorns_eaten=event_acorns_eaten)
+    event_acorns_eaten = out.event_acorns_eaten + active_2.astype(jnp.int32)  # predator_prey.sj:68
+    return (
+        state.replace(agent_mouth=agent_mouth, agent_chews=agent_chews),
+        out.replace(reward=reward, event_acorns_eaten=event_acorns_eaten),
+    )
 
 
 def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `hunt`."""
-    present = state.position != 0  # predator_prey.sj:72
+    """Phase `hunt`: for each hunter, marks jaws; matches each hunter with target in jaws of hunter, sets hunter.resting
+    to rest, sets target.mouth to empty, sends target to lair after a delay, sends target to nest after a delay,
+    gives a reward to hunter, counts caught, counts eaten.
+    """
+    present = state.position != NOWHERE  # predator_prey.sj:72
     jaws_cells = state.position[:, None] + JAWS_OFFSETS[state.heading]  # predator_prey.sj:72
-    marked = (jnp.where(((present & ((state.agent_role == 1) & (actions == 7)))[:, None]) & INSIDE[jaws_cells], jaws_cells, 0)).reshape(-1)  # predator_prey.sj:72
-    standing = jaws_cells[..., None] == state.position[None, None, :]  # predator_prey.sj:73
+    marked = jnp.where(  # predator_prey.sj:72
+        (present & (state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None] & INSIDE[jaws_cells],
+        jaws_cells,
+        0,
+    ).reshape(-1)
+    standing = jaws_cells[:, :, None] == state.position[None, None, :]  # predator_prey.sj:73
     target = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # predator_prey.sj:73
     anybody = jnp.any(standing, axis=-1)  # predator_prey.sj:73
     position = state.position[target]  # predator_prey.sj:73
     disc_3__centre_cells = position[:, :, None] + DISC_3__CENTRE_OFFSETS[0][None, None, :]  # predator_prey.sj:73
-    in_disc_3__centre = jnp.any(disc_3__centre_cells[:, :, :, None] == state.position[None, None, None, :], axis=2)  # predator_prey.sj:73
-    num_a = jnp.sum((present[None, None, :] & in_disc_3__centre) & (((state.agent_role == 0) & (state.agent_mouth != 2))[None, None, :]), axis=2, dtype=jnp.int32)  # predator_prey.sj:73
-    num_a_2 = jnp.sum((present[None, None, :] & in_disc_3__centre) & ((state.agent_role == 1)[None, None, :]), axis=2, dtype=jnp.int32)  # predator_prey.sj:73
-    ok = anybody & ((((state.agent_role == 1) & (actions == 7))[:, None]) & ((state.agent_role[target] == 1) | (num_a <= num_a_2)))  # predator_prey.sj:73
+    # predator_prey.sj:73
+    in_disc_3__centre = jnp.any(disc_3__centre_cells[:, :, :, None] == state.position[None, None, None, :], axis=2)
+    num_a = jnp.sum(  # predator_prey.sj:73
+        present[None, None, :] & in_disc_3__centre & (
+            (state.agent_role == AGENT_PREY) & (state.agent_mouth != AGENT_EATING)
+        )[None, None, :],
+        axis=2,
+        dtype=jnp.int32,
+    )
+    num_a_2 = jnp.sum(  # predator_prey.sj:73
+        present[None, None, :] & in_disc_3__centre & (state.agent_role == AGENT_PREDATOR)[None, None, :],
+        axis=2,
+        dtype=jnp.int32,
+    )
+    ok = (  # predator_prey.sj:73
+        anybody
+        & ((state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None]
+        & ((state.agent_role[target] == AGENT_PREDATOR) | (num_a <= num_a_2))
+    )
     in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_JAWS]  # predator_prey.sj:73
     nearest = jnp.argmax(in_lane, axis=-1)  # predator_prey.sj:73
     found = jnp.any(in_lane, axis=-1)  # predator_prey.sj:73
-    place_2 = LANES_OF_JAWS[jnp.arange(1)[None, :], nearest]  # predator_prey.sj:73
-    target_2 = jnp.take_along_axis(target, jnp.minimum(place_2, 0), axis=1)  # predator_prey.sj:73
-    order = ranks(words_at(key, 0x3263fc25, (jnp.arange(13, dtype=jnp.int32)[:, None] * 13 + target_2).astype(jnp.uint32)), (present[:, None] & found) & (target_2 != jnp.arange(13, dtype=jnp.int32)[:, None]))  # predator_prey.sj:73
-    target_3 = pair_reached(target_2, order, 13, alike=True)  # predator_prey.sj:73
-    matched = target_3 < 13  # predator_prey.sj:73
+    cell_of_lane = LANES_OF_JAWS[jnp.arange(1)[None, :], nearest]  # predator_prey.sj:73
+    target_2 = jnp.take_along_axis(target, jnp.minimum(cell_of_lane, 0), axis=1)  # predator_prey.sj:73
+    # predator_prey.sj:73
+    pairs = present[:, None] & found & (target_2 != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
+    # predator_prey.sj:73
+    instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_AGENTS + target_2).astype(jnp.uint32)
+    order = ranks(words_at(key, STREAM_HUNT, instance), pairs)  # predator_prey.sj:73
+    target_3 = pair_reached(target_2, order, NUM_AGENTS, alike=True)  # predator_prey.sj:73
+    matched = target_3 < NUM_AGENTS  # predator_prey.sj:73
     agent_resting = jnp.where(matched, params.rest, state.agent_resting)  # predator_prey.sj:75
-    agent_mouth = state.agent_mouth.at[jnp.where(matched, target_3, 13)].set(0, mode="drop")  # predator_prey.sj:76
-    holds = state.agent_role[target_3] == 1  # predator_prey.sj:77
-    sent = jnp.zeros(13, bool).at[jnp.where(matched & holds, target_3, 13)].set(True, mode="drop")  # predator_prey.sj:77
+    to_agent = jnp.where(matched, target_3, NUM_AGENTS)  # predator_prey.sj:76
+    agent_mouth = state.agent_mouth.at[to_agent].set(AGENT_EMPTY, mode="drop")  # predator_prey.sj:76
+    holds = state.agent_role[target_3] == AGENT_PREDATOR  # predator_prey.sj:77
+    to_agent_2 = jnp.where(matched & holds, target_3, NUM_AGENTS)  # predator_prey.sj:77
+    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent_2].set(True, mode="drop")  # predator_prey.sj:77
     delay = jnp.int32(200)  # predator_prey.sj:77
     active = matched & ~holds  # predator_prey.sj:77
-    sent_2 = jnp.zeros(13, bool).at[jnp.where(active, target_3, 13)].set(True, mode="drop")  # predator_prey.sj:78
+    to_agent_3 = jnp.where(active, target_3, NUM_AGENTS)  # predator_prey.sj:78
+    sent_2 = jnp.zeros(NUM_AGENTS, bool).at[to_agent_3].set(True, mode="drop")  # predator_prey.sj:78
     reward = out.reward + jnp.where(active, params.meal, 0.0)  # predator_prey.sj:78
-    event_caught = out.event_caught + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # predator_prey.sj:78
-    times = jnp.sum(active[:, None] & (target_3[:, None] == jnp.arange(13, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32)  # predator_prey.sj:78
+    event_caught = out.event_caught + active.astype(jnp.int32)  # predator_prey.sj:78
+    times = jnp.sum(  # predator_prey.sj:78
+        active[:, None] & (target_3[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
+        axis=0,
+        dtype=jnp.int32,
+    )
     event_eaten = out.event_eaten + times  # predator_prey.sj:78
-    position_2 = jnp.where(sent, 0, state.position)  # predator_prey.sj:77
+    position_2 = jnp.where(sent, NOWHERE, state.position)  # predator_prey.sj:77
     away = jnp.where(sent, delay, state.away)  # predator_prey.sj:77
     away_pool = jnp.where(sent, 2, state.away_pool)  # predator_prey.sj:77
-    away_facing = jnp.where(sent, 4, state.away_facing)  # predator_prey.sj:77
-    position_2 = jnp.where(sent_2, 0, position_2)  # predator_prey.sj:78
+    away_facing = jnp.where(sent, ANY_HEADING, state.away_facing)  # predator_prey.sj:77
+    position_2 = jnp.where(sent_2, NOWHERE, position_2)  # predator_prey.sj:78
     away = jnp.where(sent_2, delay, away)  # predator_prey.sj:78
     away_pool = jnp.where(sent_2, 3, away_pool)  # predator_prey.sj:78
-    away_facing = jnp.where(sent_2, 4, away_facing)  # predator_prey.sj:78
-    return state.replace(agent_resting=agent_resting, agent_mouth=agent_mouth, position=position_2, away=away, away_pool=away_pool, away_facing=away_facing, mark_hunt=marked), out.replace(reward=reward, event_caught=event_caught, event_eaten=event_eaten)
+    away_facing = jnp.where(sent_2, ANY_HEADING, away_facing)  # predator_prey.sj:78
+    return (
+        state.replace(
+            agent_resting=agent_resting,
+            agent_mouth=agent_mouth,
+            position=position_2,
+            away=away,
+            away_pool=away_pool,
+            away_facing=away_facing,
+            mark_hunt=marked,
+        ),
+        out.replace(reward=reward, event_caught=event_caught, event_eaten=event_eaten),
+    )
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((13, 8), bool)
-    forbidden = (state.agent_mouth == 2) | (state.agent_resting > 0)  # predator_prey.sj:40
-    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # predator_prey.sj:40
-    return allowed
+    forbidden = (state.agent_mouth == AGENT_EATING) | (state.agent_resting > 0)  # predator_prey.sj:40
+    closed = forbidden[:, None] & FORBIDS[None]  # predator_prey.sj:40
+    return ~closed
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_tree = jnp.sum(state.tree_fruit == 1, dtype=jnp.int32)  # predator_prey.sj:92
-    return {'apples_left': num_tree.astype(jnp.float32)}
+    num_tree = jnp.sum(state.tree_fruit == TREE_RIPE, dtype=jnp.int32)  # predator_prey.sj:92
+    return {"apples_left": num_tree.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -369,17 +565,50 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 7, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_1 = jnp.zeros(1517, jnp.uint8)
-    plane_0 = fill(plane_0, CELLS_TREE, (state.tree_fruit + 6))  # predator_prey.sj:29
-    plane_0 = fill(plane_0, CELLS_OAK, (state.oak_fruit + 8))  # predator_prey.sj:30
-    plane_1 = paint(plane_1, state.mark_hunt, 1)  # predator_prey.sj:71
-    plane_0 = paint(plane_0, state.position, (jnp.arange(13, dtype=jnp.uint8) + 1) << 4)  # predator_prey.sj:33
-    seen_0 = windows(plane_0.reshape(37, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # predator_prey.sj:89
-    seen_1 = windows(plane_1.reshape(37, 41), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # predator_prey.sj:89
-    agent = (seen_0 >> 4) & 15  # predator_prey.sj:89
+    plane_1 = jnp.zeros(FRAME_CELLS, jnp.uint8)
+    plane_0 = fill(plane_0, CELLS_TREE, state.tree_fruit + TREE_LOOK)  # predator_prey.sj:29
+    plane_0 = fill(plane_0, CELLS_OAK, state.oak_fruit + OAK_LOOK)  # predator_prey.sj:30
+    plane_1 = paint(plane_1, state.mark_hunt, MARK_HUNT_BIT)  # predator_prey.sj:71
+    # predator_prey.sj:33
+    plane_0 = paint(plane_0, state.position, (jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1) << AGENT_SHIFT)
+    seen_0 = windows(  # predator_prey.sj:89
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    seen_1 = windows(  # predator_prey.sj:89
+        plane_1.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    content = seen_0 & CONTENT_MASK  # predator_prey.sj:89
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # predator_prey.sj:89
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # predator_prey.sj:89
+    agents = jnp.where(  # predator_prey.sj:89
+        MYSELF[None],
+        1,
+        jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
+    ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]  # predator_prey.sj:89
     shown_role = state.agent_role  # predator_prey.sj:90
     shown_mouth = state.agent_mouth  # predator_prey.sj:90
-    present = state.position != 0  # predator_prey.sj:90
-    return planes_of((11, 11), present, seen_0 & 15, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), seen_1, jnp.where(theirs, state.agent_role[who] + 1, 0), jnp.where(theirs, state.agent_mouth[who] + 1, 0), jnp.broadcast_to(shown_role[:, None], (13, 121)), jnp.broadcast_to(shown_mouth[:, None], (13, 121)))
+    present = state.position != NOWHERE  # predator_prey.sj:90
+    return planes_of(
+        WINDOW,
+        present,
+        content,
+        agents,
+        seen_1,
+        jnp.where(theirs, state.agent_role[who] + 1, 0),
+        jnp.where(theirs, state.agent_mouth[who] + 1, 0),
+        jnp.broadcast_to(shown_role[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_mouth[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+    )

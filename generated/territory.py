@@ -10,17 +10,27 @@ from jax import Array
 from sjdsl.runtime.counting import times_in
 from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.fields import StateField
-from sjdsl.runtime.geometry import blocking, cells_of, inside, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
+from sjdsl.runtime.geometry import (
+    blocking,
+    cells_of,
+    inside,
+    lane_reach,
+    next_cells,
+    own_cell,
+    painted,
+    shape_offsets,
+    site_numbers,
+)
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import as_bits, entry, reached
+from sjdsl.runtime.rows import as_bits, reached
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
-NAME = 'territory'
-TITLE = 'Territory: Rooms'
-HASH = '9e1b9746e495c3f8'
-ACTIONS = ('turn_left', 'turn_right', 'step_left', 'step_right', 'forward', 'backward', 'stay', 'zap', 'paint')
+NAME = "territory"
+TITLE = "Territory: Rooms"
+HASH = "9e1b9746e495c3f8"
+ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap", "paint")
 STAY = 6
 NUM_AGENTS = 9
 PAD = 9
@@ -28,23 +38,23 @@ FRAME = (37, 37)
 WINDOW = (11, 11)
 FORBIDS_ACTIONS = True
 ROLE = None
-EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
-    ('claimed', 'event_claimed', None),
-    ('paid', 'event_paid', None),
-    ('blows', 'event_blows', None),
-    ('gone', 'event_gone', None),
+EVENTS = (
+    ("claimed", "event_claimed", None),
+    ("paid", "event_paid", None),
+    ("blows", "event_blows", None),
+    ("gone", "event_gone", None),
 )
-FIELDS = (  # variables of the game, in State
-    StateField(attribute='brick_paint', encoding='word', size=3),
-    StateField(attribute='brick_damage', encoding='number', low=0.0, high=2.0),
-    StateField(attribute='brick_owner', encoding='agent'),
-    StateField(attribute='brick_rivals', encoding='agents'),
-    StateField(attribute='brick_wetness', encoding='number'),
-    StateField(attribute='brick_dust', encoding='number'),
-    StateField(attribute='agent_hits', encoding='number', low=0.0, high=2.0),
-    StateField(attribute='agent_recovering', encoding='number'),
-    StateField(attribute='agent_stunned', encoding='number'),
-    StateField(attribute='agent_hot', encoding='number'),
+FIELDS = (
+    StateField(attribute="brick_paint", encoding="word", size=3),
+    StateField(attribute="brick_damage", encoding="number", low=0.0, high=2.0),
+    StateField(attribute="brick_owner", encoding="agent"),
+    StateField(attribute="brick_rivals", encoding="agents"),
+    StateField(attribute="brick_wetness", encoding="number"),
+    StateField(attribute="brick_dust", encoding="number"),
+    StateField(attribute="agent_hits", encoding="number", low=0.0, high=2.0),
+    StateField(attribute="agent_recovering", encoding="number"),
+    StateField(attribute="agent_stunned", encoding="number"),
+    StateField(attribute="agent_hot", encoding="number"),
 )
 MAP = (
     '#RRRRR#RRRRR#RRRRR#',
@@ -68,33 +78,120 @@ MAP = (
     '#RRRRR#RRRRR#RRRRR#',
 )
 TOKEN_PLANES = (
-    TokenPlane(name='content', encoding='word', labels=('outside', 'floor', 'post', 'brick paint=none owner=mine damage=whole', 'brick paint=none owner=mine damage=cracked', 'brick paint=none owner=mine damage=gone', 'brick paint=none owner=free damage=whole', 'brick paint=none owner=free damage=cracked', 'brick paint=none owner=free damage=gone', 'brick paint=none owner=theirs damage=whole', 'brick paint=none owner=theirs damage=cracked', 'brick paint=none owner=theirs damage=gone', 'brick paint=wet owner=mine damage=whole', 'brick paint=wet owner=mine damage=cracked', 'brick paint=wet owner=mine damage=gone', 'brick paint=wet owner=free damage=whole', 'brick paint=wet owner=free damage=cracked', 'brick paint=wet owner=free damage=gone', 'brick paint=wet owner=theirs damage=whole', 'brick paint=wet owner=theirs damage=cracked', 'brick paint=wet owner=theirs damage=gone', 'brick paint=dry owner=mine damage=whole', 'brick paint=dry owner=mine damage=cracked', 'brick paint=dry owner=mine damage=gone', 'brick paint=dry owner=free damage=whole', 'brick paint=dry owner=free damage=cracked', 'brick paint=dry owner=free damage=gone', 'brick paint=dry owner=theirs damage=whole', 'brick paint=dry owner=theirs damage=cracked', 'brick paint=dry owner=theirs damage=gone', 'gate'), high=30),
-    TokenPlane(name='agent', encoding='word', labels=('none', 'self', 'other same heading', 'other turned right', 'other opposite', 'other turned left'), high=5),
-    TokenPlane(name='marks', encoding='bits', labels=('claim', 'fire'), high=3),
-    TokenPlane(name='other.hits', encoding='number', labels=(), high=2),
-    TokenPlane(name='agent.stunned', encoding='number', labels=(), high=255),
-    TokenPlane(name='agent.hot', encoding='number', labels=(), high=255),
+    TokenPlane(
+        name="content",
+        encoding="word",
+        labels=(
+            "outside",
+            "floor",
+            "post",
+            "brick paint=none owner=mine damage=whole",
+            "brick paint=none owner=mine damage=cracked",
+            "brick paint=none owner=mine damage=gone",
+            "brick paint=none owner=free damage=whole",
+            "brick paint=none owner=free damage=cracked",
+            "brick paint=none owner=free damage=gone",
+            "brick paint=none owner=theirs damage=whole",
+            "brick paint=none owner=theirs damage=cracked",
+            "brick paint=none owner=theirs damage=gone",
+            "brick paint=wet owner=mine damage=whole",
+            "brick paint=wet owner=mine damage=cracked",
+            "brick paint=wet owner=mine damage=gone",
+            "brick paint=wet owner=free damage=whole",
+            "brick paint=wet owner=free damage=cracked",
+            "brick paint=wet owner=free damage=gone",
+            "brick paint=wet owner=theirs damage=whole",
+            "brick paint=wet owner=theirs damage=cracked",
+            "brick paint=wet owner=theirs damage=gone",
+            "brick paint=dry owner=mine damage=whole",
+            "brick paint=dry owner=mine damage=cracked",
+            "brick paint=dry owner=mine damage=gone",
+            "brick paint=dry owner=free damage=whole",
+            "brick paint=dry owner=free damage=cracked",
+            "brick paint=dry owner=free damage=gone",
+            "brick paint=dry owner=theirs damage=whole",
+            "brick paint=dry owner=theirs damage=cracked",
+            "brick paint=dry owner=theirs damage=gone",
+            "gate",
+        ),
+        high=30,
+    ),
+    TokenPlane(
+        name="agent",
+        encoding="word",
+        labels=("none", "self", "other same heading", "other turned right", "other opposite", "other turned left"),
+        high=5,
+    ),
+    TokenPlane(name="marks", encoding="bits", labels=("claim", "fire"), high=3),
+    TokenPlane(name="other.hits", encoding="number", labels=(), high=2),
+    TokenPlane(name="agent.stunned", encoding="number", labels=(), high=255),
+    TokenPlane(name="agent.hot", encoding="number", labels=(), high=255),
 )
 
-CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, 'P'))  # cells of gate
+NUM_GATE = 9  # cells of gate
+NUM_BRICK = 120  # cells of brick
+ACTION_PAINT = 8
+ACTION_ZAP = 7
+BRICK_WET = 1
+BRICK_DRY = 2
+BRICK_NONE = 0
+NOWHERE = 0  # the cell of agents that are not on the map
+NO_STEP = 4
+NUM_PAINT_CELLS = 2  # cells of the shape
+NOBODY = -1  # in place of an agent's number
+FRAME_CELLS = 1369
+BRICK_LOOK = 3  # as it is painted
+MARK_CLAIM_BIT = 128
+MARK_FIRE_BIT = 16
+NUM_VIEW_CELLS = 121  # cells of a window
+VIEW_AHEAD = 9  # cells seen
+VIEW_BEHIND = 1  # cells seen
+VIEW_LEFT = 5  # cells seen
+VIEW_RIGHT = 5  # cells seen
+CONTENT_MASK = 127
+AGENT_MASK = 15
+MARK_CLAIM_SHIFT = 7
+MARK_CLAIM_MASK = 1
+MARK_FIRE_SHIFT = 4
+MARK_FIRE_MASK = 1
+GATE_LOOK = 93  # as it is painted
+MARKS_OF_CLAIM = 18  # cells that claim can mark
+MARKS_OF_FIRE = 54  # cells that fire can mark
+STREAM_START = 0xa452ab5d  # territory.sj:41
+STREAM_START_2 = 0xcb7943f8  # territory.sj:41
+STREAM_AGE = 0x02ae35b3  # territory.sj:47
+STREAM_WALK = 0xbcc46097  # territory.sj:49
+STREAM_SETTLE = 0xbb6fa4c0  # territory.sj:56
+STREAM_PAY = 0x47378959  # territory.sj:78
+
+CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of gate
 TURN = jnp.asarray([3, 1, 0, 0, 0, 0, 0, 0, 0], jnp.int32)  # quarter turns to the right by action
 STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4, 4], jnp.int32)  # direction of a step by action; 4: none
-NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, '#'))  # where a step leads, by cell and direction; the cell itself if blocked
-SITE_OF_BRICK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, 'R')))  # number of each cell among brick; past the end: none
+# where a step leads, by cell and direction; the cell itself if blocked
+NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
+# number of each cell among brick; past the end: none
+SITE_OF_BRICK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "R")))
 TOUCH_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0),)))  # cells of touch from an agent's cell, for each heading
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-PAINT_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0))))  # cells of paint from an agent's cell, for each heading
-PAINT_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0))), (2,), '#'))  # cells of paint not behind what blocks it: bits by cell and heading
-ZAP_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (0, -1), (1, -1), (0, 1), (1, 1))))  # cells of zap from an agent's cell, for each heading
-BLOCKS_ZAP = jnp.asarray(blocking(MAP, PAD, '#'))  # cells that always block zap
+# cells of paint from an agent's cell, for each heading
+PAINT_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0))))
+# cells of paint not behind what blocks it: bits by cell and heading
+PAINT_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0))), (2,), "#"))
+# cells of zap from an agent's cell, for each heading
+ZAP_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (0, -1), (1, -1), (0, 1), (1, 1))))
+BLOCKS_ZAP = jnp.asarray(blocking(MAP, PAD, "#"))  # cells that always block zap
 ZAP_STARTS = jnp.asarray([ True, False,  True, False,  True, False], bool)  # first cells of the lanes of zap
+# cells of each lane of zap, nearest first
 LANES_OF_ZAP = jnp.asarray([[0, 1],
- [2, 3],
- [4, 5]], jnp.int32)  # cells of each lane of zap, nearest first
-FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True,  True], bool)  # actions a `forbid` is about
-FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True, False], bool)  # actions a `forbid` is about
-BASE = jnp.asarray(painted(MAP, PAD, {'.': 1, '#': 2, 'R': 3, 'P': 93}))  # looks of the cells of the frame, fields aside
-CELLS_BRICK = jnp.asarray(cells_of(MAP, PAD, 'R'))  # cells of brick
+                            [2, 3],
+                            [4, 5]], jnp.int32)
+# actions a `forbid` is about
+FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True,  True], bool)
+# actions a `forbid` is about
+FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True, False], bool)
+# looks of the cells of the frame, fields aside
+BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "R": 3, "P": 93}))
+CELLS_BRICK = jnp.asarray(cells_of(MAP, PAD, "R"))  # cells of brick
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
 
 
@@ -165,40 +262,38 @@ def initial_state() -> State:
     """Returns the declared starting values, before the phase `start`."""
     return State(
         step=jnp.int32(0),
-        position=jnp.zeros(9, jnp.int32),
-        heading=jnp.zeros(9, jnp.int32),
-        brick_paint=jnp.full((120,), 0, jnp.uint8),
-        brick_damage=jnp.full((120,), 0, jnp.uint8),
-        brick_owner=jnp.full((120,), -1, jnp.int32),
-        brick_rivals=jnp.full((120,), 0, jnp.uint32),
-        brick_wetness=jnp.full((120,), 0, jnp.int32),
-        brick_dust=jnp.full((120,), 0, jnp.int32),
-        agent_hits=jnp.full((9,), 0, jnp.uint8),
-        agent_recovering=jnp.full((9,), 0, jnp.int32),
-        agent_stunned=jnp.full((9,), 0, jnp.uint8),
-        agent_hot=jnp.full((9,), 0, jnp.uint8),
-        mark_claim=jnp.zeros(18, jnp.int32),
-        mark_fire=jnp.zeros(54, jnp.int32),
+        position=jnp.zeros(NUM_AGENTS, jnp.int32),
+        heading=jnp.zeros(NUM_AGENTS, jnp.int32),
+        brick_paint=jnp.full(NUM_BRICK, BRICK_NONE, jnp.uint8),
+        brick_damage=jnp.full(NUM_BRICK, 0, jnp.uint8),
+        brick_owner=jnp.full(NUM_BRICK, NOBODY, jnp.int32),
+        brick_rivals=jnp.full(NUM_BRICK, 0, jnp.uint32),
+        brick_wetness=jnp.full(NUM_BRICK, 0, jnp.int32),
+        brick_dust=jnp.full(NUM_BRICK, 0, jnp.int32),
+        agent_hits=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        agent_recovering=jnp.full(NUM_AGENTS, 0, jnp.int32),
+        agent_stunned=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        agent_hot=jnp.full(NUM_AGENTS, 0, jnp.uint8),
+        mark_claim=jnp.zeros(MARKS_OF_CLAIM, jnp.int32),
+        mark_fire=jnp.zeros(MARKS_OF_FIRE, jnp.int32),
     )
 
 
 def no_outcome() -> Outcome:
     """Returns the outcome of a step in which nothing has happened yet."""
     return Outcome(
-        reward=jnp.zeros(9, jnp.float32),
+        reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_claimed=jnp.zeros((9,), jnp.int32),
-        event_paid=jnp.zeros((9,), jnp.int32),
-        event_blows=jnp.zeros((9,), jnp.int32),
-        event_gone=jnp.zeros((9,), jnp.int32),
+        event_claimed=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_paid=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_blows=jnp.zeros(NUM_AGENTS, jnp.int32),
+        event_gone=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
 
 def reset(params: Params, key: Array) -> State:
     """Returns the first state of an episode. `key`: two uint32 words."""
-    actions = jnp.full(NUM_AGENTS, STAY, jnp.int32)
-    state, _ = start(initial_state(), no_outcome(), params, actions, key)
-    return state
+    return start(initial_state(), no_outcome(), params, jnp.full(NUM_AGENTS, STAY, jnp.int32), key)[0]
 
 
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
@@ -220,148 +315,224 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`: where the agents begin."""
-    sent = jnp.full(9, True)  # territory.sj:41
-    position, placed = place(CELLS_GATE, jnp.full(9, True), words(key, 0xa452ab5d, 9), state.position, sent)  # territory.sj:41
-    heading = jnp.where(placed, below(words(key, 0xcb7943f8, 9), 4), state.heading)  # territory.sj:41
+    """Phase `start`, before the first step: for each agent, sends agent to gate."""
+    sent = jnp.full(NUM_AGENTS, True)  # territory.sj:41
+    position, placed = place(  # territory.sj:41
+        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+    )
+    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # territory.sj:41
     return state.replace(position=position, heading=heading), out
 
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """All timers fall by one; agents whose time away is over return."""
+    """All timers fall by one."""
     brick_wetness = state.brick_wetness - (state.brick_wetness > 0).astype(state.brick_wetness.dtype)  # territory.sj:27
     brick_dust = state.brick_dust - (state.brick_dust > 0).astype(state.brick_dust.dtype)  # territory.sj:27
-    agent_recovering = state.agent_recovering - (state.agent_recovering > 0).astype(state.agent_recovering.dtype)  # territory.sj:36
+    # territory.sj:36
+    agent_recovering = state.agent_recovering - (state.agent_recovering > 0).astype(state.agent_recovering.dtype)
     agent_stunned = state.agent_stunned - (state.agent_stunned > 0).astype(state.agent_stunned.dtype)  # territory.sj:37
     agent_hot = state.agent_hot - (state.agent_hot > 0).astype(state.agent_hot.dtype)  # territory.sj:37
-    return state.replace(brick_wetness=brick_wetness, brick_dust=brick_dust, agent_recovering=agent_recovering, agent_stunned=agent_stunned, agent_hot=agent_hot), out
+    return (
+        state.replace(
+            brick_wetness=brick_wetness,
+            brick_dust=brick_dust,
+            agent_recovering=agent_recovering,
+            agent_stunned=agent_stunned,
+            agent_hot=agent_hot,
+        ),
+        out,
+    )
 
 
 def age(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `age`."""
-    brick_paint = jnp.where((state.brick_paint == 1) & (state.brick_wetness == 0), 2, state.brick_paint)  # territory.sj:46
-    happens = (words(key, 0x02ae35b3, 120) >> 1) < threshold(params.mend)  # territory.sj:47
-    brick_damage_added = jnp.where((((state.brick_damage.astype(jnp.int32) > 0) & (state.brick_damage.astype(jnp.int32) < 2)) & (state.brick_dust == 0)) & happens, jnp.int32(-1), jnp.int32(0))  # territory.sj:47
-    brick_damage = (jnp.clip(state.brick_damage.astype(jnp.int32) + brick_damage_added, 0, 2)).astype(jnp.uint8)
+    """Phase `age`: for each brick, sets brick.paint to dry; for each brick, by chance, adds -1 to brick.damage."""
+    # territory.sj:46
+    brick_paint = jnp.where((state.brick_paint == BRICK_WET) & (state.brick_wetness == 0), BRICK_DRY, state.brick_paint)
+    happens = (words(key, STREAM_AGE, NUM_BRICK) >> 1) < threshold(params.mend)  # territory.sj:47
+    brick_damage_added = jnp.where(  # territory.sj:47
+        (state.brick_damage > 0) & (state.brick_damage < 2) & (state.brick_dust == 0) & happens,
+        jnp.int32(-1),
+        jnp.int32(0),
+    )
+    brick_damage = jnp.clip(state.brick_damage.astype(jnp.int32) + brick_damage_added, 0, 2).astype(jnp.uint8)
     return state.replace(brick_paint=brick_paint, brick_damage=brick_damage), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`."""
-    present = state.position != 0  # territory.sj:49
-    chosen = jnp.where(present, actions, 6)  # territory.sj:49
+    """Phase `walk`: moves each agent."""
+    present = state.position != NOWHERE  # territory.sj:49
+    chosen = jnp.where(present, actions, STAY)  # territory.sj:49
     heading = (state.heading + TURN[chosen]) & 3  # territory.sj:49
     stride = STEP_BY[chosen]  # territory.sj:49
-    target = jnp.where(stride == 4, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])  # territory.sj:49
-    target = jnp.where(((SITE_OF_BRICK[target] < 120) & (((state.brick_damage[SITE_OF_BRICK[target]]).astype(jnp.int32)) < 2)) & (target != state.position), state.position, target)  # territory.sj:49
-    position = resolve(state.position, target, words(key, 0xbcc46097, 9))  # territory.sj:49
+    # territory.sj:49
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
+    target = jnp.where(  # territory.sj:49
+        (SITE_OF_BRICK[target] < NUM_BRICK)
+        & (state.brick_damage[SITE_OF_BRICK[target]] < 2)
+        & (target != state.position),
+        state.position,
+        target,
+    )
+    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # territory.sj:49
     return state.replace(heading=heading, position=position), out
 
 
 def claim(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `claim`."""
-    present = state.position != 0  # territory.sj:51
+    """Phase `claim`: for each a, for each brick in touch of a, adds a to brick.rivals; for each a, marks paint, for
+    each brick in paint of a, adds a to brick.rivals.
+    """
+    present = state.position != NOWHERE  # territory.sj:51
     touch_cells = state.position[:, None] + TOUCH_OFFSETS[state.heading]  # territory.sj:51
     touch_brick = SITE_OF_BRICK[touch_cells]  # territory.sj:51
-    brick_rivals_joined = jnp.zeros((120,), jnp.uint32).at[jnp.where(present[:, None] & (touch_brick < 120), touch_brick, 120)].add(((jnp.uint32(1) << jnp.arange(9, dtype=jnp.uint32)))[:, None], mode="drop")  # territory.sj:51
-    active = present & (actions == 8)  # territory.sj:52
+    to_brick = jnp.where(present[:, None] & (touch_brick < NUM_BRICK), touch_brick, NUM_BRICK)  # territory.sj:51
+    brick_rivals_joined = jnp.zeros(NUM_BRICK, jnp.uint32).at[to_brick].add(  # territory.sj:51
+        (jnp.uint32(1) << jnp.arange(NUM_AGENTS, dtype=jnp.uint32))[:, None],
+        mode="drop",
+    )
+    active = present & (actions == ACTION_PAINT)  # territory.sj:52
     paint_cells = state.position[:, None] + PAINT_OFFSETS[state.heading]  # territory.sj:52
-    paint_reached = ((PAINT_REACH[state.position * 4 + state.heading][:, None] >> jnp.arange(2, dtype=jnp.uint8)[None, :]) & 1) != 0  # territory.sj:52
+    paint_bits = PAINT_REACH[state.position * 4 + state.heading]  # territory.sj:52
+    # territory.sj:52
+    paint_reached = ((paint_bits[:, None] >> jnp.arange(NUM_PAINT_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
     marked = jnp.where(active[:, None] & paint_reached, paint_cells, 0).reshape(-1)  # territory.sj:52
     paint_brick = SITE_OF_BRICK[paint_cells]  # territory.sj:52
-    brick_rivals_joined_2 = jnp.zeros((120, 9), bool).at[jnp.where(active[:, None] & ((paint_brick < 120) & paint_reached), paint_brick, 120), jnp.broadcast_to(jnp.arange(9, dtype=jnp.int32)[:, None], (9, 2,))].set(True, mode="drop")  # territory.sj:52
-    brick_rivals_joined_3 = as_bits(brick_rivals_joined_2, jnp.uint32)  # territory.sj:52
-    brick_rivals = state.brick_rivals | brick_rivals_joined | brick_rivals_joined_3
+    # territory.sj:52
+    to_brick_2 = jnp.where(active[:, None] & (paint_brick < NUM_BRICK) & paint_reached, paint_brick, NUM_BRICK)
+    members = jnp.zeros((NUM_BRICK, NUM_AGENTS), bool).at[  # territory.sj:52
+        to_brick_2, jnp.broadcast_to(jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None], (NUM_AGENTS, NUM_PAINT_CELLS))
+    ].set(True, mode="drop")
+    brick_rivals_joined_2 = as_bits(members, jnp.uint32)  # territory.sj:52
+    brick_rivals = state.brick_rivals | brick_rivals_joined | brick_rivals_joined_2
     return state.replace(brick_rivals=brick_rivals, mark_claim=marked), out
 
 
 def settle(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `settle`."""
+    """Phase `settle`: for each brick, picks 1 winner in brick.rivals, sets brick.owner to winner, sets brick.paint to
+    wet, sets brick.wetness to drying, counts claimed, sets brick.rivals to nobody.
+    """
     active = state.brick_rivals != 0  # territory.sj:55
-    present = state.position != 0  # territory.sj:56
-    winner, found = pick(present[None, :] & (((state.brick_rivals[:, None] >> jnp.arange(9, dtype=jnp.uint32)[None, :]) & 1) != 0), words(key, 0xbb6fa4c0, 120, 1)[:, 0])  # territory.sj:56
-    active_2 = (active & found) & ((winner != state.brick_owner) & (state.brick_damage.astype(jnp.int32) < 2))  # territory.sj:57
+    present = state.position != NOWHERE  # territory.sj:56
+    winner, found = pick(  # territory.sj:56
+        present[None, :] & (
+            ((state.brick_rivals[:, None] >> jnp.arange(NUM_AGENTS, dtype=jnp.uint32)[None, :]) & 1) != 0
+        ),
+        words(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0],
+    )
+    active_2 = active & found & (winner != state.brick_owner) & (state.brick_damage < 2)  # territory.sj:57
     brick_owner = jnp.where(active_2, winner, state.brick_owner)  # territory.sj:58
-    brick_paint = jnp.where(active_2, 1, state.brick_paint)  # territory.sj:58
+    brick_paint = jnp.where(active_2, BRICK_WET, state.brick_paint)  # territory.sj:58
     brick_wetness = jnp.where(active_2, params.drying, state.brick_wetness)  # territory.sj:58
-    times = times_in(jnp.where(active_2, jnp.uint32(1) << winner.astype(jnp.uint32), 0), 9)  # territory.sj:58
+    times = times_in(jnp.where(active_2, jnp.uint32(1) << winner.astype(jnp.uint32), 0), NUM_AGENTS)  # territory.sj:58
     event_claimed = out.event_claimed + times  # territory.sj:58
     brick_rivals = jnp.where(active, 0, state.brick_rivals)  # territory.sj:61
-    return state.replace(brick_owner=brick_owner, brick_paint=brick_paint, brick_wetness=brick_wetness, brick_rivals=brick_rivals), out.replace(event_claimed=event_claimed)
+    return (
+        state.replace(
+            brick_owner=brick_owner, brick_paint=brick_paint, brick_wetness=brick_wetness, brick_rivals=brick_rivals
+        ),
+        out.replace(event_claimed=event_claimed),
+    )
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`."""
-    present = state.position != 0  # territory.sj:65
-    active = present & (actions == 7)  # territory.sj:65
+    """Phase `fire`: for each zapper, marks zap, sets zapper.hot to cooling, for the first victim in zap of zapper, adds
+    1 to victim.hits, sets victim.stunned to frozen, sets victim.recovering to recovery, for each brick in zap of
+    zapper, adds 1 to brick.damage, sets brick.dust to mending, counts blows.
+    """
+    present = state.position != NOWHERE  # territory.sj:65
+    active = present & (actions == ACTION_ZAP)  # territory.sj:65
     zap_cells = state.position[:, None] + ZAP_OFFSETS[state.heading]  # territory.sj:66
-    zap_blocked = BLOCKS_ZAP[zap_cells] | ((SITE_OF_BRICK[zap_cells] < 120) & (((state.brick_damage[SITE_OF_BRICK[zap_cells]]).astype(jnp.int32)) < 2))  # territory.sj:66
+    zap_blocked = BLOCKS_ZAP[zap_cells] | (  # territory.sj:66
+        (SITE_OF_BRICK[zap_cells] < NUM_BRICK) & (state.brick_damage[SITE_OF_BRICK[zap_cells]] < 2)
+    )
     zap_reached = reached(zap_blocked, INSIDE[zap_cells], ZAP_STARTS)  # territory.sj:66
     marked = jnp.where(active[:, None] & zap_reached, zap_cells, 0).reshape(-1)  # territory.sj:66
     agent_hot = jnp.where(active, params.cooling.astype(jnp.uint8), state.agent_hot)  # territory.sj:66
-    standing = zap_cells[..., None] == state.position[None, None, :]  # territory.sj:67
+    standing = zap_cells[:, :, None] == state.position[None, None, :]  # territory.sj:67
     victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # territory.sj:67
     anybody = jnp.any(standing, axis=-1)  # territory.sj:67
     ok = anybody & zap_reached  # territory.sj:67
     in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_ZAP]  # territory.sj:67
     nearest = jnp.argmax(in_lane, axis=-1)  # territory.sj:67
     found = jnp.any(in_lane, axis=-1)  # territory.sj:67
-    place_2 = LANES_OF_ZAP[jnp.arange(3)[None, :], nearest]  # territory.sj:67
-    victim_2 = jnp.take_along_axis(victim, jnp.minimum(place_2, 5), axis=1)  # territory.sj:67
+    cell_of_lane = LANES_OF_ZAP[jnp.arange(3)[None, :], nearest]  # territory.sj:67
+    victim_2 = jnp.take_along_axis(victim, jnp.minimum(cell_of_lane, 5), axis=1)  # territory.sj:67
     active_2 = active[:, None] & found  # territory.sj:67
-    agent_hits_added = jnp.zeros((9,), jnp.int32).at[victim_2].add(jnp.where(active_2, jnp.int32(1), jnp.int32(0)), mode="drop")  # territory.sj:67
-    agent_stunned = state.agent_stunned.at[jnp.where(active_2, victim_2, 9)].set(params.frozen.astype(jnp.uint8), mode="drop")  # territory.sj:67
-    agent_recovering = state.agent_recovering.at[jnp.where(active_2, victim_2, 9)].set(params.recovery, mode="drop")  # territory.sj:67
+    # territory.sj:67
+    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(active_2.astype(jnp.int32), mode="drop")
+    to_agent = jnp.where(active_2, victim_2, NUM_AGENTS)  # territory.sj:67
+    # territory.sj:67
+    agent_stunned = state.agent_stunned.at[to_agent].set(params.frozen.astype(jnp.uint8), mode="drop")
+    agent_recovering = state.agent_recovering.at[to_agent].set(params.recovery, mode="drop")  # territory.sj:67
     zap_brick = SITE_OF_BRICK[zap_cells]  # territory.sj:68
-    active_3 = (active[:, None] & ((zap_brick < 120) & zap_reached)) & ((state.brick_damage[zap_brick].astype(jnp.int32)) < 2)  # territory.sj:68
-    brick_damage_added = jnp.zeros((120,), jnp.int32).at[zap_brick].add(jnp.where(active_3, jnp.int32(1), jnp.int32(0)), mode="drop")  # territory.sj:68
-    brick_dust = state.brick_dust.at[jnp.where(active_3, zap_brick, 120)].set(params.mending, mode="drop")  # territory.sj:68
+    # territory.sj:68
+    active_3 = active[:, None] & (zap_brick < NUM_BRICK) & zap_reached & (state.brick_damage[zap_brick] < 2)
+    # territory.sj:68
+    brick_damage_added = jnp.zeros(NUM_BRICK, jnp.int32).at[zap_brick].add(active_3.astype(jnp.int32), mode="drop")
+    to_brick = jnp.where(active_3, zap_brick, NUM_BRICK)  # territory.sj:68
+    brick_dust = state.brick_dust.at[to_brick].set(params.mending, mode="drop")  # territory.sj:68
     times = jnp.sum(active_3, axis=1, dtype=jnp.int32)  # territory.sj:68
     event_blows = out.event_blows + times  # territory.sj:68
-    agent_hits = (jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2)).astype(jnp.uint8)
-    brick_damage = (jnp.clip(state.brick_damage.astype(jnp.int32) + brick_damage_added, 0, 2)).astype(jnp.uint8)
-    return state.replace(agent_hot=agent_hot, agent_stunned=agent_stunned, agent_recovering=agent_recovering, brick_dust=brick_dust, agent_hits=agent_hits, brick_damage=brick_damage, mark_fire=marked), out.replace(event_blows=event_blows)
+    agent_hits = jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2).astype(jnp.uint8)
+    brick_damage = jnp.clip(state.brick_damage.astype(jnp.int32) + brick_damage_added, 0, 2).astype(jnp.uint8)
+    return (
+        state.replace(
+            agent_hot=agent_hot,
+            agent_stunned=agent_stunned,
+            agent_recovering=agent_recovering,
+            brick_dust=brick_dust,
+            agent_hits=agent_hits,
+            brick_damage=brick_damage,
+            mark_fire=marked,
+        ),
+        out.replace(event_blows=event_blows),
+    )
 
 
 def fall(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fall`."""
-    present = state.position != 0  # territory.sj:72
-    holds = state.agent_hits.astype(jnp.int32) == 2  # territory.sj:72
+    """Phase `fall`: for each a, removes a, counts gone, sets a.hits to 0; for each brick (b), sets b.owner to nobody,
+    sets b.paint to none.
+    """
+    present = state.position != NOWHERE  # territory.sj:72
+    holds = state.agent_hits == 2  # territory.sj:72
     active = present & holds  # territory.sj:72
-    event_gone = out.event_gone + (jnp.where(active, jnp.int32(1), jnp.int32(0)))  # territory.sj:72
+    event_gone = out.event_gone + active.astype(jnp.int32)  # territory.sj:72
     holds_2 = state.agent_recovering == 0  # territory.sj:72
-    agent_hits = jnp.where((present & ~holds) & holds_2, 0, state.agent_hits)  # territory.sj:72
-    active_2 = (state.brick_owner != -1) & ((state.brick_damage.astype(jnp.int32) == 2) | ((state.agent_hits[state.brick_owner].astype(jnp.int32)) == 2))  # territory.sj:73
-    brick_owner = jnp.where(active_2, -1, state.brick_owner)  # territory.sj:74
-    brick_paint = jnp.where(active_2, 0, state.brick_paint)  # territory.sj:74
-    position = jnp.where(active, 0, state.position)
-    return state.replace(agent_hits=agent_hits, brick_owner=brick_owner, brick_paint=brick_paint, position=position), out.replace(event_gone=event_gone)
+    agent_hits = jnp.where(present & ~holds & holds_2, 0, state.agent_hits)  # territory.sj:72
+    # territory.sj:73
+    active_2 = (state.brick_owner != NOBODY) & ((state.brick_damage == 2) | (state.agent_hits[state.brick_owner] == 2))
+    brick_owner = jnp.where(active_2, NOBODY, state.brick_owner)  # territory.sj:74
+    brick_paint = jnp.where(active_2, BRICK_NONE, state.brick_paint)  # territory.sj:74
+    position = jnp.where(active, NOWHERE, state.position)
+    return (
+        state.replace(agent_hits=agent_hits, brick_owner=brick_owner, brick_paint=brick_paint, position=position),
+        out.replace(event_gone=event_gone),
+    )
 
 
 def pay(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `pay`."""
-    happens = (words(key, 0x47378959, 120) >> 1) < threshold(params.rate)  # territory.sj:78
-    active = ((state.brick_paint == 2) & (state.brick_owner != -1)) & happens  # territory.sj:78
-    times = times_in(jnp.where(active, jnp.uint32(1) << state.brick_owner.astype(jnp.uint32), 0), 9)  # territory.sj:78
-    reward = out.reward + (times.astype(jnp.float32) * params.yield_)  # territory.sj:78
+    """Phase `pay`: for each brick (b), by chance, gives a reward to b.owner, counts paid."""
+    happens = (words(key, STREAM_PAY, NUM_BRICK) >> 1) < threshold(params.rate)  # territory.sj:78
+    active = (state.brick_paint == BRICK_DRY) & (state.brick_owner != NOBODY) & happens  # territory.sj:78
+    # territory.sj:78
+    times = times_in(jnp.where(active, jnp.uint32(1) << state.brick_owner.astype(jnp.uint32), 0), NUM_AGENTS)
+    reward = out.reward + times.astype(jnp.float32) * params.yield_  # territory.sj:78
     event_paid = out.event_paid + times  # territory.sj:78
     return state, out.replace(reward=reward, event_paid=event_paid)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
-    allowed = jnp.ones((9, 9), bool)
-    forbidden = state.agent_stunned.astype(jnp.int32) > 0  # territory.sj:37
-    allowed = allowed & ~(forbidden[:, None] & FORBIDS[None])  # territory.sj:37
-    forbidden_2 = state.agent_hot.astype(jnp.int32) > 0  # territory.sj:37
-    allowed = allowed & ~(forbidden_2[:, None] & FORBIDS_2[None])  # territory.sj:37
-    return allowed
+    forbidden = state.agent_stunned > 0  # territory.sj:37
+    closed = forbidden[:, None] & FORBIDS[None]  # territory.sj:37
+    forbidden_2 = state.agent_hot > 0  # territory.sj:37
+    closed_2 = forbidden_2[:, None] & FORBIDS_2[None]  # territory.sj:37
+    return ~closed & ~closed_2
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_brick = jnp.sum(state.brick_owner != -1, dtype=jnp.int32)  # territory.sj:93
-    return {'owned': num_brick.astype(jnp.float32)}
+    num_brick = jnp.sum(state.brick_owner != NOBODY, dtype=jnp.int32)  # territory.sj:93
+    return {"owned": num_brick.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -372,23 +543,72 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_1 = jnp.zeros(1369, jnp.uint8)
-    plane_0 = fill(plane_0, CELLS_BRICK, (((state.brick_paint) * 3 + state.brick_damage) * 10 + (state.brick_owner + 1).astype(jnp.uint8) + 3))  # territory.sj:23
-    plane_0 = paint(plane_0, state.mark_claim, 128)  # territory.sj:50
-    plane_1 = paint(plane_1, state.mark_fire, 16)  # territory.sj:64
-    plane_1 = paint(plane_1, state.position, (jnp.arange(9, dtype=jnp.uint8) + 1))  # territory.sj:33
-    seen_0 = windows(plane_0.reshape(37, 37), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # territory.sj:89
-    seen_1 = windows(plane_1.reshape(37, 37), state.position, state.heading, ahead=9, behind=1, left=5, right=5)  # territory.sj:89
-    raw = seen_0 & 127  # territory.sj:89
-    is_brick = (raw >= 3) & (raw < 93)  # territory.sj:89
-    brick_owner = (raw - 3) % 10  # territory.sj:89
-    brick_damage = ((raw - 3) // 10) % 3  # territory.sj:89
-    brick_paint = (((raw - 3) // 10) // 3)  # territory.sj:89
-    content = jnp.where(is_brick, ((((brick_paint * 3) + ((jnp.where((brick_owner.astype(jnp.int32) - 1) == jnp.arange(9, dtype=jnp.int32)[:, None], 0, jnp.where((brick_owner.astype(jnp.int32) - 1) == -1, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) * 3) + ((jnp.where(brick_damage.astype(jnp.int32) == 0, 0, jnp.where(brick_damage.astype(jnp.int32) < 2, jnp.uint8(1), jnp.uint8(2)))).astype(jnp.uint8))) + 3, raw + (((raw >= 93).astype(jnp.uint8)) * -63))  # territory.sj:89
-    agent = seen_1 & 15  # territory.sj:89
+    plane_1 = jnp.zeros(FRAME_CELLS, jnp.uint8)
+    plane_0 = fill(  # territory.sj:23
+        plane_0,
+        CELLS_BRICK,
+        (state.brick_paint * 3 + state.brick_damage) * 10 + (state.brick_owner + 1).astype(jnp.uint8) + BRICK_LOOK,
+    )
+    plane_0 = paint(plane_0, state.mark_claim, MARK_CLAIM_BIT)  # territory.sj:50
+    plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # territory.sj:64
+    plane_1 = paint(plane_1, state.position, jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1)  # territory.sj:33
+    seen_0 = windows(  # territory.sj:89
+        plane_0.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    seen_1 = windows(  # territory.sj:89
+        plane_1.reshape(FRAME),
+        state.position,
+        state.heading,
+        ahead=VIEW_AHEAD,
+        behind=VIEW_BEHIND,
+        left=VIEW_LEFT,
+        right=VIEW_RIGHT,
+    )
+    raw = seen_0 & CONTENT_MASK  # territory.sj:89
+    is_brick = (raw >= BRICK_LOOK) & (raw < 93)  # territory.sj:89
+    brick_owner = (raw - BRICK_LOOK) % 10  # territory.sj:89
+    brick_damage = (raw - BRICK_LOOK) // 10 % 3  # territory.sj:89
+    brick_paint = (raw - BRICK_LOOK) // 10 // 3  # territory.sj:89
+    content = jnp.where(  # territory.sj:89
+        is_brick,
+        (
+            brick_paint * 3 + jnp.where(
+                brick_owner.astype(jnp.int32) - 1 == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None],
+                0,
+                jnp.where(brick_owner.astype(jnp.int32) - 1 == NOBODY, jnp.uint8(1), jnp.uint8(2)),
+            )
+        )
+        * 3
+        + jnp.where(brick_damage == 0, 0, jnp.where(brick_damage < 2, jnp.uint8(1), jnp.uint8(2)))
+        + 3,
+        raw + (raw >= GATE_LOOK).astype(jnp.uint8) * -63,
+    )
+    agent = seen_1 & AGENT_MASK  # territory.sj:89
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # territory.sj:89
+    agents = jnp.where(  # territory.sj:89
+        MYSELF[None],
+        1,
+        jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
+    ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]  # territory.sj:89
-    shown_stunned = state.agent_stunned.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:89
-    shown_hot = state.agent_hot.astype(jnp.int32).astype(jnp.uint8)  # territory.sj:89
-    present = state.position != 0  # territory.sj:89
-    return planes_of((11, 11), present, content, jnp.where(MYSELF[None], 1, jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0)).astype(jnp.uint8), (((seen_0 >> 7) & 1) << 0) | (((seen_1 >> 4) & 1) << 1), jnp.where(theirs, (state.agent_hits[who].astype(jnp.int32)).astype(jnp.uint8), 0), jnp.broadcast_to(shown_stunned[:, None], (9, 121)), jnp.broadcast_to(shown_hot[:, None], (9, 121)))
+    # territory.sj:89
+    marks = ((seen_0 >> MARK_CLAIM_SHIFT) & MARK_CLAIM_MASK) | (((seen_1 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK) << 1)
+    shown_stunned = state.agent_stunned  # territory.sj:89
+    shown_hot = state.agent_hot  # territory.sj:89
+    present = state.position != NOWHERE  # territory.sj:89
+    return planes_of(
+        WINDOW,
+        present,
+        content,
+        agents,
+        marks,
+        jnp.where(theirs, state.agent_hits[who], 0),
+        jnp.broadcast_to(shown_stunned[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(shown_hot[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+    )

@@ -15,7 +15,7 @@ from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.emit.module import game_hash
+from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from sjdsl.parameters import build_params, split_sizes

@@ -10,8 +10,9 @@ import click
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
-from sjdsl.compiler import build, compile_build
+from sjdsl.compiler import build, lower_build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.emit.standalone import standalone
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled
@@ -95,8 +96,8 @@ def compile_game(name: str, variant: str | None, map_file: str | None, output: s
     path = Path(output or ("." if alone else FOLDER))
     if path.suffix != ".py":
         path = path / f"{'_'.join((made.game.name, *variants, *['standalone'] * alone))}.py"
-    text = compile_build(made, source)
-    return Module(path, standalone(text) if alone else text)
+    program = lower_build(made, source)
+    return Module(path, standalone(program) if alone else render(program))
 
 
 def write_module(module: Module) -> None:

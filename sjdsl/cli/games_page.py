@@ -13,7 +13,7 @@ PAGE = Path("docs/games.md")
 
 def make_page(path: Path, fresh: bool) -> None:
     """Writes the page, its figures (`.json` beside it) and pictures; what belongs to unchanged rules is kept unless `fresh`."""
-    from sjdsl.compiler.emit.module import game_hash
+    from sjdsl.compiler.ir.hash import game_hash
     from sjdsl.doc import read_written
     from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
     from sjdsl.doc.figures import draw_picture, figures_text, is_picture_of, measure, read_figures
@@ -39,7 +39,7 @@ def make_page(path: Path, fresh: bool) -> None:
 
 def page_problems(path: Path) -> list[str]:
     """Returns what is not up to date: the text, figures of other rules, pictures that are missing or belong to no game."""
-    from sjdsl.compiler.emit.module import game_hash
+    from sjdsl.compiler.ir.hash import game_hash
     from sjdsl.doc import read_written
     from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
     from sjdsl.doc.figures import is_picture_of, read_figures

@@ -58,7 +58,7 @@ def command(
     session = begin_session(made.game, values, seed, choose, None if watch else agent, steps)
     play_on(session, made.game, values, environment, others, seed, speed)
 
-    from sjdsl.compiler.emit.module import game_hash
+    from sjdsl.compiler.ir.hash import game_hash
     from sjdsl.replay import save_recording
 
     if record is not None:

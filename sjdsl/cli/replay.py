@@ -55,7 +55,7 @@ def show(recording: "Recording", speed: float) -> None:
 
     Raises RecordingError: the rules are others now, or the actions come to other returns than were recorded.
     """
-    from sjdsl.compiler.emit.module import game_hash
+    from sjdsl.compiler.ir.hash import game_hash
     from sjdsl.replay.recording import check_returns, check_rules
     from sjdsl.screen.session import written_choice
 

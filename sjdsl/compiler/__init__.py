@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sjdsl.compiler import ir, program
+from sjdsl.compiler import ir
 from sjdsl.compiler.ast import printer as ast_printer
 from sjdsl.compiler.checks.placement import check_placement
 from sjdsl.compiler.checks.state_names import check_state_names
@@ -22,6 +22,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.elaborate.declaration_labels import with_declaration_labels
+from sjdsl.compiler.emit.listing import listing
 from sjdsl.compiler.ir import printer as ir_printer
 from sjdsl.compiler.lower import NotSupported, lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
@@ -72,7 +73,7 @@ def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) 
     """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
     try:
         rules = made.game.model_copy(update={"looks": ()})
-        return lower(optimise(rules, passes), Path(source.name).name)
+        return lower(optimise(rules, passes), Path(source.name).name, made.game)
     except NotSupported as refused:
         found = errors.Unsupported(refused.origin, what=refused.what, help=refused.instead)  # type: ignore[arg-type]
         raise CompileError([found]) from None
@@ -82,7 +83,7 @@ def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES
     """Returns the Python module of a checked game."""
     from sjdsl.compiler.emit.module import render
 
-    return render(lower_build(made, source, passes), made.game)
+    return render(lower_build(made, source, passes))
 
 
 def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
@@ -121,7 +122,7 @@ def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bo
         case "optimised":
             yield from ir_printer.game(optimise(made.game), positions).splitlines()
         case "program":
-            yield from program.dump(lower_build(made, source))
+            yield from listing(lower_build(made, source))
         case "python":
             yield from compile_build(made, source).splitlines()
         case _:

@@ -4,22 +4,23 @@ ir.Game -> `values(state, params)`, one `seek(state, params)` for each policy th
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
 import jax.numpy as jnp
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.names import KERNELS, identifier
-from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype
+from sjdsl.compiler.lower import new_module, state_reads
+from sjdsl.compiler.lower.axes import TRUE, as_dtype, iota, spread
 from sjdsl.compiler.lower.domains import enter
-from sjdsl.compiler.lower.expressions import lower
-from sjdsl.compiler.lower.map_tables import Layout
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, Frame, Module, Writer, iota
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
+from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.optimise.rewrite import rewrite
-from sjdsl.compiler.program import Line
+from sjdsl.compiler.program import Function
+from sjdsl.compiler.program.expressions import DTYPES, Attribute, Binary, Call, Expression, Literal, Sequence, call
 
 Total = tuple[str, str | None]  # an event, and its word or None
 
@@ -38,7 +39,7 @@ class Lowered:
 
 def lower_checks(game: ir.Game, expressions: list[ir.Expr], domains: list[ir.Domain]) -> Lowered:
     """Returns the functions. Raises NotSupported for what the compiler cannot say exactly."""
-    module = Module(game, Layout(game))
+    module = new_module(game)
     totals: dict[Total, str] = {}
     texts = [_values([rewrite(e, lambda node: _total(node, totals)) for e in expressions], module)]
     texts += [_seek(domain, i, module) for i, domain in enumerate(domains)]
@@ -64,37 +65,40 @@ def _total(node: Any, totals: dict[Total, str]) -> Any:
 
 def _values(expressions: list[ir.Expr], module: Module) -> str:
     w = Writer(module)
-    parts = []
-    for e in expressions:
-        value = as_dtype(lower(e, Frame(), w), "f32")
-        parts.append(f"jnp.asarray({value.text}, jnp.float32)")
-    w.line(f"return jnp.stack([{', '.join(parts)}])" if parts else "return jnp.zeros(0, jnp.float32)")
+    numbers = [as_dtype(w.value(e, IterationScope()), "f32") for e in expressions]
+    parts = tuple(call("jnp.asarray", number.node, DTYPES["f32"]) for number in numbers)
+    if parts:
+        w.give_back(call("jnp.stack", Sequence(parts, is_list=True)))
+    else:
+        w.give_back(call("jnp.zeros", Literal(0), DTYPES["f32"]))
     return _function("values", w)
 
 
 def _seek(domain: ir.Domain, number: int, module: Module) -> str:
     w = Writer(module)
-    agents = w.axis("agent", module.num_agents)
-    seeker = AgentVar(iota(agents), agents)
-    inner = enter(domain, Frame(axes=(agents,), variables={"agent": seeker}), w)
+    agents = w.axis("agent", module.agents)
+    inner = enter(domain, IterationScope(axes=(agents,), variables={"agent": AgentVar(iota(agents), agents)}), w)
     member = inner.variables[domain.var.name]
     at = state_reads.cell(member, w) if isinstance(member, CellVar) else state_reads.position(member, w)
-    mask = inner.mask or Value("True", "bool", literal=True)
-    layout = module.layout
-    cell = f"(({at.text}) // {layout.cols} - {layout.pad}) * {layout.width} + ({at.text}) % {layout.cols} - {layout.pad}"
-    w.line(f"return {_spread(Value(cell, 'i32', at.axes), inner.axes)}, {_spread(mask, inner.axes)}")
+    row, col = (_less(Binary(op, at.node, Literal(module.layout.cols)), module.layout.pad) for op in ("//", "%"))
+    cells = replace(at, node=Binary("+", Binary("*", row, Literal(module.layout.width)), col))
+    w.give_back(*(_of_agents(spread(value, inner.axes), inner) for value in (cells, inner.mask or TRUE)))
     return _function(f"seek_{number}", w)
 
 
-def _spread(value: Value, axes: tuple[Axis, ...]) -> str:
-    """Returns the text of a value as `[agents, members]`."""
-    shape = ", ".join(str(axis.size) for axis in axes)
-    whole = f"jnp.broadcast_to({aligned(value, axes) if value.axes else value.text}, ({shape},))"
-    return whole if len(axes) == 2 else f"{whole}.reshape({axes[0].size}, -1)"
+def _less(node: Expression, number: int) -> Expression:
+    return Binary("-", node, Literal(number))
+
+
+def _of_agents(node: Expression, inner: IterationScope) -> Expression:
+    """Returns a value over all axes as `[agents, members]`."""
+    if len(inner.axes) == 2:
+        return node
+    return Call(Attribute(node, "reshape"), (inner.axes[0].extent, Literal(-1)))
 
 
 def _function(name: str, w: Writer) -> str:
-    return f"def {name}(state, params):\n" + "\n".join(f"    {line.text}" for line in w.lines if isinstance(line, Line))
+    return "\n".join(function_lines(Function(name, (("state", "object"), ("params", "object")), "object", "", tuple(w.body))))
 
 
 def _namespace(module: Module) -> dict[str, Any]:
@@ -103,4 +107,5 @@ def _namespace(module: Module) -> dict[str, Any]:
     names: dict[str, Any] = {"jnp": jnp}
     for home, kernels in KERNELS.items():
         names |= {kernel: getattr(import_module(home), kernel) for kernel in kernels}
-    return names | {c.name: jnp.asarray(c.value) for c in module.constants.values()}
+    names |= {c.name: jnp.asarray(c.value) for c in module.constants.values()}
+    return names | {n.name: n.value for n in module.numbers.values()} | {"NUM_AGENTS": module.num_agents, "PAD": module.layout.pad}

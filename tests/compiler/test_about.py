@@ -7,7 +7,7 @@ import pytest
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.emit.module import game_hash
+from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 
 GAME = """sj 1

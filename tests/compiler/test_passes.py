@@ -143,7 +143,7 @@ SETS: dict[str, tuple[Pass, ...]] = {"all": PASSES, "none": (), **{p.__name__: (
 @cache
 def history(game: ir.Game) -> Any:
     """Returns every state, outcome and measure of a run with random actions."""
-    module = load_module(render(lower(game, "game.sj"), game), f"<{game.name}>", game.name)
+    module = load_module(render(lower(game, "game.sj")), f"<{game.name}>", game.name)
     params = module.default_params()
 
     def advance(state: Any, given: Any) -> Any:

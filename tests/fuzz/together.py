@@ -128,7 +128,7 @@ def key_of(words: Words) -> Any:
 
 
 def module_text(rules: ir.Game) -> str:
-    return render(lower(rules, f"{rules.name}.sj"), rules)
+    return render(lower(rules, f"{rules.name}.sj"))
 
 
 def on_numpy(game: ir.Game, rules: ir.Game) -> OnNumPy:

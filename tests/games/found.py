@@ -8,7 +8,7 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.emit.module import game_hash
+from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game
 

@@ -152,7 +152,7 @@ class Compiled:
         return self._view(seen)
 
     def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
-        from sjdsl.compiler.lower.scope import attribute_name
+        from sjdsl.compiler.ir.names import attribute_name
 
         (_, cols), pad = self.module.FRAME, self.module.PAD
         position = [0 if p is None else (p[0] + pad) * cols + p[1] + pad for p in places]
@@ -207,7 +207,7 @@ class Compiled:
         )
 
     def _values(self, declared: ir.VarField) -> Any:
-        from sjdsl.compiler.lower.scope import attribute_name
+        from sjdsl.compiler.ir.names import attribute_name
 
         return _decoded(np.asarray(getattr(self.state, attribute_name(declared))).tolist(), declared.type, self.game.agents.number)
 

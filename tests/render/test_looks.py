@@ -9,7 +9,7 @@ import sjdsl
 from sjdsl.compiler import build, check, compile_source
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate.looks import COLOURS, SPRITES
-from sjdsl.compiler.emit.module import game_hash
+from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from sjdsl.render import make_painter, take_snapshot

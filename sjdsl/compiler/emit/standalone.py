@@ -4,40 +4,22 @@ import ast
 from functools import cache
 from importlib.resources import files
 
-from sjdsl.compiler.emit.module import template
+from sjdsl.compiler.emit.module import body, docstring, kernels, template
+from sjdsl.compiler.program import Program
 
 RUNTIME = "sjdsl.runtime"
 ENVIRONMENT = "env"  # of which the environment at the end of the file is one
-IMPORTED = ("import jax.numpy as jnp", "from flax import struct", "from jax import Array")
 
 
-def standalone(text: str) -> str:
-    """Returns the file. `text`: the module that the game compiles to."""
-    lines, called = _without_kernels(text)
-    docstring, rest = _split_docstring(lines)
+def standalone(program: Program) -> str:
+    """Returns the file."""
+    called = {module.removeprefix(f"{RUNTIME}."): names for module, names in kernels(program).items()}
     return template("standalone.py.j2").render(
-        docstring=docstring,
+        docstring=docstring(program),
         kernels=[(name, _kernel(name)) for name in _in_order((*called, ENVIRONMENT))],
         names=[(module, name) for module, names in called.items() for name in names],
-        module="\n".join(rest).strip("\n"),
+        module=body(program).strip("\n"),
     )
-
-
-def _without_kernels(text: str) -> tuple[list[str], dict[str, list[str]]]:
-    """Returns the lines without the imports, and the names imported from each module of the runtime."""
-    lines, called = text.splitlines(), {}
-    for node in reversed([n for n in ast.parse(text).body if isinstance(n, ast.Import | ast.ImportFrom)]):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{RUNTIME}."):
-            called[(node.module or "").removeprefix(f"{RUNTIME}.")] = [alias.name for alias in node.names]
-        else:
-            assert ast.unparse(node) in IMPORTED, ast.unparse(node)
-        del lines[node.lineno - 1 : node.end_lineno]
-    return lines, dict(sorted(called.items()))
-
-
-def _split_docstring(lines: list[str]) -> tuple[list[str], list[str]]:
-    end = ast.parse("\n".join(lines)).body[0].end_lineno
-    return lines[:end], lines[end:]
 
 
 @cache

@@ -1,15 +1,81 @@
 """Lowers `set` and `add`: by selection where the target is the axis itself, by scatter where its index is computed."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import DTYPES, Axis, Value, aligned, as_dtype, binary, both, literal, reduce, select, union, wrapped
-from sjdsl.compiler.lower.expressions import lower, owner, to_words
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, Frame, NotSupported, Writer
+from sjdsl.compiler.lower.axes import (
+    FALSE,
+    Axis,
+    Value,
+    aligned,
+    as_dtype,
+    iota,
+    literal,
+    reduce,
+    select,
+    spread,
+    taken,
+    union,
+)
+from sjdsl.compiler.lower.expressions import declared_by, nobody, owner, to_words
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.writer import Writer, all_fields
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    DTYPES,
+    NEW_AXIS,
+    REST,
+    Attribute,
+    Binary,
+    Cast,
+    Expression,
+    Index,
+    Literal,
+    Name,
+    Sequence,
+    Slice,
+    Update,
+    Where,
+    call,
+    scalar,
+    shape_of,
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """One field that a statement writes: of whom (None: the world), at which keys of its row, in which instances."""
+
+    declared: ir.VarField
+    who: Variable | None
+    keys: tuple[ir.Expr, ...]
+    read: ir.FieldRead
+    scope: IterationScope
+
+    @property
+    def attribute(self) -> str:
+        return attribute_name(self.declared)
+
+    @property
+    def levels(self) -> int:
+        return len(self.read.type.by)
+
+    @property
+    def own_axes(self) -> tuple[Axis, ...] | None:
+        """The axis of those whose field it is, none for the world; None if they are computed numbers."""
+        if self.who is None:
+            return ()
+        return None if self.who.axis is None else (self.who.axis,)
+
+    def key(self, w: Writer) -> Value | None:
+        """Returns which entry of a row is written, a word of the row's own set; None for all of it."""
+        if not self.keys:
+            return None
+        return to_words(w.value(self.keys[0], self.scope.always()), self.keys[0].type.words, self.read.type.by[0], w)
 
 
 def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
@@ -22,86 +88,71 @@ def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
     return target, tuple(keys)
 
 
-def set_(s: ir.Set, frame: Frame, w: Writer) -> None:
+def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     """Writes `set target = value`."""
-    target, keys = split(s.target)
-    value = stored_value(s.value, s.target.type, frame, w)
-    for declared, place, frame_ in targets(target, frame, w):
-        dtype = state_reads.storage(declared, w)
-        write(declared, place, keys, target, as_dtype(value, dtype) if value.dtype != dtype else value, frame_, w)
+    value = stored_value(s.value, s.target, scope, w)
+    for target in targets(s.target, scope, w):
+        _write(target, as_dtype(value, state_reads.storage(target.declared, w)), w)
 
 
-def stored_value(e: ir.Expr, type_: ir.Type, frame: Frame, w: Writer) -> Value:
+def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns a value as the field keeps it: words of its own set, agents as numbers, nobody as the empty set."""
-    if type_.kind == "agents" and isinstance(e, ir.Nobody):
-        return literal(0, w.module.set_dtype)
-    value = lower(e, frame.always(), w)
-    if type_.kind == "word":
-        return to_words(value, e.type.words, type_.words)
-    if type_.kind == "real":
-        return as_dtype(value, "f32")
-    return value
+    if isinstance(e, ir.Nobody):
+        return literal(0, w.module.set_dtype) if target.type.kind == "agents" else nobody(w)
+    if isinstance(e, ir.Case) and e.type.kind == "word":  # the words of the field at once, not those of the arms first
+        e = e.model_copy(update={"type": target.type})
+    value = w.value(e, scope.always())
+    match target.type.kind:
+        case "word":
+            return to_words(value, e.type.words, target.type.words, w, declared_by(target, w))
+        case "real":
+            return as_dtype(value, "f32")
+        case _:
+            return value
 
 
-def targets(target: ir.FieldRead, frame: Frame, w: Writer) -> list[tuple[ir.VarField, AgentVar | CellVar | None, Frame]]:
+def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
     """Returns the fields a write reaches, each with whose it is: one, or one for each kind of a group that is on the map."""
-    if target.owner is None:
-        return [(w.module.field(target), None, frame)]
-    who = owner(target.owner, frame, w)
+    read, keys = split(target)
+    if read.owner is None:
+        return [Target(w.module.field(read), None, keys, read, scope)]
+    who = owner(read.owner, scope, w)
     if isinstance(who, AgentVar) or len(who.kinds) == 1:
-        return [(w.module.field(target), who, frame)]
-    found: list[tuple[ir.VarField, AgentVar | CellVar | None, Frame]] = []
+        return [Target(w.module.field(read), who, keys, read, scope)]
+    found = []
     layout = w.module.layout
     for kind in who.kinds:
         if not len(layout.cells((kind,))):
             continue  # not on this map: no cell that could be written
         table = layout.site_of((kind,))[layout.cells(who.kinds)]
         table = np.append(table, len(layout.cells((kind,)))).astype(np.int32)
-        name = w.module.constant(
-            f"{'_'.join(who.kinds)}_to_{kind}",
-            table,
-            f"number among {kind} of each cell of the group; past the end: none",
-        )
-        text = f"{name}[:-1]" if who.axis is not None else f"{name}[{who.site.text}]"
+        comment = f"number among {kind} of each cell of the group; past the end: none"
+        name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
+        key = Slice(None, Literal(-1)) if who.axis is not None else who.site.node
         axes = (who.axis,) if who.axis is not None else who.site.axes
-        found.append((w.module.field(target, kind), CellVar(Value(text, "i32", axes), (kind,)), frame))
+        cell = CellVar(Value(Index(name, (key,)), "i32", axes), (kind,))
+        found.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return found
 
 
-def write(
-    declared: ir.VarField,
-    who: AgentVar | CellVar | None,
-    keys: tuple[ir.Expr, ...],
-    target: ir.FieldRead,
-    value: Value,
-    frame: Frame,
-    w: Writer,
-) -> None:
-    """Writes one field where the place's condition holds."""
-    attribute = attribute_name(declared)
-    levels = len(target.type.by)
-    dtype = state_reads.storage(declared, w)
-    key = _word_of(keys, target, frame, w)
-    if who is None or who.axis is not None:
-        axis = () if who is None else (who.axis,)
-        over = tuple(a for a in frame.axes if a not in axis)
-        mask = None if frame.mask is None else reduce("any", frame.mask, over)
-        key = None if key is None else _of_the_one(key, over)
-        before = Value(w.current(attribute), dtype, axis, levels)  # type: ignore[arg-type]
-        w.assign(attribute, _entries(before, mask, key, target, _of_the_one(value, over)).text)
+def _write(target: Target, value: Value, w: Writer) -> None:
+    """Writes one field where the scope's mask holds."""
+    key = target.key(w)
+    own = target.own_axes
+    if own is None:
+        _scatter(target, key, value, w)
         return
-    index = who.index if isinstance(who, AgentVar) else who.site
-    size = w.module.num_agents if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
-    _scatter(attribute, index, size, key, value, levels, frame, w)
-
-
-def _word_of(keys: tuple[ir.Expr, ...], target: ir.FieldRead, frame: Frame, w: Writer) -> Value | None:
-    """Returns which entry of a row is written, a word of the row's own set; None for all of it."""
-    return to_words(lower(keys[0], frame.always(), w), keys[0].type.words, target.type.by[0]) if keys else None
+    over = tuple(a for a in target.scope.axes if a not in own)
+    mask = None if target.scope.mask is None else reduce("any", target.scope.mask, over)
+    key = None if key is None else _of_the_one(key, over)
+    before = Value(w.current(target.attribute), state_reads.storage(target.declared, w), own, target.levels)
+    after = _entries(before, mask, key, target, _of_the_one(value, over))
+    if after != before:
+        w.assign(target.attribute, after.node)
 
 
 def _of_the_one(value: Value, over: tuple[Axis, ...]) -> Value:
-    """Returns a value or key without the axes of the sentences inside the target's.
+    """Returns a value or key without the axes of the statements inside the target's.
 
     It differs along them only if one instance at most reaches each target (else the write is refused): they are lanes of shapes
     with one lane.
@@ -111,44 +162,35 @@ def _of_the_one(value: Value, over: tuple[Axis, ...]) -> Value:
         return value
     assert all(a.size == 1 for a in gone), gone
     kept = tuple(a for a in value.axes if a not in gone)
-    index = ", ".join("0" if a in gone else ":" for a in value.axes)
-    return replace(value, text=f"{wrapped(value)}[{index}]", axes=kept)
+    return replace(value, node=Index(value.node, tuple(Literal(0) if a in gone else ALL for a in value.axes)), axes=kept)
 
 
-def _entries(before: Value, mask: Value | None, key: Value | None, target: ir.FieldRead, value: Value) -> Value:
+def _entries(before: Value, mask: Value | None, key: Value | None, target: Target, value: Value) -> Value:
     """Returns the field with the value in its place: the whole, or one entry of a row."""
-    if mask is not None and mask.text == "False":
+    if mask == FALSE:
         return before
     if key is None:
-        if mask is None:
-            return _filled(before, value)
-        if mask is not None and before.levels:
-            mask = replace(mask, text=_with_levels(mask, before.axes, before.levels), axes=before.axes, levels=before.levels)
-        return select(mask, value, before)
-    lead = ":, " * len(before.axes)
+        return _filled(before, value) if mask is None else select(mask, value, before)
     if key.literal:
-        old = replace(before, text=f"{before.text}[{lead}{key.text}]", levels=0)
-        new = select(mask, value, old)
-        return replace(before, text=f"{before.text}.at[{lead}{key.text}].set({new.text})")
-    words = len(target.type.by[0])
-    chosen = f"{_for_each_word(key, before.axes)} == jnp.arange({words}, dtype=jnp.uint8)"
-    if before.axes:
-        chosen += f"[{', '.join(['None'] * len(before.axes))}, :]"
-    hit = f"({chosen})" if mask is None else f"(({chosen}) & {_for_each_word(replace(mask, text=wrapped(mask)), before.axes)})"
-    new = _for_each_word(value, before.axes)
-    return replace(before, text=f"jnp.where({hit}, {new}, {before.text})")
+        new = select(mask, value, taken(before, key.node))
+        keys = (*[ALL] * len(before.axes), key.node)
+        return replace(before, node=Update(before.node, keys, "set", new.node))
+    hit = _is_word(key, before.axes, target)
+    if mask is not None:
+        hit = Binary("&", hit, _for_each_word(mask, before.axes))
+    return replace(before, node=Where(hit, _for_each_word(value, before.axes), before.node))
 
 
-def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> str:
-    """Returns the text with one more axis, for the words of a row; what has no axes is the same for all."""
-    return f"{wrapped(replace(value, text=aligned(value, axes)))}[..., None]" if value.axes else value.text
+def _is_word(key: Value, axes: tuple[Axis, ...], target: Target) -> Expression:
+    """Returns which entries of the rows are those of a word that is computed."""
+    words = iota(Axis("word", len(target.read.type.by[0]), 0), "u8").node
+    words = Index(words, (*[NEW_AXIS] * len(axes), ALL)) if axes else words
+    return Binary("==", _for_each_word(key, axes), words)
 
 
-def _with_levels(mask: Value, axes: tuple[Axis, ...], levels: int) -> str:
-    if not mask.axes:
-        return mask.text
-    text = aligned(mask, axes)
-    return f"{wrapped(replace(mask, text=text))}[{', '.join([':'] * len(axes) + ['None'] * levels)}]"
+def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> Expression:
+    """Returns a value with one more axis, for the words of a row; what has no axes is the same for all."""
+    return Index(aligned(value, axes), (REST, NEW_AXIS)) if value.axes else value.node
 
 
 def _filled(before: Value, value: Value) -> Value:
@@ -156,165 +198,121 @@ def _filled(before: Value, value: Value) -> Value:
     if value.axes == before.axes and value.levels == before.levels and not value.literal:
         return value
     if not value.axes and not value.levels:
-        return replace(before, text=f"jnp.full_like({before.text}, {value.text})")
-    spread = aligned(value, before.axes)
-    if value.levels < before.levels:
-        spread = f"{wrapped(replace(value, text=spread))}[..., None]"
-    return replace(before, text=f"jnp.broadcast_to({spread}, {before.text}.shape)")
+        return replace(before, node=call("jnp.full_like", before.node, value.node))
+    rows = _for_each_word(value, before.axes) if value.levels < before.levels else aligned(value, before.axes)
+    return replace(before, node=call("jnp.broadcast_to", rows, Attribute(before.node, "shape")))
 
 
-def _scatter(
-    attribute: str,
-    index: Value,
-    size: int,
-    key: Value | None,
-    value: Value,
-    levels: int,
-    frame: Frame,
-    w: Writer,
-) -> None:
+def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
     """Writes at computed places; instances that do not happen write past the end."""
-    axes = union(index.axes, *(x.axes for x in (frame.mask, key, value) if x is not None))
-    at = select(frame.mask, index, literal(size, "i32"))
-    shape = ", ".join(str(a.size) for a in axes)
-    at_text = aligned(at, axes) if at.axes else at.text
-    if axes and at.axes != axes:
-        at_text = f"jnp.broadcast_to({at_text}, ({shape},))"
-    column = ""
-    if key is not None:
-        column = f", {aligned(key, axes)}"
-    value_text = aligned(value, axes) if value.axes and value.axes != axes else value.text
-    if levels and key is None and value.axes and not value.levels:
-        value_text = f"{wrapped(replace(value, text=value_text))}[{', '.join([':'] * len(axes) + ['None'] * levels)}]"
-    w.assign(attribute, f'{w.current(attribute)}.at[{at_text}{column}].set({value_text}, mode="drop")')
+    assert target.who is not None
+    scope, index = target.scope, target.who.number
+    axes = union(index.axes, *(x.axes for x in (scope.mask, key, value) if x is not None))
+    at = w.keep(_place(target.who), Value(spread(select(scope.mask, index, _past_the_end(target.who, w)), axes), "i32", axes))
+    keys = (at.node, *([] if key is None else [aligned(key, axes)]))
+    levels = target.levels if key is None and value.axes else 0
+    new = aligned(value, axes, levels) if value.axes else value.node
+    w.assign(target.attribute, Update(w.current(target.attribute), keys, "set", new, drop=True))
 
 
-def add(s: ir.Add, frame: Frame, w: Writer) -> None:
+def _past_the_end(who: Variable, w: Writer) -> Value:
+    """Returns the number after that of the last agent, or cell of its kinds: what is written there is dropped."""
+    return Value(state_reads.total_extent(who, w), "i32")
+
+
+def _place(who: Variable) -> str:
+    """Returns the name of the numbers of those who are written to."""
+    return "to_agent" if isinstance(who, AgentVar) else f"to_{'_'.join(who.kinds)}"
+
+
+def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
     """Collects `add value to target`; the sums are applied at the end of the phase."""
-    target, keys = split(s.target)
-    for declared, who, place in targets(target, frame, w):
-        if target.type.kind == "agents":
-            _add_member(s, declared, who, keys, target, place, w)
+    for target in targets(s.target, scope, w):
+        if target.read.type.kind == "agents":
+            _add_member(s, target, w)
             continue
-        value = lower(s.value, place.always(), w)
-        value = as_dtype(value, "f32" if target.type.kind == "real" else "i32")
-        _add_number(declared, who, keys, target, value, place, w)
+        value = w.value(s.value, scope.always())
+        _add_number(target, as_dtype(value, "f32" if target.read.type.kind == "real" else "i32"), w)
 
 
-def _add_number(
-    declared: ir.VarField,
-    who: AgentVar | CellVar | None,
-    keys: tuple[ir.Expr, ...],
-    target: ir.FieldRead,
-    value: Value,
-    frame: Frame,
-    w: Writer,
-) -> None:
-    attribute = attribute_name(declared)
-    masked = _masked(value, frame)
-    levels = len(target.type.by)
-    if keys:
-        key = to_words(lower(keys[0], frame.always(), w), keys[0].type.words, target.type.by[0])
-        words = len(target.type.by[0])
-        masked = _one_hot(masked, key, words)
-    sums = w.added.setdefault(attribute, [])
-    if who is None or who.axis is not None:
-        axis = () if who is None else (who.axis,)
-        total = reduce("sum", masked, tuple(a for a in frame.axes if a not in axis))
-        sums.append(
-            w.keep(
-                f"{attribute}_added",
-                replace(total, text=aligned(total, axis) if total.axes else total.text, axes=axis if total.axes else ()),
-            )
-        )  # type: ignore[arg-type]
+def _add_number(target: Target, value: Value, w: Writer) -> None:
+    scope = target.scope
+    masked = _masked(value, scope)
+    key = target.key(w)
+    if key is not None:
+        masked = _one_hot(masked, key, target)
+    sums = w.added.setdefault(target.attribute, [])
+    own = target.own_axes
+    if own is not None:
+        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
+        if total.axes:
+            total = replace(total, node=aligned(total, own), axes=own)
+        sums.append(w.keep(f"{target.attribute}_added", total))
         return
-    index = who.index if isinstance(who, AgentVar) else who.site
-    size = w.module.num_agents if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
+    assert target.who is not None
+    index = target.who.number
     axes = union(index.axes, masked.axes)
-    rest = tuple(a for a in frame.axes if a not in axes)
-    total = reduce("sum", masked, rest)
-    at = aligned(index, axes)
-    if index.axes != axes:
-        at = f"jnp.broadcast_to({at}, ({', '.join(str(a.size) for a in axes)},))"
-    dims = f"{size}" + "".join(f", {len(by)}" for by in target.type.by)
-    zero = f"jnp.zeros(({dims},), {'jnp.float32' if total.dtype == 'f32' else 'jnp.int32'})"
-    amount = total.text if not total.axes else (aligned(total, axes) if not total.levels else _row_aligned(total, axes))
-    shape = (Axis(f"all of {attribute}", size, 0),)
-    sums.append(w.keep(f"{attribute}_added", Value(f'{zero}.at[{at}].add({amount}, mode="drop")', total.dtype, shape, levels)))
+    total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
+    extent = state_reads.total_extent(target.who, w)
+    zeros = call("jnp.zeros", shape_of((extent, *(Literal(len(by)) for by in target.read.type.by))), DTYPES[total.dtype])
+    amount = total.node if not total.axes else _row_aligned(total, axes)
+    shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
+    sets = Update(zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True)
+    sums.append(w.keep(f"{target.attribute}_added", Value(sets, total.dtype, shape, target.levels)))
 
 
-def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> str:
+def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> Expression:
+    """Returns a value lined up with axes, its levels last."""
     if value.axes == axes:
-        return value.text
-    return f"{wrapped(value)}[{', '.join([':' if a in value.axes else 'None' for a in axes] + [':'] * value.levels)}]"
+        return value.node
+    return Index(value.node, (*(ALL if a in value.axes else NEW_AXIS for a in axes), *[ALL] * value.levels))
 
 
-def _masked(value: Value, frame: Frame) -> Value:
-    if frame.mask is None:
-        return value
-    mask = frame.mask
-    if value.levels:
-        axes = union(mask.axes, value.axes)
-        text = (
-            f"{wrapped(replace(mask, text=aligned(mask, axes)))}[{', '.join([':'] * len(axes) + ['None'] * value.levels)}]"
-            if mask.axes
-            else mask.text
-        )
-        row = _row_aligned(value, axes)
-        return Value(f"jnp.where({text}, {row}, 0)", value.dtype, axes, value.levels)
-    return select(mask, value, literal(0, value.dtype))
+def _masked(value: Value, scope: IterationScope) -> Value:
+    if scope.mask is None or not value.levels:
+        return select(scope.mask, value, literal(0, value.dtype))
+    axes = union(scope.mask.axes, value.axes)
+    test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
+    return Value(Where(test, _row_aligned(value, axes), Literal(0)), value.dtype, axes, value.levels)
 
 
-def _one_hot(value: Value, key: Value, words: int) -> Value:
+def _one_hot(value: Value, key: Value, target: Target) -> Value:
     """Returns a row that has the value at the key's word and 0 elsewhere."""
     axes = union(value.axes, key.axes)
-    lead = f"[{', '.join(['None'] * len(axes))}, :]" if axes else ""
-    word, amount = (_for_each_word(x, axes) for x in (key, value))
-    zero = "jnp.float32(0.0)" if value.dtype == "f32" else "jnp.int32(0)"
-    return Value(f"jnp.where({word} == jnp.arange({words}, dtype=jnp.uint8){lead}, {amount}, {zero})", value.dtype, axes, 1)
+    zero = scalar(literal(0, value.dtype).node, value.dtype)
+    return Value(Where(_is_word(key, axes, target), _for_each_word(value, axes), zero), value.dtype, axes, 1)
 
 
-def _add_member(
-    s: ir.Add,
-    declared: ir.VarField,
-    who: AgentVar | CellVar | None,
-    keys: tuple[ir.Expr, ...],
-    target: ir.FieldRead,
-    frame: Frame,
-    w: Writer,
-) -> None:
+def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
-    attribute = attribute_name(declared)
-    n = w.module.num_agents
+    n, scope, who = w.module.num_agents, target.scope, target.who
     if n > 32:
         instead = "keep a field of each agent instead, of the words of who belongs to it and who does not"
         raise NotSupported(f"a set of agents in a game of {n} agents (at most 32)", s.origin, instead)
-    member = lower(s.value, frame.always(), w)
-    joining = frame.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    dtype = DTYPES[w.module.set_dtype]
+    member = w.value(s.value, scope.always())
+    joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
+    dtype = w.module.set_dtype
     if who is None:
         instead = "keep a field of each agent instead, such as `field in_club : { outside_it, inside_it } = outside_it`"
         raise NotSupported("adding to a set of agents that is a field of the world", s.origin, instead)
-    index = who.index if isinstance(who, AgentVar) else who.site
-    size = n if isinstance(who, AgentVar) else w.module.layout.num_cells(who.kinds)
-    key = [to_words(lower(k, frame.always(), w), k.type.words, target.type.by[0]) for k in keys]
-    axes = union(index.axes, member.axes, *(k.axes for k in key), () if frame.mask is None else frame.mask.axes)
-    at = select(frame.mask, index, literal(size, "i32"))
-    shape = ", ".join(str(a.size) for a in axes)
-    spread = [x.text if x.axes == axes else f"jnp.broadcast_to({aligned(x, axes)}, ({shape},))" for x in (at, *key, member)]
-    words = [str(len(target.type.by[0])) for _ in key]
-    name = f"{attribute}_joined"
+    keys = [x for x in (target.key(w),) if x is not None]
+    axes = union(who.number.axes, member.axes, *(k.axes for k in keys), () if scope.mask is None else scope.mask.axes)
+    at = spread(select(scope.mask, who.number, _past_the_end(who, w)), axes)
+    places = [w.keep(_place(who), Value(at, "i32", axes)).node, *(spread(key, axes) for key in keys)]
+    sizes = (state_reads.total_extent(who, w), *(Literal(len(target.read.type.by[0])) for _ in keys))
+    name = f"{target.attribute}_joined"
     itself = joining.axis if isinstance(joining, AgentVar) else None
-    if itself in axes and all(a.size == 1 or a == itself for a in axes):  # the bit of an agent is added once at most
-        own = aligned(Value(f"({dtype}(1) << jnp.arange({n}, dtype={dtype}))", w.module.set_dtype, (itself,)), axes)
-        where = spread[0] if not key else ", ".join(spread[:-1])
-        sets = f'jnp.zeros(({", ".join([str(size), *words])},), {dtype}).at[{where}].add({own}, mode="drop")'
+    sets: Expression
+    if itself is not None and itself in axes and all(a.size == 1 or a == itself for a in axes):  # each agent joins once at most
+        bits = Value(Binary("<<", scalar(Literal(1), dtype), iota(itself, dtype).node), dtype, (itself,))
+        sets = Update(call("jnp.zeros", shape_of(sizes), DTYPES[dtype]), tuple(places), "add", aligned(bits, axes), drop=True)
     else:
-        table = f'jnp.zeros(({", ".join([str(size), *words, str(n)])}), bool).at[{", ".join(spread)}].set(True, mode="drop")'
-        sets = f"as_bits({w.keep(name, Value(table, 'bool')).text}, {dtype})"
-    if target.type.by and not keys:  # to every entry of the row
-        sets = f"({sets})[:, None]"
-    w.joined.setdefault(attribute, []).append(w.keep(name, Value(sets, w.module.set_dtype)).text)
+        empty = call("jnp.zeros", Sequence((*sizes, w.module.agents)), Name("bool"))
+        table = Update(empty, (*places, spread(member, axes)), "set", Literal(True), drop=True)
+        sets = call("as_bits", w.keep("members", Value(table, "bool")).node, DTYPES[dtype])
+    if target.levels and not keys:  # to every entry of the row
+        sets = Index(sets, (ALL, NEW_AXIS))
+    w.joined.setdefault(target.attribute, []).append(w.keep(name, Value(sets, dtype)).node)
 
 
 def finish(w: Writer) -> None:
@@ -322,20 +320,16 @@ def finish(w: Writer) -> None:
     for attribute, sums in w.added.items():
         declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
         dtype = state_reads.storage(declared, w)
-        wide = "i32" if declared.type.kind == "int" else "f32"
-        text = wrapped(as_dtype(Value(w.current(attribute), dtype), wide))
+        node = as_dtype(Value(w.current(attribute), dtype), "i32" if declared.type.kind == "int" else "f32").node
         for total in sums:
-            text += f" + {wrapped(total)}"
+            node = Binary("+", node, total.node)
         if declared.capped:
-            text = f"jnp.clip({text}, {int(declared.type.low)}, {int(declared.type.high)})"
-        w.assign(attribute, as_dtype(Value(text, wide), dtype).text)
+            node = call("jnp.clip", node, Literal(int(declared.type.low)), Literal(int(declared.type.high)))
+        if dtype not in ("i32", "f32"):
+            node = Cast(node, dtype)
+        w.assign(attribute, node)
     for attribute, sets in w.joined.items():
-        w.assign(attribute, " | ".join([w.current(attribute), *sets]))
-
-
-def all_fields(game: ir.Game) -> list[ir.VarField]:
-    """Returns every field of a game in the order of State."""
-    return [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
-
-
-__all__ = ["add", "all_fields", "binary", "both", "finish", "set_", "split", "write"]
+        node = w.current(attribute)
+        for joined in sets:
+            node = Binary("|", node, joined)
+        w.assign(attribute, node)

@@ -1,15 +1,33 @@
-"""Array values: a piece of Python text with the axes it has, and how pieces are combined.
+"""Array values: an expression with the named axes it has, and how values are combined (broadcasting by name).
 
-Axes are named; an operation lines its operands up by name. An axis made later (of an inner sentence) stands further right.
+An operation lines its operands up by the names of their axes. An axis made later (of an inner statement) stands further right.
 """
 
 import operator
-import re
 from dataclasses import dataclass, replace
+from math import prod
+from typing import Literal as OneOf
 
 import numpy as np
 
-DTYPES = {"f32": "jnp.float32", "i32": "jnp.int32", "u32": "jnp.uint32", "u8": "jnp.uint8", "bool": "bool"}
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    NEW_AXIS,
+    Arange,
+    Binary,
+    Broadcast,
+    Cast,
+    DType,
+    Expression,
+    Index,
+    Literal,
+    Reduce,
+    Slice,
+    Unary,
+    Where,
+    scalar,
+)
+
 _COMPARISONS = {
     "<": operator.lt,
     "<=": operator.le,
@@ -19,46 +37,56 @@ _COMPARISONS = {
     "!=": operator.ne,
 }
 _OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "%": operator.mod}
-_OPPOSITES = (("==", "!="), ("!=", "=="))
-_ATOM = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*(\([^()]*\)|\[[^\[\]]*\])*|-?\d+(\.\d+)?(e-?\d+)?|0x[0-9a-f]+")
+_OPPOSITES = {"==": "!=", "!=": "=="}
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One named axis; `order` is its place from left to right."""
+    """One named axis; `order` is its place from left to right, `constant` the module's constant that is its size."""
 
     name: str
     size: int
     order: int
+    constant: str = ""
+
+    @property
+    def extent(self) -> Literal:
+        return Literal(self.size, self.constant)
 
 
 @dataclass(frozen=True)
 class Value:
-    """`text` computes an array with `axes`, then `levels` axes of words. dtype: f32, i32, u32, u8 (words), bool."""
+    """`node` computes an array with `axes`, then `levels` axes of words."""
 
-    text: str
-    dtype: str
+    node: Expression
+    dtype: DType
     axes: tuple[Axis, ...] = ()
     levels: int = 0
-    literal: bool = False
+
+    @property
+    def literal(self) -> bool:
+        return isinstance(self.node, Literal)
+
+    @property
+    def number(self) -> float:
+        """The number that a literal is."""
+        assert isinstance(self.node, Literal) and isinstance(self.node.value, int | float)
+        return self.node.value
 
 
-def literal(value: float | bool, dtype: str) -> Value:
-    """Returns a number as text."""
+def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
+    """Returns a number. `name`: the module's constant that it is printed as."""
     if dtype == "bool":
-        return Value(repr(bool(value)), "bool", literal=True)
-    return Value(repr(float(value)) if dtype == "f32" else repr(int(value)), dtype, literal=True)
+        return Value(Literal(bool(value)), "bool")
+    return Value(Literal(float(value)) if dtype == "f32" else Literal(int(value), name), dtype)
 
 
-def wrapped(value: Value) -> str:
-    """Returns the text, in brackets unless it is one name, number, call or entry."""
-    return value.text if _ATOM.fullmatch(value.text) else f"({value.text})"
+TRUE, FALSE = literal(True, "bool"), literal(False, "bool")
 
 
-def _in_operation(value: Value) -> str:
-    """Returns the text as an operand: `~name` needs no brackets there, while in `~name.astype(…)` the `~` would come last."""
-    is_negated = value.text.startswith("~") and _ATOM.fullmatch(value.text[1:])
-    return value.text if is_negated else wrapped(value)
+def iota(axis: Axis, dtype: DType = "i32") -> Value:
+    """Returns 0, 1, … along an axis."""
+    return Value(Arange(axis.extent, dtype), dtype, (axis,))
 
 
 def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
@@ -66,115 +94,154 @@ def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
     return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
 
 
-def aligned(value: Value, axes: tuple[Axis, ...]) -> str:
-    """Returns the text of a value with an axis of length 1 for each of `axes` it lacks; scalars stay scalars."""
-    if value.axes == axes or (not value.axes and not value.levels):
-        return value.text
-    index = [":" if a in value.axes else "None" for a in axes]
-    return f"{wrapped(value)}[{', '.join(index)}]"
+def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression:
+    """Returns a value with an axis of length 1 for each of `axes` and `levels` that it lacks; scalars stay scalars."""
+    lacking = max(0, levels - value.levels)
+    if (value.axes == axes and not lacking) or not (value.axes or value.levels):
+        return value.node
+    return indexed(value.node, (*(ALL if a in value.axes else NEW_AXIS for a in axes), *[NEW_AXIS] * lacking))
 
 
-def as_dtype(value: Value, dtype: str) -> Value:
+def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expression:
+    """Returns entries of an array; those of one that is converted are taken before they are."""
+    return Cast(indexed(node.value, keys), node.dtype, node.source) if isinstance(node, Cast) else Index(node, keys)
+
+
+def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
+    """Returns a value spelt out over exactly these axes; a scalar over no axes stays one."""
+    if value.axes == axes:
+        return value.node
+    return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
+
+
+def taken(value: Value, key: Expression, levels: int = 0) -> Value:
+    """Returns the entry of a row that stands last, by a key that is the same for all."""
+    return replace(value, node=indexed(value.node, (*[ALL] * len(value.axes), key)), levels=levels)
+
+
+def as_dtype(value: Value, dtype: DType) -> Value:
     """Returns the value converted; literals are written anew."""
     if value.dtype == dtype:
         return value
-    if value.literal:
-        return literal(float(value.text) if value.text not in ("True", "False") else value.text == "True", dtype)
-    return replace(value, text=f"{wrapped(value)}.astype({DTYPES[dtype]})", dtype=dtype)
+    if isinstance(value.node, Literal):
+        return literal(value.number, dtype, value.node.name)
+    return replace(value, node=Cast(value.node, dtype, value.dtype), dtype=dtype)
 
 
-def binary(op: str, a: Value, b: Value, dtype: str) -> Value:
-    """Returns `a op b`; of two literals a literal."""
+def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
+    """Returns `a op b`; of two literals a literal, and nothing for what changes nothing."""
     if a.literal and b.literal and op in _COMPARISONS:
-        return literal(_COMPARISONS[op](float(a.text), float(b.text)), "bool")
-    if a.literal and b.literal and op in _OPERATIONS and not (op in "/%" and not float(b.text)):
+        return literal(_COMPARISONS[op](a.number, b.number), "bool")
+    if a.literal and b.literal and op in _OPERATIONS and not (op in "/%" and not b.number):
         number = np.float32 if dtype == "f32" else int
-        return literal(_OPERATIONS[op](number(a.text), number(b.text)), dtype)
+        return literal(_OPERATIONS[op](number(a.number), number(b.number)), dtype)
+    if op in _COMPARISONS:
+        a, b = _as_kept(a, b), _as_kept(b, a)
+    if _is_neutral(op, b) and a.dtype == dtype:
+        return a
+    if op in "+*" and _is_neutral(op, a) and b.dtype == dtype:
+        return b
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
-    left, right = (_operand(x, axes, levels) for x in (a, b))
-    return Value(f"{left} {op} {right}", dtype, axes, levels)
+    left, right = (aligned(x, axes, levels) for x in (a, b))
+    if op in "&|" and isinstance(right, Binary) and right.op == op:  # a & (b & c) is (a & b) & c
+        return Value(Binary(op, Binary(op, left, right.left), right.right), dtype, axes, levels)
+    return Value(Binary(op, left, right), dtype, axes, levels)
 
 
-def _operand(value: Value, axes: tuple[Axis, ...], levels: int) -> str:
-    if value.literal or (not value.axes and not value.levels):
-        return _in_operation(value)
-    text = aligned(value, axes)
-    if value.levels < levels:
-        base = value if value.axes == axes else replace(value, text=text)
-        return f"{wrapped(base)}[{', '.join([':'] * len(axes) + ['None'] * (levels - value.levels))}]"
-    return _in_operation(replace(value, text=text))
+def _as_kept(value: Value, other: Value) -> Value:
+    """Returns a byte without its conversion to a wider integer, if it is compared with what a byte can be."""
+    match value.node, other.node:
+        case Cast(value=byte, dtype="i32", source="u8"), Literal(value=int(number)) if 0 <= number <= 255:
+            return replace(value, node=byte, dtype="u8")
+        case Cast(value=byte, dtype="i32", source="u8"), Cast(dtype="i32", source="u8"):
+            return replace(value, node=byte, dtype="u8")
+        case _:
+            return value
+
+
+def _is_neutral(op: str, value: Value) -> bool:
+    """Whether a literal changes nothing as the right operand. (x + 0.0 is not x: it has no negative zero.)"""
+    if not value.literal:
+        return False
+    neutral = {"+": 0, "-": 0, "*": 1, "<<": 0, ">>": 0, "|": 0}.get(op)
+    return neutral is not None and value.number == neutral and value.dtype != "bool" and (value.dtype != "f32" or op == "*")
 
 
 def both(*conditions: Value | None) -> Value | None:
     """Returns the conjunction; None stands for always."""
     result: Value | None = None
     for c in conditions:
-        if c is None or c.text == "True":
+        if c is None or c == TRUE:
             continue
-        if c.text == "False":
+        if c == FALSE:
             return c
         result = c if result is None else binary("&", result, c, "bool")
     return result
 
 
+def either(tests: list[Value]) -> Value:
+    """Returns the disjunction."""
+    if TRUE in tests:
+        return TRUE
+    result, *rest = [t for t in tests if t != FALSE] or [FALSE]
+    for test in rest:
+        result = binary("|", result, test, "bool")
+    return result
+
+
 def invert(condition: Value) -> Value:
     """Returns the negation."""
-    if condition.literal:
-        return literal(condition.text != "True", "bool")
-    for op, opposite in _OPPOSITES:
-        sides = condition.text.split(f" {op} ")
-        if len(sides) == 2 and all(_ATOM.fullmatch(s) for s in sides):
-            return replace(condition, text=f"{sides[0]} {opposite} {sides[1]}")
-    if condition.text.startswith("~") and _ATOM.fullmatch(condition.text[1:]):
-        return replace(condition, text=condition.text[1:])
-    return replace(condition, text=f"~{wrapped(condition)}")
+    match condition.node:
+        case Literal(value=value):
+            return literal(not value, "bool")
+        case Binary(op=("==" | "!=") as op, left=left, right=right):
+            return replace(condition, node=Binary(_OPPOSITES[op], left, right))
+        case Unary(op="~", operand=operand):
+            return replace(condition, node=operand)
+        case _:
+            return replace(condition, node=Unary("~", condition.node))
 
 
 def select(condition: Value | None, a: Value, b: Value) -> Value:
     """Returns `a` where the condition holds, else `b`; both of one dtype."""
-    if condition is None or condition.text == "True":
+    if condition is None or condition == TRUE:
         return a
-    if condition.text == "False":
+    if condition == FALSE:
         return b
     axes = union(condition.axes, a.axes, b.axes)
     levels = max(a.levels, b.levels, condition.levels)
     dtype = b.dtype if a.literal else a.dtype
-    parts = ", ".join(_operand_plain(x, axes, levels) for x in (condition, a, b))
+    test, then, otherwise = (aligned(x, axes, levels) for x in (condition, a, b))
     if a.literal and b.literal and dtype != "bool":
-        parts = f"{_operand_plain(condition, axes, levels)}, {DTYPES[dtype]}({a.text}), {DTYPES[dtype]}({b.text})"
-    return Value(f"jnp.where({parts})", dtype, axes, levels)
+        if dtype != "f32" and (a.number, b.number) == (1, 0):  # 1 where it holds: the condition as a number
+            return Value(Cast(test, dtype), dtype, axes, levels)
+        then, otherwise = scalar(then, dtype), scalar(otherwise, dtype)
+    return Value(Where(test, then, otherwise), dtype, axes, levels)
 
 
-def _operand_plain(value: Value, axes: tuple[Axis, ...], levels: int) -> str:
-    text = _operand(value, axes, levels)
-    return text[1:-1] if text.startswith("(") and text.endswith(")") and text[1:-1] == value.text else text
-
-
-def reduce(fn: str, value: Value, over: tuple[Axis, ...]) -> Value:
+def reduce(fn: OneOf["any", "all", "sum"], value: Value, over: tuple[Axis, ...]) -> Value:
     """Returns `any`, `all` or `sum` over axes; a value without an axis is the same all along it (`sum` multiplies)."""
     gone = tuple(a for a in over if a in value.axes)
-    kept = tuple(a for a in value.axes if a not in gone)
-    times = 1
-    for axis in over:
-        times *= 1 if axis in value.axes else axis.size
+    times = prod(a.size for a in over if a not in value.axes)
     if value.literal:
         number = as_dtype(value, "i32" if value.dtype == "bool" else value.dtype)
-        return literal(float(number.text) * times, number.dtype) if fn == "sum" else value
-    text, dtype = value.text, value.dtype
+        return literal(number.number * times, number.dtype) if fn == "sum" else value
+    result = value
     if gone:
-        where = [value.axes.index(a) for a in gone]
+        where = tuple(value.axes.index(a) for a in gone)
         everything = len(where) == len(value.axes) and not value.levels
-        axis = "" if everything else f", axis={where[0] if len(where) == 1 else tuple(where)}"
-        if fn == "sum":
-            dtype = "i32" if value.dtype == "bool" else value.dtype
-            text = f"jnp.sum({value.text}{axis}, dtype={DTYPES[dtype]})"
-        else:
-            text = f"jnp.{fn}({value.text}{axis})"
-    result = Value(text, dtype, kept, value.levels, literal=value.literal)
-    if fn == "sum" and times != 1:
-        result = as_dtype(result, "i32") if dtype == "bool" else result
-        return binary("*", result, literal(times, result.dtype), result.dtype)
-    if fn == "sum" and dtype == "bool":
-        return as_dtype(result, "i32")
-    return result
+        dtype: DType = "i32" if fn == "sum" and value.dtype == "bool" else value.dtype
+        node = Reduce(
+            fn, summed(value.node, dtype) if fn == "sum" else value.node, None if everything else where, dtype if fn == "sum" else None
+        )
+        result = Value(node, dtype, tuple(a for a in value.axes if a not in gone), value.levels)
+    if fn != "sum":
+        return result
+    result = as_dtype(result, "i32") if result.dtype == "bool" else result
+    return binary("*", result, literal(times, result.dtype), result.dtype)
+
+
+def summed(node: Expression, dtype: DType) -> Expression:
+    """Returns what is summed up in a dtype: the sum converts it itself."""
+    return node.value if isinstance(node, Cast) and node.dtype == dtype else node

@@ -6,308 +6,323 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, invert, literal, reduce, select, union, wrapped
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, Frame, NotSupported, Writer, iota
+from sjdsl.compiler.lower.aggregates import total
+from sjdsl.compiler.lower.axes import (
+    FALSE,
+    TRUE,
+    Axis,
+    Value,
+    aligned,
+    as_dtype,
+    binary,
+    both,
+    either,
+    invert,
+    literal,
+    select,
+    summed,
+    taken,
+    union,
+)
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.writer import NOBODY, Writer
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    DTYPES,
+    NEW_AXIS,
+    Binary,
+    DType,
+    Expression,
+    Index,
+    Literal,
+    Name,
+    Reduce,
+    Sequence,
+    Unary,
+    call,
+    path,
+    walk,
+)
 
-NOBODY = -1
+LARGE = 8  # nodes of a defined condition from which on it keeps its name
+ABSENT = 255  # the number of a word in a set that does not have it
 
 
-def lower(e: ir.Expr, frame: Frame, w: Writer) -> Value:
-    """Returns the array that an expression is for all instances of a place at once."""
+def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns the array that an expression is for all instances of a scope at once."""
     match e:
         case ir.Number():
             return literal(e.value, "i32" if e.type.kind == "int" else "f32")
         case ir.Word():
-            return literal(e.type.words.index(e.value), "u8")
+            return w.module.word(e.value, e.type.words)
         case ir.Truth():
             return literal(e.value, "bool")
         case ir.Nobody():
-            return literal(NOBODY, "i32")
+            return nobody(w)
         case ir.ParamRef():
             return _param(e)
         case ir.Member():
-            return state_reads.member_number(frame.variables[e.name])
+            return scope.variables[e.name].number
         case ir.Local():
-            return frame.locals[e.name]
+            return scope.locals[e.name]
         case ir.FieldRead():
-            return state_reads.field(e, None if e.owner is None else owner(e.owner, frame, w), w)
+            return state_reads.field(e, None if e.owner is None else owner(e.owner, scope, w), w)
         case ir.Attribute():
-            return attribute(e, frame, w)
+            return attribute(e, scope, w)
         case ir.At():
-            return entry(e, frame, w)
+            return entry(e, scope, w)
         case ir.Step():
-            return Value("state.step", "i32")
+            return Value(path("state.step"), "i32")
         case ir.Arithmetic():
-            return arithmetic(e, frame, w)
+            return arithmetic(e, scope, w)
         case ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
-            return test(e, frame, w)
+            return test(e, scope, w)
         case ir.Chose() | ir.Unoccupied() | ir.StandsOn():
-            return whereabouts(e, frame, w)
+            return whereabouts(e, scope, w)
         case ir.Not():
-            return invert(lower(e.value, frame, w))
+            return invert(lower(e.value, scope, w))
         case ir.Logic():
-            return logic(e, frame, w)
+            parts = [lower(a, scope, w) for a in e.args]
+            return either(parts) if e.fn == "or" else both(*parts) or TRUE
         case ir.Count() | ir.Sum():
-            from sjdsl.compiler.lower.aggregates import total
-
-            return total(e, frame, w)
+            return total(e, scope, w)
         case ir.SumRow() | ir.Lowest() | ir.Mix():
-            return of_row(e, lower(e.row, frame, w))
+            return of_row(e, lower(e.row, scope, w))
         case ir.Case():
-            return case(e, frame, w)
+            return case(e, scope, w)
         case ir.Ramp():
-            parts = [real(x, frame, w) for x in (e.value, e.zero_at, e.one_at)]
+            parts = [real(x, scope, w) for x in (e.value, e.zero_at, e.one_at)]
             axes = union(*(p.axes for p in parts))
-            return Value(f"ramp({', '.join(aligned(p, axes) for p in parts)})", "f32", axes)
+            return Value(call("ramp", *(aligned(p, axes) for p in parts)), "f32", axes)
         case ir.Named():
-            value = lower(e.value, frame, w)
-            return value if value.dtype == "bool" else w.keep(e.name, value)
+            value = lower(e.value, scope, w)
+            return value if value.dtype == "bool" and len(list(walk(value.node))) < LARGE else w.keep(e.name, value)
         case ir.Narrowed():
-            return to_words(lower(e.value, frame, w), e.value.type.words, e.type.words)
+            return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
         case ir.EventTotal() | ir.MatrixClass():
             raise AssertionError(e)
         case _:
             assert_never(e)
 
 
+def nobody(w: Writer) -> Value:
+    """Returns the number that stands for no agent."""
+    return Value(w.module.number("nobody", NOBODY, "in place of an agent's number"), "i32")
+
+
 def of_row(e: ir.SumRow | ir.Lowest | ir.Mix, row: Value) -> Value:
     """Returns what is made of a whole row: its sum, the word of its lowest or highest entry, or the shares of its entries."""
     match e:
         case ir.SumRow():
-            return replace(row, text=f"jnp.sum({row.text}, axis=-1, dtype={_dtype(row)})", levels=0)
+            return replace(row, node=Reduce("sum", summed(row.node, row.dtype), (-1,), row.dtype), levels=0)
         case ir.Lowest():
-            return replace(row, text=f"{'highest' if e.last else 'lowest'}({row.text})", dtype="u8", levels=0)
+            return replace(row, node=call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
         case ir.Mix():
-            return Value(f"mix({row.text})", "f32", row.axes, 1)
+            return Value(call("mix", row.node), "f32", row.axes, 1)
 
 
-def real(e: ir.Expr, frame: Frame, w: Writer) -> Value:
+def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns a number as float32."""
-    return as_dtype(lower(e, frame, w), "f32")
+    return as_dtype(w.value(e, scope), "f32")
 
 
-def owner(e: ir.Expr, frame: Frame, w: Writer) -> AgentVar | CellVar:
+def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
     """Returns the variable whose field is read: one in scope, or the agent an expression gives."""
     if isinstance(e, ir.Member):
-        return frame.variables[e.name]
-    return AgentVar(lower(e, frame, w))
+        return scope.variables[e.name]
+    return AgentVar(w.value(e, scope))
 
 
-def _dtype(value: Value) -> str:
-    return {"f32": "jnp.float32", "i32": "jnp.int32"}[value.dtype]
+def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:
+    """Returns the field that an expression is a value of, if it is nothing but that."""
+    while isinstance(e, ir.At | ir.Narrowed):
+        e = e.row if isinstance(e, ir.At) else e.value
+    return w.module.field(e) if isinstance(e, ir.FieldRead) else None
 
 
 def _param(e: ir.ParamRef) -> Value:
-    dtype = {"int": "i32", "real": "f32", "word": "u8"}[e.type.kind]
-    return Value(f"params.{param_attribute(e.name)}", dtype, (), len(e.type.by))
+    dtypes: dict[str, DType] = {"int": "i32", "real": "f32", "word": "u8"}
+    return Value(path(f"params.{param_attribute(e.name)}"), dtypes[e.type.kind], (), len(e.type.by))
 
 
-def attribute(e: ir.Attribute, frame: Frame, w: Writer) -> Value:
+def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     """Returns a read-only fact about an agent or a cell."""
-    who = owner(e.owner, frame, w)
-    layout = w.module.layout
+    who = owner(e.owner, scope, w)
     if e.name in ("row", "col"):
         at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
-        op = "//" if e.name == "row" else "%"
-        return Value(f"{wrapped(at)} {op} {layout.cols} - {layout.pad}", "i32", at.axes)
+        cols = w.module.number("frame_cols", w.module.layout.cols)
+        placed = Binary("//" if e.name == "row" else "%", at.node, cols)
+        return Value(Binary("-", placed, Literal(w.module.layout.pad, "PAD")), "i32", at.axes)
     assert isinstance(who, AgentVar)
     match e.name:
         case "index":
-            return state_reads.index_of(who)
+            return who.index
         case "heading":
-            return replace(state_reads.heading(who), text=f"{state_reads.heading(who).text}.astype(jnp.uint8)", dtype="u8")
+            return as_dtype(state_reads.heading(who), "u8")
         case "moved":
-            stored = Value("state.moved", "bool")
-            return (
-                replace(stored, axes=(who.axis,))
-                if who.axis
-                else replace(stored, text=f"state.moved[{who.index.text}]", axes=who.index.axes)
-            )
+            return state_reads.moved(who)
         case "away":
             here = state_reads.present(who, w)
-            return literal(False, "bool") if here is None else invert(here)
+            return FALSE if here is None else invert(here)
         case _:
             raise AssertionError(e)
 
 
-def entry(e: ir.At, frame: Frame, w: Writer) -> Value:
+def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
     """Returns one entry of a row or table: by a word, or the expected one by a mix."""
-    row, key = lower(e.row, frame, w), lower(e.key, frame, w)
+    row, key = lower(e.row, scope, w), lower(e.key, scope, w)
     if e.key.type.kind == "mix":
-        return _expected(row, key)
-    key = to_words(key, e.key.type.words, e.row.type.by[0])
-    lead = ":, " * len(row.axes)
-    if key.literal:
-        return replace(row, text=f"{wrapped(row)}[{lead}{key.text}]", levels=row.levels - 1)
-    if not row.axes:
-        return Value(f"{wrapped(row)}[{key.text}]", row.dtype, key.axes, row.levels - 1)
+        return _expected(row, key, w)
+    key = to_words(key, e.key.type.words, e.row.type.by[0], w)
+    if key.literal or not row.axes:
+        return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
     if row.levels != 1:
         instead = "write one of the words out with `case`"
         raise NotSupported("a table of several levels by words that differ from member to member", e.origin, instead)
     axes = union(row.axes, key.axes)
-    return Value(f"entry({aligned_row(row, axes)}, {aligned(key, axes)})", row.dtype, axes)
+    return Value(call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
 
 
-def aligned_row(row: Value, axes: tuple[Axis, ...]) -> str:
-    """Returns the text of a row lined up with axes, its levels last."""
+def aligned_row(row: Value, axes: tuple[Axis, ...]) -> Expression:
+    """Returns a row lined up with axes, its levels last."""
     if row.axes == axes:
-        return row.text
-    return f"{wrapped(row)}[{', '.join([':' if a in row.axes else 'None' for a in axes])}]"
+        return row.node
+    return Index(row.node, tuple(ALL if a in row.axes else NEW_AXIS for a in axes))
 
 
-def _expected(row: Value, shares: Value) -> Value:
+def _expected(row: Value, shares: Value, w: Writer) -> Value:
     axes = union(row.axes, shares.axes)
-    tail = ", ".join(["None"] * (row.levels - 1))
     left = aligned_row(shares, axes)
-    if tail:
-        left = f"{wrapped(Value(left, 'f32'))}[{', '.join([':'] * (len(axes) + 1))}, {tail}]"
-    right = aligned_row(as_dtype(row, "f32"), axes)
-    return Value(f"jnp.sum({left} * {right}, axis={len(axes)}, dtype=jnp.float32)", "f32", axes, row.levels - 1)
+    if row.levels > 1:
+        left = Index(left, (*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.levels - 1)))
+    products = Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
+    return w.keep(
+        "expected" if row.levels == 1 else "expected_row", Value(Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1)
+    )
 
 
-def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...]) -> Value:
-    """Returns a word numbered in another set."""
-    if given == wanted:
+def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: Writer, declared: ir.VarField | None = None) -> Value:
+    """Returns a word numbered in another set. `declared`: the field it is to be a value of, after which a literal is named."""
+    if given == wanted and not (value.literal and declared):
         return value
-    numbers = [wanted.index(x) if x in wanted else 255 for x in given]
     if value.literal:
-        return literal(numbers[int(value.text)], "u8")
+        word = given[int(value.number)]
+        return w.module.word(word, wanted, declared) if word in wanted else literal(ABSENT, "u8")
+    numbers = [wanted.index(x) if x in wanted else ABSENT for x in given]
     shift = numbers[-1] - (len(numbers) - 1)
     if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
-        if shift == 0:
-            return value
-        return replace(value, text=f"{wrapped(value)} {'+' if shift > 0 else '-'} {abs(shift)}")
-    table = ", ".join(map(str, numbers))
-    return replace(value, text=f"jnp.asarray([{table}], jnp.uint8)[{value.text}]")
+        return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
+    table = call("jnp.asarray", Sequence(tuple(map(Literal, numbers)), is_list=True), DTYPES["u8"])
+    return replace(value, node=Index(table, (value.node,)))
 
 
-def arithmetic(e: ir.Arithmetic, frame: Frame, w: Writer) -> Value:
-    dtype = "i32" if e.type.kind == "int" else "f32"
-    args = [as_dtype(lower(a, frame, w), dtype) for a in e.args]
+def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
+    dtype: DType = "i32" if e.type.kind == "int" else "f32"
+    args = [as_dtype(lower(a, scope, w), dtype) for a in e.args]
     if e.fn == "neg":
-        if args[0].literal:
-            return literal(-float(args[0].text), dtype)
-        return replace(args[0], text=f"-{wrapped(args[0])}")
+        return literal(-args[0].number, dtype) if args[0].literal else replace(args[0], node=Unary("-", args[0].node))
     if e.fn in ("min", "max"):
         result = args[0]
         for other in args[1:]:
             axes = union(result.axes, other.axes)
-            text = f"jnp.{e.fn}imum({aligned(result, axes)}, {aligned(other, axes)})"
-            result = Value(text, dtype, axes)
+            result = Value(call(f"jnp.{e.fn}imum", aligned(result, axes), aligned(other, axes)), dtype, axes)
         return result
     return binary(e.fn, args[0], args[1], dtype)
 
 
-def test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty, frame: Frame, w: Writer) -> Value:
+def test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty, scope: IterationScope, w: Writer) -> Value:
     """Returns a comparison."""
     match e:
         case ir.Compare():
-            left, right = lower(e.left, frame, w), lower(e.right, frame, w)
-            dtype = "f32" if "f32" in (left.dtype, right.dtype) else "i32"
-            return binary(e.fn, as_dtype(left, dtype), as_dtype(right, dtype), "bool")
+            left, right = _numbers((e.left, e.right), scope, w)
+            return binary(e.fn, left, right, "bool")
         case ir.Same():
-            left, right = lower(e.left, frame, w), lower(e.right, frame, w)
+            left, right = lower(e.left, scope, w), lower(e.right, scope, w)
             if e.left.type.kind == "word":
-                left, right = _common_words(e, left, right)
-                if left.literal and right.literal:
-                    return literal(left.text == right.text, "bool")
+                left, right = _common_words(e, left, right, w)
             return binary("==", left, right, "bool")
         case ir.InRange():
-            value, low, high = (lower(x, frame, w) for x in (e.value, e.low, e.high))
-            dtype = "f32" if "f32" in (value.dtype, low.dtype, high.dtype) else "i32"
-            value, low, high = (as_dtype(x, dtype) for x in (value, low, high))
-            return both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool")) or literal(True, "bool")
+            value, low, high = _numbers((e.value, e.low, e.high), scope, w)
+            return both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool")) or TRUE
         case ir.InWords():
-            value = lower(e.value, frame, w)
-            tests = [binary("==", value, literal(e.value.type.words.index(x), "u8"), "bool") for x in e.words]
-            return _any(tests)
+            return _is_one_of(lower(e.value, scope, w), e.words, e.value, w)
         case ir.InSet():
-            container, value = lower(e.container, frame, w), lower(e.value, frame, w)
+            container, value = lower(e.container, scope, w), lower(e.value, scope, w)
             bit = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
             return binary("!=", binary("&", bit, literal(1, "u32"), "u32"), literal(0, "u32"), "bool")
         case ir.IsEmpty():
-            return binary("==", lower(e.container, frame, w), literal(0, "u32"), "bool")
+            return binary("==", lower(e.container, scope, w), literal(0, "u32"), "bool")
         case _:
             assert_never(e)
 
 
-def _common_words(e: ir.Same, left: Value, right: Value) -> tuple[Value, Value]:
+def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer) -> list[Value]:
+    """Returns numbers to be compared: reals if one of them is one."""
+    values = [lower(x, scope, w) for x in expressions]
+    return [as_dtype(v, "f32" if any(o.dtype == "f32" for o in values) else "i32") for v in values]
+
+
+def _is_one_of(value: Value, words: tuple[str, ...], what: ir.Expr, w: Writer) -> Value:
+    """Returns whether a word is one of some."""
+    declared = declared_by(what, w)
+    return either([binary("==", value, w.module.word(x, what.type.words, declared), "bool") for x in words])
+
+
+def _common_words(e: ir.Same, left: Value, right: Value, w: Writer) -> tuple[Value, Value]:
     a, b = e.left.type.words, e.right.type.words
     if isinstance(e.right, ir.Word):
-        return left, to_words(right, b, a)
+        return left, to_words(right, b, a, w, declared_by(e.left, w))
     if isinstance(e.left, ir.Word):
-        return to_words(left, a, b), right
+        return to_words(left, a, b, w, declared_by(e.right, w)), right
     union_ = tuple(dict.fromkeys(a + b))
-    return to_words(left, a, union_), to_words(right, b, union_)
+    return to_words(left, a, union_, w), to_words(right, b, union_, w)
 
 
-def _any(tests: list[Value]) -> Value:
-    result = tests[0]
-    for t in tests[1:]:
-        result = binary("|", result, t, "bool")
-    return result
-
-
-def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, frame: Frame, w: Writer) -> Value:
+def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, scope: IterationScope, w: Writer) -> Value:
     """Returns what an agent chose, whether a cell is free, whether an agent stands on a kind."""
     match e:
         case ir.Chose():
-            who = owner(e.agent, frame, w)
+            who = owner(e.agent, scope, w)
             assert isinstance(who, AgentVar)
-            text = "actions" if who.axis is not None else f"actions[{who.index.text}]"
-            axes = (who.axis,) if who.axis is not None else who.index.axes
-            return binary("==", Value(text, "i32", axes), literal(e.action, "i32"), "bool")
+            actions = Value(Name("actions"), "i32", () if who.axis is None else (who.axis,))
+            if who.axis is None:
+                actions = replace(actions, node=Index(actions.node, (who.index.node,)), axes=who.index.axes)
+            return binary("==", actions, Value(w.module.action(e.action), "i32"), "bool")
         case ir.Unoccupied():
-            cell = owner(e.cell, frame, w)
+            cell = owner(e.cell, scope, w)
             assert isinstance(cell, CellVar)
             return invert(state_reads.occupied(cell, w))
         case ir.StandsOn():
-            who = owner(e.agent, frame, w)
+            who = owner(e.agent, scope, w)
             assert isinstance(who, AgentVar)
             return state_reads.site_under(who, e.kinds, w)[1]
         case _:
             assert_never(e)
 
 
-def logic(e: ir.Logic, frame: Frame, w: Writer) -> Value:
-    parts = [lower(a, frame, w) for a in e.args]
-    if e.fn == "or":
-        if any(p.text == "True" for p in parts):
-            return literal(True, "bool")
-        parts = [p for p in parts if p.text != "False"] or [literal(False, "bool")]
-        return _any(parts)
-    return both(*parts) or literal(True, "bool")
-
-
-def case(e: ir.Case, frame: Frame, w: Writer) -> Value:
+def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
     """Returns nested selections, the last arm for all that is left."""
-    subject = lower(e.subject, frame, w)
-    if not subject.literal:
-        subject = w.keep("subject", subject)
-    dtype = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}[e.type.kind]
+    subject = w.keep("subject", lower(e.subject, scope, w))
+    dtypes: dict[str, DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
     values = []
     for arm in e.arms:
-        value = lower(arm.value, frame, w)
+        value = lower(arm.value, scope, w)
         if e.type.kind == "word":
-            value = to_words(value, arm.value.type.words, e.type.words)
-        values.append(as_dtype(value, dtype))
+            value = to_words(value, arm.value.type.words, e.type.words, w)
+        values.append(as_dtype(value, dtypes[e.type.kind]))
     result = values[-1]
     for arm, value in reversed(list(zip(e.arms[:-1], values[:-1], strict=True))):
-        result = select(_arm_test(e, arm, subject), value, result)
+        result = select(_arm_test(e, arm, subject, w), value, result)
     return result
 
 
-def _arm_test(e: ir.Case, arm: ir.Arm, subject: Value) -> Value:
+def _arm_test(e: ir.Case, arm: ir.Arm, subject: Value, w: Writer) -> Value:
     if e.subject.type.kind == "condition":
         return subject if arm.words == ("yes",) else invert(subject)
     if arm.words:
-        words = e.subject.type.words
-        return _any([binary("==", subject, literal(words.index(x), "u8"), "bool") for x in arm.words])
+        return _is_one_of(subject, arm.words, e.subject, w)
     if arm.low is not None and arm.low == arm.high:
         return binary("==", subject, literal(arm.low, "i32"), "bool")
     low = None if arm.low is None else binary(">=", subject, literal(arm.low, "i32"), "bool")
     high = None if arm.high is None else binary("<=", subject, literal(arm.high, "i32"), "bool")
-    return both(low, high) or literal(True, "bool")
-
-
-__all__ = ["iota", "lower", "owner", "real", "reduce", "to_words"]
+    return both(low, high) or TRUE

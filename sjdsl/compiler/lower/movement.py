@@ -3,55 +3,58 @@
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower.axes import Value, wrapped
+from sjdsl.compiler.lower.axes import Value, binary
 from sjdsl.compiler.lower.domains import blocked_by, enter
-from sjdsl.compiler.lower.scope import AgentVar, Frame, NotSupported, Writer
+from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program.expressions import Binary, Index, Literal, Name, Where, call, path
 
 STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 TURNS = {"turn_left": 3, "turn_right": 1}
 NO_STEP = 4
+POSITION, HEADING = path("state.position"), path("state.heading")
 
 
-def move(s: ir.Move, frame: Frame, w: Writer) -> None:
-    """Writes the lines of a movement phase."""
+def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
+    """Writes a movement phase."""
     game, layout = w.module.game, w.module.layout
-    inner = enter(s.domain, frame, w)
+    inner = enter(s.domain, scope, w)
     agent = inner.variables[s.domain.var.name]
     assert isinstance(agent, AgentVar)
     actions = game.agents.actions
-    turn = w.module.constant("turn", np.array([TURNS.get(a, 0) for a in actions], np.int32), "quarter turns to the right by action")
-    step = w.module.constant(
-        "step_by",
-        np.array([STEPS.get(a, NO_STEP) for a in actions], np.int32),
-        "direction of a step by action; 4: none",
-    )
+    turns = np.array([TURNS.get(a, 0) for a in actions], np.int32)
+    turn = w.module.constant("turn", turns, "quarter turns to the right by action")
+    steps = np.array([STEPS.get(a, NO_STEP) for a in actions], np.int32)
+    step = w.module.constant("step_by", steps, "direction of a step by action; 4: none")
     table = w.module.constant("next_cell", layout.next_table, "where a step leads, by cell and direction; the cell itself if blocked")
-    chosen = "actions" if inner.mask is None else f"jnp.where({inner.mask.text}, actions, {actions.index('stay')})"
-    chosen = w.keep("chosen", Value(chosen, "i32")).text
-    w.line(f"heading = (state.heading + {turn}[{chosen}]) & 3")
-    w.names.taken.add("heading")
-    w.changed["heading"] = "heading"
-    w.line(f"stride = {step}[{chosen}]")
-    direction = "(heading + stride) & 3" if game.agents.relative else "stride & 3"
-    w.line(f"target = jnp.where(stride == {NO_STEP}, state.position, {table}[state.position * 4 + ({direction})])")
-    w.names.taken |= {"stride", "target"}
-    _conditional_blocks(agent, w)
-    n = w.module.num_agents
-    w.assign("position", f"resolve(state.position, target, words(key, 0x{s.stream:08x}, {n}))")
+    chosen = Value(Name("actions"), "i32")
+    if inner.mask is not None:
+        stay = Literal(actions.index("stay"), "STAY")
+        chosen = w.keep("chosen", Value(Where(inner.mask.node, Name("actions"), stay), "i32"))
+    w.assign("heading", Binary("&", Binary("+", HEADING, Index(turn, (chosen.node,))), Literal(3)))
+    stride = w.bind("stride", Index(step, (chosen.node,)))
+    ahead = Binary("+", w.current("heading"), stride) if game.agents.relative else stride
+    next_cell = Index(table, (Binary("+", Binary("*", POSITION, Literal(4)), Binary("&", ahead, Literal(3))),))
+    stays = Binary("==", stride, w.module.number("no_step", NO_STEP))
+    target = w.bind("target", Where(stays, POSITION, next_cell))
+    _conditional_blocks(agent, target, w)
+    w.assign("position", call("resolve", POSITION, target, call("words", KEY, w.stream(s.stream), w.module.agents)))
     if stores_moved(game):
-        w.assign("moved", f"{w.current('position')} != state.position")
+        w.assign("moved", Binary("!=", w.current("position"), POSITION))
 
 
-def _conditional_blocks(agent: AgentVar, w: Writer) -> None:
+def _conditional_blocks(agent: AgentVar, target: Name, w: Writer) -> None:
     """Cells that block agents only in some states: the mover stays where it is."""
     for kind in w.module.game.kinds:
         for block in kind.blocks:
             if block.what == "agents" and block.condition is not None and w.module.layout.num_cells((kind.name,)):
                 if agent.axis is None:
                     raise NotSupported("`move each` of agents named one by one where cells block under a condition", w.origin)
-                blocked = blocked_by(block, kind, Value("target", "i32", (agent.axis,)), w, agent)
-                w.line(f"target = jnp.where({wrapped(blocked)} & (target != state.position), state.position, target)")
-                w.known.clear()
+                blocked = blocked_by(block, kind, Value(target, "i32", (agent.axis,)), w, agent)
+                moves = Value(Binary("!=", target, POSITION), "bool", (agent.axis,))
+                w.set(target, Where(binary("&", blocked, moves, "bool").node, POSITION, target))
+                w.forget()
 
 
 def stores_moved(game: ir.Game) -> bool:

@@ -3,12 +3,31 @@
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.types import HEADINGS
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, both, invert, literal, reduce, select
-from sjdsl.compiler.lower.expressions import lower, owner
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, Frame, Module, Writer, iota
+from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, both, iota, literal, reduce, select
+from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.expressions import owner
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
+from sjdsl.compiler.lower.writer import Module, Writer, replaced
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Binary,
+    Cast,
+    Expression,
+    Literal,
+    Name,
+    Reduce,
+    Unary,
+    Update,
+    Where,
+    call,
+    path,
+    scalar,
+)
 
-FACINGS = ("north", "east", "south", "west")
+ANY_HEADING, SAME_HEADING = 4, 5  # of an agent that is away
+AWAY = path("state.away")
 
 
 @dataclass(frozen=True)
@@ -20,64 +39,75 @@ class Pool:
     phase: str
 
 
+@dataclass(frozen=True)
+class Leaving:
+    """Who goes away by one statement, and for how many ticks."""
+
+    pool: Pool
+    send: ir.Send
+    who: Expression
+    delays: Expression
+
+
 @dataclass
 class Sends:
-    """The sends of one phase: for each pool who goes at once, and the lines for who goes away first."""
+    """The sends of one phase: for each pool who goes at once, and who goes away first."""
 
     pools: tuple[Pool, ...]
     away_stored: bool = False
-    now: dict[int, list[tuple[ir.Send, str]]] = field(default_factory=dict)
-    away: list[tuple[Pool, ir.Send, str, str]] = field(default_factory=list)
-    removed: list[str] = field(default_factory=list)
+    now: dict[int, list[tuple[ir.Send, Expression]]] = field(default_factory=dict)
+    away: list[Leaving] = field(default_factory=list)
+    removed: list[Expression] = field(default_factory=list)
 
-    def add(self, s: ir.Send, frame: Frame, w: Writer) -> None:
+    def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
         """Notes who is sent, `[N]` bool."""
-        sent = w.keep("sent", _per_agent(s.who, frame, w))
+        sent = w.keep("sent", _per_agent(s.who, scope, w)).node
         pool = next(p for p in self.pools if p.send.pool == s.pool)
         if s.after is None:
-            self.now.setdefault(pool.number, []).append((s, sent.text))
+            self.now.setdefault(pool.number, []).append((s, sent))
             return
-        delay = as_dtype(lower(s.after, frame.always(), w), "i32")
-        delays = _delays(s, delay, frame, w)
+        delays = _delays(s, as_dtype(w.value(s.after, scope.always()), "i32"), scope, w)
         if s.after.type.low <= 0:
-            at_once = w.keep("at_once", Value(f"{sent.text} & ({delays} == 0)", "bool"))
-            self.now.setdefault(pool.number, []).append((s, at_once.text))
-            sent = w.keep("leaving", Value(f"{sent.text} & ({delays} > 0)", "bool"))
-        self.away.append((pool, s, sent.text, delays))
+            at_once = w.keep("at_once", Value(Binary("&", sent, Binary("==", delays, Literal(0))), "bool")).node
+            self.now.setdefault(pool.number, []).append((s, at_once))
+            sent = w.keep("leaving", Value(Binary("&", sent, Binary(">", delays, Literal(0))), "bool")).node
+        self.away.append(Leaving(pool, s, sent, delays))
 
-    def remove(self, s: ir.Remove, frame: Frame, w: Writer) -> None:
-        self.removed.append(w.keep("removed", _per_agent(s.who, frame, w)).text)
+    def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
+        self.removed.append(w.keep("removed", _per_agent(s.who, scope, w)).node)
 
 
-def _per_agent(e: ir.Expr, frame: Frame, w: Writer) -> Value:
-    """Returns which agents a sentence reaches, `[N]` bool."""
-    who = owner(e, frame, w)
+def _per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns which agents a statement reaches, `[N]` bool."""
+    who = owner(e, scope, w)
     assert isinstance(who, AgentVar)
-    n = w.module.num_agents
-    mask = frame.mask if frame.mask is not None else literal(True, "bool")
+    mask = scope.mask or TRUE
     if who.axis is not None:
-        hit = reduce("any", mask, tuple(a for a in frame.axes if a != who.axis))
-        return hit if hit.axes else Value(f"jnp.full({n}, {hit.text})", "bool")
-    at = select(frame.mask, who.index, literal(n, "i32"))
-    return Value(f'jnp.zeros({n}, bool).at[{at.text}].set(True, mode="drop")', "bool")
+        hit = reduce("any", mask, tuple(a for a in scope.axes if a != who.axis))
+        return hit if hit.axes else Value(call("jnp.full", w.module.agents, hit.node), "bool")
+    return Value(_scattered(who, Literal(True), "bool", scope, w), "bool")
 
 
-def _delays(s: ir.Send, delay: Value, frame: Frame, w: Writer) -> str:
+def _scattered(who: AgentVar, value: Expression, dtype: str, scope: IterationScope, w: Writer) -> Expression:
+    """Returns a value for each agent that some instance is about, `[N]`; 0 for the others."""
+    at = w.keep("to_agent", select(scope.mask, who.index, Value(w.module.agents, "i32")))
+    return Update(call("jnp.zeros", w.module.agents, DTYPES[dtype]), (at.node,), "set", value, drop=True)  # type: ignore[index]
+
+
+def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expression:
     """Returns the ticks each agent is away, `[N]` int32 or a number (all sends that reach one agent agree)."""
     if not delay.axes:
-        return w.keep("delay", Value(f"jnp.int32({delay.text})" if delay.literal else delay.text, "i32")).text
-    who = owner(s.who, frame, w)
+        return w.keep("delay", Value(scalar(delay.node, "i32") if delay.literal else delay.node, "i32")).node
+    who = owner(s.who, scope, w)
     assert isinstance(who, AgentVar)
     if who.axis is not None:
         over = tuple(a for a in delay.axes if a != who.axis)
         if over:
-            masked = select(frame.mask, delay, literal(0, "i32"))
+            masked = select(scope.mask, delay, literal(0, "i32"))
             where = tuple(masked.axes.index(a) for a in over if a in masked.axes)
-            return w.keep("delay", Value(f"jnp.max({masked.text}, axis={where})", "i32")).text
-        return w.keep("delay", delay).text
-    n = w.module.num_agents
-    at = select(frame.mask, who.index, literal(n, "i32"))
-    return w.keep("delay", Value(f'jnp.zeros({n}, jnp.int32).at[{at.text}].set({delay.text}, mode="drop")', "i32")).text
+            delay = Value(Reduce("max", masked.node, where), "i32")
+        return w.keep("delay", delay).node
+    return w.keep("delay", Value(_scattered(who, delay.node, "i32", scope, w), "i32")).node
 
 
 def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
@@ -104,98 +134,120 @@ def finish(sends: Sends, w: Writer) -> None:
         if not parts:
             continue
         w.origin = parts[0][0].origin
-        sent = parts[0][1] if len(parts) == 1 else w.keep("sent", Value(" | ".join(t for _, t in parts), "bool")).text
-        leaving = [sent, *(text for p, _, text, _ in sends.away if p is pool)]
-        left = "" if any(s.stay for s in _sends_of(pool, w.module)) else " | ".join(leaving)
+        sent = w.keep("sent", Value(_any_of([who for _, who in parts]), "bool")).node
+        left = None
+        if not any(s.stay for s in _sends_of(pool, w.module)):
+            left = _any_of([sent, *(leaving.who for leaving in sends.away if leaving.pool is pool)])
         placed = place(pool, sent, left, w, 0)
         _headings(pool, parts, placed, w)
         if can_be_away:
-            w.assign("away", f"jnp.where({placed}, 0, {w.current('away')})")
-    for pool, s, sent, delays in sends.away:
-        w.origin = s.origin
-        w.assign("position", f"jnp.where({sent}, 0, {w.current('position')})")
-        w.assign("away", f"jnp.where({sent}, {delays}, {w.current('away')})")
-        w.assign("away_pool", f"jnp.where({sent}, {pool.number}, {w.current('away_pool')})")
-        facing = 4 if s.facing is None else 5 if s.facing == "same" else FACINGS.index(s.facing)
-        w.assign("away_facing", f"jnp.where({sent}, {facing}, {w.current('away_facing')})")
+            _put("away", placed, Literal(0), w)
+    for leaving in sends.away:
+        w.origin = leaving.send.origin
+        _put("position", leaving.who, state_reads.nowhere(w).node, w)
+        _put("away", leaving.who, leaving.delays, w)
+        _put("away_pool", leaving.who, Literal(leaving.pool.number), w)
+        _put("away_facing", leaving.who, _facing(leaving.send, w), w)
     w.origin = None
     for removed in sends.removed:
-        w.assign("position", f"jnp.where({removed}, 0, {w.current('position')})")
+        _put("position", removed, state_reads.nowhere(w).node, w)
         if sends.away_stored:
-            w.assign("away", f"jnp.where({removed}, 0, {w.current('away')})")
+            _put("away", removed, Literal(0), w)
+
+
+def _put(attribute: str, who: Expression, value: Expression, w: Writer) -> None:
+    """Gives an attribute of some agents a new value."""
+    w.assign(attribute, Where(who, value, w.current(attribute)))
+
+
+def _any_of(who: list[Expression]) -> Expression:
+    first, *rest = who
+    for other in rest:
+        first = Binary("|", first, other)
+    return first
+
+
+def _facing(s: ir.Send, w: Writer) -> Literal:
+    """Returns the heading that an agent sent away will have."""
+    if s.facing is None:
+        return w.module.number("any_heading", ANY_HEADING)
+    if s.facing == "same":
+        return w.module.number("same_heading", SAME_HEADING)
+    return heading_number(s.facing, w)
+
+
+def heading_number(heading: str, w: Writer) -> Literal:
+    return w.module.number(heading, HEADINGS.index(heading))
 
 
 def _sends_of(pool: Pool, module: Module) -> list[ir.Send]:
-    """Returns all sentences that send to a pool."""
+    """Returns all statements that send to a pool."""
     return [s for s in module.sends if s.order_stream == pool.send.order_stream]
 
 
-def place(pool: Pool, sent: str, leaving: str, w: Writer, stream_change: int) -> str:
+def place(pool: Pool, sent: Expression, leaving: Expression | None, w: Writer, stream_change: int) -> Name:
     """Writes the placing of one pool; returns who found a cell. The cells of those who are `leaving` count as free."""
     kinds = pool.send.domain.var.kinds
-    layout = w.module.layout
-    cells = w.module.constant("cells_" + "_".join(kinds), layout.cells_table(kinds), f"cells of {', '.join(kinds)}")
-    axis = w.axis("destination", layout.num_cells(kinds))
-    n = w.module.num_agents
-    agents = AgentVar(Value("", "i32"), Axis("", n, 0))
-    starting = pool.phase == "start"
+    extent = w.module.num_cells(kinds)
+    axis = w.axis("destination", extent)
     free: Value | None = None
-    if not starting:
-        site, _ = state_reads.site_under(agents, kinds, w)
-        text = f"jnp.where({leaving}, {axis.size}, {site.text})" if leaving else site.text
-        others = w.keep("others", Value(text, "i32"))
-        free = Value(f"~occupied({others.text}, {axis.size})", "bool", (axis,))
+    if pool.phase != "start":
+        site, _ = state_reads.site_under(state_reads.everybody(w), kinds, w)
+        others = Value(site.node if leaving is None else Where(leaving, extent, site.node), "i32")
+        free = Value(Unary("~", call("occupied", w.keep("others", others).node, extent)), "bool", (axis,))
     if pool.send.domain.where is not None:
         variable = CellVar(iota(axis), kinds, axis)
-        test = lower(pool.send.domain.where, Frame(axes=(axis,), variables={pool.send.domain.var.name: variable}), w)
-        free = both(free, test)
-    stream = pool.send.order_stream ^ stream_change
-    free = literal(True, "bool") if free is None else free
-    free = w.keep("free", free) if free.axes else Value(f"jnp.full({axis.size}, {free.text})", "bool", (axis,))
-    placed = w.names.fresh("placed")
+        scope = IterationScope(axes=(axis,), variables={pool.send.domain.var.name: variable})
+        free = both(free, w.value(pool.send.domain.where, scope))
+    free = TRUE if free is None else free
+    free = w.keep("free", free) if free.axes else Value(call("jnp.full", extent, free.node), "bool", (axis,))
+    placed = Name(w.names.fresh("placed"))
     before = w.current("position")
-    if "position" not in w.changed:
-        w.changed["position"] = w.names.fresh("position")
-    w.line(f"{w.changed['position']}, {placed} = place({cells}, {free.text}, words(key, 0x{stream:08x}, {n}), {before}, {sent})")
+    position = w.changed.get("position") or Name(w.names.fresh("position"))
+    assert isinstance(position, Name)
+    w.changed["position"] = position
+    stream = w.stream(pool.send.order_stream ^ stream_change)
+    bits = call("words", KEY, stream, w.module.agents)
+    w.unpack((position, placed), call("place", state_reads.cells_of(kinds, w), free.node, bits, before, sent))
     return placed
 
 
-def _headings(pool: Pool, parts: list[tuple[ir.Send, str]], placed: str, w: Writer) -> None:
-    n = w.module.num_agents
+def _any_heading(pool: Pool, w: Writer, stream_change: int = 0) -> Expression:
+    """Returns a random heading for each agent."""
+    stream = w.stream(pool.send.heading_stream ^ stream_change)
+    return call("below", call("words", KEY, stream, w.module.agents), Literal(4))
+
+
+def _headings(pool: Pool, parts: list[tuple[ir.Send, Expression]], placed: Name, w: Writer) -> None:
     for s, sent in parts:
         if s.facing == "same":
             continue
-        who = placed if len(parts) == 1 else f"{sent} & {placed}"
-        if s.facing is not None:
-            facing = str(FACINGS.index(s.facing))
-        else:
-            facing = f"below(words(key, 0x{pool.send.heading_stream:08x}, {n}), 4)"
-        w.assign("heading", f"jnp.where({who}, {facing}, {w.current('heading')})")
+        who = placed if len(parts) == 1 else Binary("&", sent, placed)
+        _put("heading", who, _any_heading(pool, w) if s.facing is None else heading_number(s.facing, w), w)
 
 
 def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
     """Writes the part of `tick` that brings back those whose time away is over: pool by pool, each on the map as it then is."""
-    n = w.module.num_agents
-    w.line("due = (state.position == 0) & (state.away == 1)")
-    w.line("state = state.replace(away=state.away - ((state.position == 0) & (state.away > 1)).astype(jnp.int32))")
-    w.names.taken |= {"due"}
+    is_nowhere = Binary("==", path("state.position"), state_reads.nowhere(w).node)
+    due = w.bind("due", Binary("&", is_nowhere, Binary("==", AWAY, Literal(1))))
+    waiting = Cast(Binary("&", is_nowhere, Binary(">", AWAY, Literal(1))), "i32")
+    w.set(Name("state"), replaced("state", {"away": Binary("-", AWAY, waiting)}))
     for pool in (p for phase in pools.values() for p in phase):
         if not any(s.after is not None for s in _sends_of(pool, w.module)):
             continue
-        w.known.clear()
+        w.forget()
         w.origin = pool.send.origin
-        back = w.keep("back", Value(f"due & (state.away_pool == {pool.number})", "bool"))
-        placed = place(pool, back.text, "", w, ir.RETURN)
-        facing = w.names.fresh("facing")
-        stream = pool.send.heading_stream ^ ir.RETURN
-        w.line(f"{facing} = jnp.where(state.away_facing == 4, below(words(key, 0x{stream:08x}, {n}), 4), state.away_facing)")
-        w.line(f"{facing} = jnp.where(state.away_facing == 5, state.heading, {facing})")
-        w.assign("heading", f"jnp.where({placed}, {facing}, state.heading)")
-        w.assign("away", f"jnp.where({placed}, 0, state.away)")
-        w.line(f"state = state.replace({', '.join(f'{k}={v}' for k, v in w.changed.items())})")
+        to_pool = Binary("==", path("state.away_pool"), Literal(pool.number))
+        back = w.keep("back", Value(Binary("&", due, to_pool), "bool")).node
+        placed = place(pool, back, None, w, ir.RETURN)
+        wanted, heading = path("state.away_facing"), path("state.heading")
+        is_any = Binary("==", wanted, w.module.number("any_heading", ANY_HEADING))
+        is_same = Binary("==", wanted, w.module.number("same_heading", SAME_HEADING))
+        facing = w.bind("facing", Where(is_any, _any_heading(pool, w, ir.RETURN), wanted))
+        w.set(facing, Where(is_same, heading, facing))
+        w.assign("heading", Where(placed, facing, heading))
+        w.assign("away", Where(placed, Literal(0), AWAY))
+        w.set(Name("state"), replaced("state", w.changed))
         w.changed.clear()
-    w.known.clear()
+    w.forget()
     w.origin = None
-
-
-__all__ = ["Pool", "Sends", "all_pools", "finish", "invert", "returns"]

@@ -6,34 +6,31 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, literal, wrapped
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, NotSupported, Writer
+from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, literal
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, NotSupported, Variable
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program.expressions import ALL, NEW_AXIS, REST, Binary, DType, Index, Literal, Name, Reduce, Sequence, call, path
 
 
-def field(e: ir.FieldRead, owner: AgentVar | CellVar | None, w: Writer) -> Value:
+def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     """Returns a field of the snapshot; words as uint8 numbers, integers as int32."""
-    levels = len(e.type.by)
-    seen = getattr(owner, "values", None)
-    if seen is not None:  # a cell of a window: its painted value; agents are painted one up, 0 is nobody
-        value = seen[e.name]
+    if isinstance(owner, CellVar) and owner.painted is not None:  # agents are painted one up, 0 is nobody
+        value = dict(owner.painted)[e.name]
         if e.type.kind == "agent":
-            return Value(f"{wrapped(value)}.astype(jnp.int32) - 1", "i32", value.axes)
+            return binary("-", as_dtype(replace(value, dtype="u8"), "i32"), literal(1, "i32"), "i32")
         return as_dtype(value, "i32") if e.type.kind == "int" else value
-    if owner is None:
-        declared = w.module.field(e)
-        return _widened(Value(f"state.{attribute_name(declared)}", storage(declared, w), (), levels), declared)
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
-    stored = Value(f"state.{attribute_name(declared)}", storage(declared, w), (), levels)
-    return _widened(_at(stored, owner), declared)
+    stored = Value(path(f"state.{attribute_name(declared)}"), storage(declared, w), (), len(e.type.by))
+    return _widened(stored if owner is None else _of(owner, stored), declared)
 
 
-def _at(stored: Value, owner: AgentVar | CellVar) -> Value:
+def _of(owner: Variable, stored: Value) -> Value:
+    """Returns what is kept of each agent or cell, for the one that a variable is."""
     if owner.axis is not None:
         return replace(stored, axes=(owner.axis,))
-    index = owner.index if isinstance(owner, AgentVar) else owner.site
-    return replace(stored, text=f"{stored.text}[{index.text}]", axes=index.axes)
+    return replace(stored, node=Index(stored.node, (owner.number.node,)), axes=owner.number.axes)
 
 
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
@@ -42,9 +39,10 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     layout = w.module.layout
     order = np.concatenate([layout.site_of(owner.kinds)[layout.cells((k,))] for k in owner.kinds])
     name = w.module.constant("order_" + "_".join(owner.kinds), np.argsort(order).astype(np.int32), "cells of a group in reading order")
-    vector = ", ".join(f"state.{attribute_name(p)}" for p in parts)
-    whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", Value(f"jnp.concatenate([{vector}])[{name}]", storage(parts[0], w)))
-    return _widened(_at(replace(whole, levels=len(e.type.by)), owner), parts[0])
+    vectors = Sequence(tuple(path(f"state.{attribute_name(p)}") for p in parts), is_list=True)
+    together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
+    whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
+    return _widened(_of(owner, replace(whole, levels=len(e.type.by))), parts[0])
 
 
 def _widened(value: Value, declared: ir.VarField) -> Value:
@@ -53,7 +51,7 @@ def _widened(value: Value, declared: ir.VarField) -> Value:
     return value
 
 
-def storage(declared: ir.VarField, w: Writer) -> str:
+def storage(declared: ir.VarField, w: Writer) -> DType:
     """Returns the dtype a field is kept in: words and small ranges in a byte, sets of agents as bits."""
     type_ = declared.type
     match type_.kind:
@@ -73,7 +71,7 @@ def storage(declared: ir.VarField, w: Writer) -> str:
 
 
 def timer_bound(declared: ir.VarField, game: ir.Game) -> float:
-    """Returns the largest value any sentence sets a timer to."""
+    """Returns the largest value any statement sets a timer to."""
     bound = 0.0
     for node in ir.walk(game):
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
@@ -84,84 +82,88 @@ def timer_bound(declared: ir.VarField, game: ir.Game) -> float:
 
 def position(owner: AgentVar, w: Writer) -> Value:
     """Returns the cells of agents."""
-    if owner.axis is not None:
-        return Value("state.position", "i32", (owner.axis,))
-    return w.keep("position", Value(f"state.position[{owner.index.text}]", "i32", owner.index.axes))
+    at = _of(owner, Value(path("state.position"), "i32"))
+    return at if owner.axis is not None else w.keep("position", at)
 
 
 def heading(owner: AgentVar) -> Value:
     """Returns the headings of agents, int32."""
-    if owner.axis is not None:
-        return Value("state.heading", "i32", (owner.axis,))
-    return Value(f"state.heading[{owner.index.text}]", "i32", owner.index.axes)
+    return _of(owner, Value(path("state.heading"), "i32"))
+
+
+def moved(owner: AgentVar) -> Value:
+    """Returns whether the last movement changed the cells of agents."""
+    return _of(owner, Value(path("state.moved"), "bool"))
 
 
 def present(owner: AgentVar, w: Writer) -> Value | None:
     """Returns who is on the map; None if nobody can be away."""
     if not w.module.can_be_away or w.starting:
         return None
-    here = binary("!=", position(owner, w), literal(0, "i32"), "bool")
-    return w.keep("present", here)
+    return w.keep("present", binary("!=", position(owner, w), nowhere(w), "bool"))
+
+
+def nowhere(w: Writer) -> Value:
+    """Returns the cell of agents that are not on the map."""
+    return Value(w.module.number("nowhere", 0, "the cell of agents that are not on the map"), "i32")
+
+
+def everybody(w: Writer) -> AgentVar:
+    """Returns all agents, where their numbers are not asked for."""
+    axis = Axis("", w.module.num_agents, 0, "NUM_AGENTS")
+    return AgentVar(Value(Name("agents"), "i32"), axis)
 
 
 def cell(owner: CellVar, w: Writer) -> Value:
     """Returns the cells of a cell variable in the frame."""
     check_placed(owner)
-    name = w.module.constant(
-        "cells_" + "_".join(owner.kinds), w.module.layout.cells_table(owner.kinds), f"cells of {', '.join(owner.kinds)}"
-    )
-    if owner.axis is not None:
-        return Value(name, "i32", (owner.axis,))
-    return Value(f"{name}[{owner.site.text}]", "i32", owner.site.axes)
+    return _of(owner, Value(cells_of(owner.kinds, w), "i32"))
+
+
+def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
+    """Returns the table of the cells of some kinds."""
+    return w.module.constant("cells_" + "_".join(kinds), w.module.layout.cells_table(kinds), f"cells of {', '.join(kinds)}")
 
 
 def check_placed(owner: CellVar) -> None:
     """A cell of a window is known by its looks alone: where it is, and what is around it, cannot be asked."""
-    if getattr(owner, "values", None) is not None:
+    if owner.painted is not None:
         what = "a label or `hide` that depends on where a cell is, on who is on it, or on what is around it"
         raise NotSupported(what, None, "keep what it asks for in a field of the kind: labels read the cell's own fields and the observer's")
 
 
+def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
+    """Returns the numbers of cells of the frame among those of `kinds`; past the end: none."""
+    comment = f"number of each cell among {', '.join(kinds)}; past the end: none"
+    table = w.module.constant("site_of_" + "_".join(kinds), w.module.layout.site_table(kinds), comment)
+    return Value(Index(table, (cells.node,)), "i32", cells.axes)
+
+
+def is_site(site: Value, kinds: tuple[str, ...], w: Writer) -> Value:
+    """Returns whether numbers are those of cells of `kinds`, and not past the end."""
+    return binary("<", site, Value(w.module.num_cells(kinds), "i32"), "bool")
+
+
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:
     """Returns the number of the cell of `kinds` under each agent, and whether there is one."""
-    table = w.module.layout.site_table(kinds)
-    name = w.module.constant("site_of_" + "_".join(kinds), table, f"number of each cell among {', '.join(kinds)}; past the end: none")
-    size = w.module.layout.num_cells(kinds)
-    at = position(owner, w)
-    site = w.keep("_".join(kinds) + "_under", Value(f"{name}[{wrapped(at)}]", "i32", at.axes))
-    return site, binary("<", site, literal(size, "i32"), "bool")
+    site = w.keep("_".join(kinds) + "_under", site_at(position(owner, w), kinds, w))
+    return site, is_site(site, kinds, w)
 
 
-def index_of(owner: AgentVar) -> Value:
-    """Returns the ids of agents, int32."""
-    return owner.index
-
-
-def member_number(owner: AgentVar | CellVar) -> Value:
-    """Returns the number of a member among all agents, or all cells of its kinds."""
-    return owner.index if isinstance(owner, AgentVar) else owner.site
-
-
-def member_total(owner: AgentVar | CellVar, w: Writer) -> int:
+def total_extent(owner: Variable, w: Writer) -> Literal:
     """Returns how many members there are."""
-    if isinstance(owner, AgentVar):
-        return w.module.num_agents
-    return w.module.layout.num_cells(owner.kinds)
+    return w.module.agents if isinstance(owner, AgentVar) else w.module.num_cells(owner.kinds)
 
 
 def occupied(owner: CellVar, w: Writer) -> Value:
     """Returns which cells have an agent on them."""
-    agents = AgentVar(Value("", "i32"), Axis("", w.module.num_agents, 0))
     if owner.axis is not None:
-        site, _ = site_under(agents, owner.kinds, w)
-        size = w.module.layout.num_cells(owner.kinds)
-        vector = w.keep("covered", Value(f"occupied({site.text}, {size})", "bool", ()))
+        site, _ = site_under(everybody(w), owner.kinds, w)
+        vector = w.keep("covered", Value(call("occupied", site.node, w.module.num_cells(owner.kinds)), "bool"))
         return replace(vector, axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
-        return Value(f"jnp.any({wrapped(at)} == state.position)", "bool")
-    return Value(f"jnp.any({wrapped(at)}[..., None] == state.position{_lead(at)}, axis=-1)", "bool", at.axes)
-
-
-def _lead(value: Value) -> str:
-    return f"[{', '.join(['None'] * len(value.axes))}, :]" if value.axes else ""
+        return Value(Reduce("any", Binary("==", at.node, path("state.position"))), "bool")
+    agents = Index(path("state.position"), (*[NEW_AXIS] * len(at.axes), ALL))
+    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), agents)
+    return Value(Reduce("any", same, (-1,)), "bool", at.axes)

@@ -5,96 +5,94 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.assignments import add, set_
-from sjdsl.compiler.lower.axes import Value, both, invert, literal, reduce, select, wrapped
+from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, literal, reduce, select
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
-from sjdsl.compiler.lower.expressions import lower
+from sjdsl.compiler.lower.matching import match_
 from sjdsl.compiler.lower.movement import move
 from sjdsl.compiler.lower.relocation import Sends
 from sjdsl.compiler.lower.rewards_and_events import give, tally
-from sjdsl.compiler.lower.scope import AgentVar, Frame, NotSupported, Writer
-from sjdsl.compiler.lower.selection import first, match_, pick
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.selection import first, pick
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal, Name
 
 
-def block(body: tuple[ir.Stmt, ...], frame: Frame, w: Writer, sends: Sends) -> None:
-    """Writes the lines of a block; names bound in it end with it."""
+def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends) -> None:
+    """Writes a block; names bound in it end with it."""
     for s in body:
         w.origin = s.origin
         match s:
             case ir.Let():
-                value = lower(s.value, frame.always(), w)
-                frame = replace(frame, locals={**frame.locals, s.name: w.keep(s.name, value)})
+                value = w.value(s.value, scope.always())
+                scope = replace(scope, locals={**scope.locals, s.name: w.keep(s.name, value)})
             case ir.Draw():
-                frame = replace(frame, locals={**frame.locals, s.name: draw(s, frame, w)})
+                scope = replace(scope, locals={**scope.locals, s.name: draw(s, scope, w)})
             case _:
-                sentence(s, frame, w, sends)
+                statement(s, scope, w, sends)
 
 
-def sentence(s: ir.Stmt, frame: Frame, w: Writer, sends: Sends) -> None:
+def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> None:
     match s:
         case ir.Each() if not is_empty(s.domain, w):
-            _inside(s.body, enter(s.domain, frame, w), w, sends)
+            _inside(s.body, enter(s.domain, scope, w), w, sends)
         case ir.Pick():
-            inner, nobody = pick(s, frame, w)
+            inner, nobody = pick(s, scope, w)
             _inside(s.body, inner, w, sends)
-            _inside(s.otherwise, frame.when(nobody), w, sends)
+            _inside(s.otherwise, scope.when(nobody), w, sends)
         case ir.First():
-            inner, none = first(s, frame, w)
+            inner, without = first(s, scope, w)
             _inside(s.body, inner, w, sends)
-            _inside(s.otherwise, none, w, sends)
+            _inside(s.otherwise, without, w, sends)
         case ir.Match() if not is_empty(s.left, w) and not is_empty(s.right, w):
-            _inside(s.body, match_(s, frame, w), w, sends)
+            _inside(s.body, match_(s, scope, w), w, sends)
         case ir.Each() | ir.Match():
             pass
         case ir.When():
-            when(s, frame, w, sends)
+            when(s, scope, w, sends)
         case ir.Chance():
-            happens, none = chances(s, frame, w)
+            happens, none = chances(s, scope, w)
             for branch, hit in zip(s.branches, happens, strict=True):
-                _inside(branch.body, frame.when(hit), w, sends)
-            _inside(s.otherwise, frame.when(none), w, sends)
+                _inside(branch.body, scope.when(hit), w, sends)
+            _inside(s.otherwise, scope.when(none), w, sends)
         case ir.Set():
-            set_(s, frame, w)
+            set_(s, scope, w)
         case ir.Add():
-            add(s, frame, w)
+            add(s, scope, w)
         case ir.Give():
-            give(s, frame, w)
+            give(s, scope, w)
         case ir.Tally():
-            tally(s, frame, w)
+            tally(s, scope, w)
         case ir.Send():
-            sends.add(s, frame, w)
+            sends.add(s, scope, w)
         case ir.Remove():
-            sends.remove(s, frame, w)
+            sends.remove(s, scope, w)
         case ir.Move():
-            move(s, frame, w)
+            move(s, scope, w)
         case ir.Mark():
-            mark(s, frame, w)
+            mark(s, scope, w)
         case ir.End():
-            active = active_mask(frame)
-            w.accumulate("ended", f"{w.total('ended')} | {wrapped(reduce('any', active, active.axes))}")
+            active = scope.mask or TRUE
+            w.accumulate("ended", Binary("|", w.total("ended"), reduce("any", active, active.axes).node))
         case ir.Let() | ir.Draw():
             raise AssertionError(s)
         case _:
             assert_never(s)
 
 
-def _inside(body: tuple[ir.Stmt, ...], frame: Frame, w: Writer, sends: Sends) -> None:
-    if not body or (frame.mask is not None and frame.mask.text == "False"):
+def _inside(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends) -> None:
+    if not body or scope.mask == FALSE:
         return
-    if frame.mask is not None and len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
-        frame = replace(frame, mask=w.keep("active", frame.mask))
-    block(body, frame, w, sends)
+    if scope.mask is not None and len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
+        scope = replace(scope, mask=w.keep("active", scope.mask))
+    block(body, scope, w, sends)
 
 
-def active_mask(frame: Frame) -> Value:
-    return frame.mask if frame.mask is not None else literal(True, "bool")
-
-
-def when(s: ir.When, frame: Frame, w: Writer, sends: Sends) -> None:
+def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
     """Branches in order: each where its condition holds and none before it did."""
-    rest = frame
+    rest = scope
     for branch in s.branches:
-        test = lower(branch.test, frame.always(), w)
+        test = w.value(branch.test, scope.always())
         if len(s.branches) > 1 or s.otherwise:
             test = w.keep("holds", test)
         _inside(branch.body, rest.when(test), w, sends)
@@ -102,18 +100,20 @@ def when(s: ir.When, frame: Frame, w: Writer, sends: Sends) -> None:
     _inside(s.otherwise, rest, w, sends)
 
 
-def mark(s: ir.Mark, frame: Frame, w: Writer) -> None:
+def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
     """Keeps the cells to be shown in the next observation; 0 stands for none."""
-    if frame.variables[s.anchor.name].axis is None or not isinstance(frame.variables[s.anchor.name], AgentVar):
+    if scope.variables[s.anchor.name].axis is None or not isinstance(scope.variables[s.anchor.name], AgentVar):
         instead = "mark around an agent that an `each` names"
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     place = ir.Near(shape=s.shape, anchor=s.anchor)
-    swept = sweep(place, frame, w)
-    over = tuple(a for a in frame.axes if a not in swept.cells.axes)
-    happens = None if frame.mask is None else reduce("any", frame.mask, over)
+    swept = sweep(place, scope, w)
+    over = tuple(a for a in scope.axes if a not in swept.cells.axes)
+    happens = None if scope.mask is None else reduce("any", scope.mask, over)
     ok = both(happens, swept.ok)
     cells = select(ok, swept.cells, literal(0, "i32"))
-    w.marked[w.keep("marked", Value(f"{wrapped(cells)}.reshape(-1)", "i32")).text] = mark_size(s, w.module.game)
+    marked = w.keep("marked", Value(Call(Attribute(cells.node, "reshape"), (Literal(-1),)), "i32")).node
+    assert isinstance(marked, Name)
+    w.marked[marked] = mark_size(s, w.module.game)
 
 
 def mark_size(rules: ir.Node, game: ir.Game) -> int:
@@ -124,6 +124,3 @@ def mark_size(rules: ir.Node, game: ir.Game) -> int:
         if isinstance(node, ir.Mark):
             size += game.agents.number * sum(map(len, shapes[node.shape].lanes))
     return size
-
-
-__all__ = ["block", "mark_size"]

@@ -1,75 +1,77 @@
 """The array program: everything a generated module consists of, in order, before it becomes text."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.program.expressions import Expression, Statement
+from sjdsl.runtime.planes import TokenPlane
+
+Group = Literal["size", "action", "word", "other", "stream"]
+
+
+@dataclass(frozen=True)
+class Number:
+    """A module-level number, such as how many cells of a kind there are. Those of one group stand together."""
+
+    name: str
+    value: int
+    comment: str = ""
+    group: Group = "other"
 
 
 @dataclass(frozen=True)
 class Constant:
-    """A module-level array; `text` is the source that computes it from the map, empty if its numbers are written out."""
+    """A module-level array; `made_by` computes it from the map, None if its numbers are written out."""
 
     name: str
     value: np.ndarray
     comment: str
-    text: str = ""
+    made_by: Expression | None = None
 
 
 @dataclass(frozen=True)
-class Attribute:
-    """One attribute of State, Params or Outcome: `shape` as text, `dtype` as jax.numpy names it, its default as source."""
+class Field:
+    """One attribute of State, Params or Outcome: `shape` as text, `dtype` as jax.numpy names it, its default."""
 
     name: str
     shape: str
     dtype: str
     comment: str
-    default: str = ""
-
-
-@dataclass(frozen=True)
-class Line:
-    """One statement, with the line of the `.sj` file it comes from."""
-
-    text: str
-    origin: Span | None = None
+    default: Expression
 
 
 @dataclass(frozen=True)
 class Function:
+    """A function of the module. `parameters`: (name, type); `returns`: the type."""
+
     name: str
-    arguments: str
+    parameters: tuple[tuple[str, str], ...]
+    returns: str
     doc: str
-    lines: tuple[Line, ...]
+    body: tuple[Statement, ...]
 
 
 @dataclass(frozen=True)
 class Program:
-    """A whole module. `observe_lines` cut windows from `state`; `plane_names` describe what they hold."""
+    """A whole module.
+
+    facts: what the module says of itself (NAME, NUM_AGENTS, …), by name. map: its rows. planes: what an observation holds.
+    numbers, constants: those that functions or defaults use. functions: in the order in which they stand in the module; `step` calls
+    the phases in schedule order, after it has cleared marks and replaced forbidden actions.
+    """
 
     name: str
     title: str
     source: str
+    hash: str
+    facts: tuple[tuple[str, Expression], ...]
+    map: tuple[str, ...]
+    planes: tuple[TokenPlane, ...]
+    numbers: tuple[Number, ...]
     constants: tuple[Constant, ...]
-    state: tuple[Attribute, ...]
-    params: tuple[Attribute, ...]
-    outcome: tuple[Attribute, ...]
+    state: tuple[Field, ...]
+    params: tuple[Field, ...]
+    outcome: tuple[Field, ...]
     functions: tuple[Function, ...]
-    facts: tuple[tuple[str, str], ...] = ()
-
-
-def dump(program: Program) -> Iterator[str]:
-    """Yields the program as stable text, line by line."""
-    yield f"program {program.name} from {program.source}"
-    for constant in program.constants:
-        shown = f"{constant.value.dtype}{list(constant.value.shape)}"
-        yield f"constant {constant.name} = {shown}  # {constant.comment}"
-    for label, attributes in (("state", program.state), ("param", program.params), ("outcome", program.outcome)):
-        for attribute in attributes:
-            yield f"{label} {attribute.name} : {attribute.dtype}{attribute.shape}  # {attribute.comment}"
-    for function in program.functions:
-        yield f"function {function.name}({function.arguments})"
-        for line in function.lines:
-            yield "    " + line.text

@@ -1,0 +1,231 @@
+"""Expressions as Python text: operator precedence and brackets. The one place where nodes of a program become text on one line.
+
+An operand gets brackets where Python's precedence asks for them, and where a bit operation meets another operation: few
+readers know whether `a + b & c == d` is `((a + b) & c) == d`.
+"""
+
+from dataclasses import dataclass
+from typing import assert_never
+
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Arange,
+    Attribute,
+    Binary,
+    Broadcast,
+    Call,
+    Cast,
+    DType,
+    Expression,
+    Index,
+    Lambda,
+    Literal,
+    Mapping,
+    Name,
+    Reduce,
+    Sequence,
+    Slice,
+    Unary,
+    Update,
+    Where,
+    path,
+)
+
+COMPARISON, UNARY, ATOM = 0, 6, 7
+PRECEDENCE = {
+    **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), COMPARISON),
+    "|": 1,
+    "^": 1,
+    "&": 2,
+    "<<": 3,
+    ">>": 3,
+    "+": 4,
+    "-": 4,
+    **dict.fromkeys(("*", "/", "//", "%"), 5),
+}
+BITWISE = {"|", "^", "&", "<<", ">>"}
+
+
+@dataclass(frozen=True)
+class Bracketed:
+    """`open` items `close`, the items with commas between them; `comma`: one follows the last even on one line."""
+
+    open: str
+    items: tuple["Piece", ...]
+    close: str
+    comma: bool = False
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Pieces one after another without anything between them: `state`, `.position`, `[…]`."""
+
+    pieces: tuple["str | Bracketed", ...]
+
+
+@dataclass(frozen=True)
+class Operation:
+    """Operands with operators between them that may stand on lines of their own: `a`, `+ b`, `+ c`."""
+
+    first: "Piece"
+    rest: tuple[tuple[str, "Piece"], ...]
+
+
+Piece = str | Chain | Operation
+
+
+def text(node: Expression) -> str:
+    """Returns an expression on one line."""
+    return flat(pieces(node))
+
+
+def flat(piece: "Piece | Bracketed") -> str:
+    """Returns pieces on one line."""
+    match piece:
+        case str():
+            return piece
+        case Bracketed():
+            return piece.open + ", ".join(map(flat, piece.items)) + "," * piece.comma + piece.close
+        case Chain():
+            return "".join(map(flat, piece.pieces))
+        case Operation():
+            return flat(piece.first) + "".join(f" {op} {flat(operand)}" for op, operand in piece.rest)
+
+
+def pieces(node: Expression | Slice) -> Piece:
+    """Returns an expression as pieces that `layout` breaks into lines."""
+    match node:
+        case Name():
+            return node.identifier
+        case Literal():
+            return _literal(node)
+        case Slice():
+            start, stop = ("" if part is None else flat(pieces(part)) for part in (node.start, node.stop))
+            return f"{start}:{stop}"
+        case Unary():
+            return _after(node.op, _operand(node.operand, UNARY))
+        case Binary():
+            return _operation(node)
+        case Sequence(items=items, is_list=is_list):
+            inner = tuple(map(pieces, items))
+            return Chain((Bracketed("[", inner, "]") if is_list else Bracketed("(", inner, ")", comma=len(items) == 1),))
+        case Mapping():
+            return Chain((Bracketed("{", tuple(_after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries), "}"),))
+        case Lambda():
+            return _after(f"lambda {', '.join(node.parameters)}: ", pieces(node.body))
+        case _:
+            return Chain(tuple(_trailers(node)))
+
+
+def _trailers(node: Expression | Slice) -> list["str | Bracketed"]:
+    """Returns what is called, indexed or asked for an attribute as its base and what follows it."""
+    match node:
+        case Attribute():
+            return [*_base(node.value), f".{node.name}"]
+        case Index():
+            return [*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")]
+        case Call():
+            return [*_base(node.function), _arguments(node.arguments, node.keywords)]
+        case Where():
+            return _of_jnp("where", node.condition, node.then, node.otherwise)
+        case Cast():
+            return [*_base(node.value), ".astype", _arguments((DTYPES[node.dtype],))]
+        case Reduce():
+            axes = () if node.axes is None else (("axis", _axis(node.axes)),)
+            return _trailers(Call(path(f"jnp.{node.fn}"), (node.value,), (*axes, *_dtype(node.dtype))))
+        case Broadcast():
+            return _of_jnp("broadcast_to", node.value, Sequence(node.shape))
+        case Arange():
+            return _trailers(Call(path("jnp.arange"), (node.size,), _dtype(node.dtype)))
+        case Update():
+            at = Attribute(Index(Attribute(node.target, "at"), node.keys), node.fn)
+            return _trailers(Call(at, (node.value,), (("mode", Literal("drop")),) if node.drop else ()))
+        case Name() | Literal() | Slice() | Unary() | Binary() | Sequence() | Mapping() | Lambda():
+            raise AssertionError(node)
+        case _:
+            assert_never(node)
+
+
+def _dtype(dtype: DType | None) -> tuple[tuple[str, Expression], ...]:
+    return () if dtype is None else (("dtype", DTYPES[dtype]),)
+
+
+def _axis(axes: tuple[int, ...]) -> Expression:
+    return Literal(axes[0]) if len(axes) == 1 else Sequence(tuple(map(Literal, axes)))
+
+
+def _of_jnp(function: str, *arguments: Expression) -> list["str | Bracketed"]:
+    return _trailers(Call(path(f"jnp.{function}"), arguments))
+
+
+def _arguments(arguments: tuple[Expression, ...], keywords: tuple[tuple[str, Expression], ...] = ()) -> Bracketed:
+    named = tuple(_after(f"{name}=", pieces(value)) for name, value in keywords)
+    return Bracketed("(", (*map(pieces, arguments), *named), ")")
+
+
+def _base(node: Expression) -> list["str | Bracketed"]:
+    """Returns what a trailer follows, in brackets unless it binds as tightly."""
+    if _strength(node) < ATOM or (isinstance(node, Literal) and not isinstance(node.value, str) and not node.name):
+        return [Bracketed("(", (pieces(node),), ")")]
+    found = pieces(node)
+    return list(found.pieces) if isinstance(found, Chain) else [flat(found)]
+
+
+def _strength(node: Expression) -> int:
+    """Returns how tightly the outermost operation of an expression binds."""
+    match node:
+        case Binary():
+            return PRECEDENCE[node.op]
+        case Unary():
+            return UNARY
+        case Literal(value=bool()):
+            return ATOM
+        case Literal(value=int() | float() as value, name="") if str(value).startswith("-"):
+            return UNARY
+        case Lambda():
+            return -1
+        case _:
+            return ATOM
+
+
+def _operand(node: Expression, least: int) -> Piece:
+    """Returns an operand, in brackets if it binds less than it must."""
+    mixes_bits = least == COMPARISON + 1 and isinstance(node, Binary) and node.op in BITWISE
+    return Chain((Bracketed("(", (pieces(node),), ")"),)) if _strength(node) < least or mixes_bits else pieces(node)
+
+
+def _operation(node: Binary) -> Operation:
+    """Returns an operation; `(a + b) + c` is one of three operands."""
+    strength = PRECEDENCE[node.op]
+    inner = UNARY if node.op in BITWISE else strength + 1
+    right = _operand(node.right, inner)
+    left = node.left
+    if isinstance(left, Binary) and strength != COMPARISON and PRECEDENCE[left.op] == strength:
+        if left.op == node.op or node.op not in BITWISE:
+            before = _operation(left)
+            return Operation(before.first, (*before.rest, (node.op, right)))
+    return Operation(_operand(left, inner), ((node.op, right),))
+
+
+def _after(prefix: str, piece: Piece) -> Piece:
+    """Returns a piece with a text in front of it."""
+    match piece:
+        case str():
+            return prefix + piece
+        case Chain():
+            return Chain((prefix, *piece.pieces))
+        case Operation():
+            return Operation(_after(prefix, piece.first), piece.rest)
+
+
+def _literal(node: Literal) -> str:
+    if node.name:
+        return node.name
+    if isinstance(node.value, str):
+        return quoted(node.value)
+    return "..." if node.value is ... else repr(node.value)
+
+
+def quoted(text: str) -> str:
+    """Returns a text as a Python literal."""
+    return f'"{text}"' if text.isprintable() and not set(text) & set('\\"') else repr(text)

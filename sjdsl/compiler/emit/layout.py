@@ -1,0 +1,74 @@
+"""Line breaks: pieces of an expression laid out in lines of at most 120 columns, as a formatter would break them."""
+
+from sjdsl.compiler.emit.expressions import Bracketed, Chain, Operation, Piece, flat
+
+WIDTH = 120
+INDENT = 4
+
+
+def layout(piece: Piece, column: int, indent: int, after: int, bracketed: bool = False) -> str:
+    """Returns the text of an expression.
+
+    Args:
+      column: where its first line begins.
+      indent: of the lines that follow it.
+      after: columns that what follows needs behind the last line.
+      bracketed: whether it stands in brackets, so that a line may end anywhere.
+    """
+    whole = flat(piece)
+    if column + len(whole) + after <= WIDTH or isinstance(piece, str):
+        return whole
+    if isinstance(piece, Chain):
+        return _chain(piece, column, indent, after)
+    last = _last_broken(piece, column, indent, after)
+    if last is not None:
+        return last
+    if not bracketed:
+        inside = layout(piece, indent + INDENT, indent + INDENT, 0, bracketed=True)
+        return f"(\n{_spaces(indent + INDENT)}{inside}\n{_spaces(indent)})"
+    lines = [layout(piece.first, column, indent, 0, bracketed=True)]
+    for number, (op, operand) in enumerate(piece.rest, 1):
+        tail = after if number == len(piece.rest) else 0
+        lines.append(f"{op} {layout(operand, indent + len(op) + 1, indent, tail, bracketed=True)}")
+    return f"\n{_spaces(indent)}".join(lines)
+
+
+def _last_broken(piece: Operation, column: int, indent: int, after: int) -> str | None:
+    """Returns `a + f(` … `)`: only the last operand is broken, if all before it fits on the first line."""
+    *before, (op, last) = piece.rest
+    head = f"{flat(Operation(piece.first, tuple(before)))} {op} "
+    if not isinstance(last, Chain) or column + len(head) > WIDTH // 2:
+        return None
+    broken = _chain(last, column + len(head), indent, after)
+    return head + broken if column + len(head) + len(broken.split("\n")[0]) <= WIDTH else None
+
+
+def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
+    """Breaks the longest brackets of a chain, and others as far as the lines are still too long."""
+    parts = list(chain.pieces)
+    brackets = [i for i, part in enumerate(parts) if isinstance(part, Bracketed) and part.items]
+    if not brackets:
+        return flat(chain)
+    widest = max(brackets, key=lambda i: len(flat(parts[i])))
+    bracket = parts[widest]
+    assert isinstance(bracket, Bracketed)
+    before, behind = Chain(tuple(parts[:widest])), Chain(tuple(parts[widest + 1 :]))
+    head = layout(before, column, indent, len(bracket.open)) if before.pieces else ""
+    tail_column = indent + len(bracket.close)
+    tail = layout(behind, tail_column, indent, after) if behind.pieces else ""
+    return f"{head}{bracket.open}\n{_items(bracket, indent + INDENT)}\n{_spaces(indent)}{bracket.close}{tail}"
+
+
+def _items(bracket: Bracketed, indent: int) -> str:
+    """Returns what stands in brackets on lines of its own: one for all if it fits, else one for each."""
+    together = ", ".join(map(flat, bracket.items)) + "," * bracket.comma
+    rows = bracket.open == "{" or any(isinstance(item, Chain) and isinstance(item.pieces[0], Bracketed) for item in bracket.items)
+    if indent + len(together) <= WIDTH and not rows:
+        return _spaces(indent) + together
+    comma = "," if len(bracket.items) > 1 or bracket.comma else ""
+    lines = [layout(item, indent, indent, len(comma), bracketed=True) for item in bracket.items]
+    return "\n".join(f"{_spaces(indent)}{line}{comma}" for line in lines)
+
+
+def _spaces(number: int) -> str:
+    return " " * number

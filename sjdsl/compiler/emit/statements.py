@@ -1,0 +1,75 @@
+"""Statements, functions and their comments as lines of Python text of at most 120 columns."""
+
+import textwrap
+from pathlib import PurePosixPath
+
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.emit.expressions import Bracketed, Chain, Piece, flat, pieces
+from sjdsl.compiler.emit.layout import INDENT, WIDTH, layout
+from sjdsl.compiler.program import Function
+from sjdsl.compiler.program.expressions import Assign, Expression, Return, Statement
+
+
+def function_lines(function: Function) -> list[str]:
+    """Returns the lines of a function."""
+    parameters = Bracketed("(", tuple(f"{name}: {type_}" for name, type_ in function.parameters), ")")
+    head = layout(Chain((f"def {function.name}", parameters)), 0, 0, len(f" -> {function.returns}:"))
+    lines = f"{head} -> {function.returns}:".split("\n") + _docstring(function.doc)
+    for statement in function.body:
+        lines += statement_lines(statement)
+    return lines
+
+
+def statement_lines(statement: Statement, indent: int = INDENT) -> list[str]:
+    """Returns the lines of a statement; the first ends in its origin."""
+    match statement:
+        case Assign(names=names, value=value):
+            return assignment(f"{', '.join(names)} = ", pieces(value), origin(statement.origin), indent)
+        case Return(values=(value,)):
+            return assignment("return ", pieces(value), origin(statement.origin), indent)
+        case Return(values=values):
+            several = tuple(map(pieces, values))
+            on_one_line = "return " + ", ".join(map(flat, several))
+            if indent + len(on_one_line) <= WIDTH:
+                return [" " * indent + on_one_line]
+            return assignment("return ", Chain((Bracketed("(", several, ")"),)), "", indent)
+
+
+def assignment(head: str, value: Piece, comment: str, indent: int = 0) -> list[str]:
+    """Returns the lines of `head` and a value, with the comment behind the first line, or above it if there is no room."""
+    spaces, behind = " " * indent, f"  # {comment}" * bool(comment)
+    line = f"{spaces}{head}{flat(value)}{behind}"
+    if len(line) <= WIDTH:
+        return [line]
+    first, *rest = (spaces + head + layout(value, indent + len(head), indent, 0)).split("\n")
+    if len(first + behind) <= WIDTH:
+        return [first + behind, *rest]
+    return [*comment_lines(comment, indent), first, *rest]
+
+
+def constant_lines(name: str, value: Expression, comment: str) -> list[str]:
+    """Returns the lines of a module's constant."""
+    return assignment(f"{name} = ", pieces(value), comment)
+
+
+def comment_lines(comment: str, indent: int = 0) -> list[str]:
+    """Returns a comment on lines of its own."""
+    return textwrap.wrap(comment, WIDTH, initial_indent=" " * indent + "# ", subsequent_indent=" " * indent + "# ")
+
+
+def origin(span: Span | None) -> str:
+    """Returns where a statement comes from, such as `clean_up.sj:57`."""
+    return "" if span is None else f"{commented(PurePosixPath(span.file).name)}:{span.line}"
+
+
+def commented(text: str) -> str:
+    """Returns a text as it may stand in a comment: one line of printable ASCII."""
+    return "".join(c if c.isascii() and c.isprintable() else "?" for c in text)
+
+
+def _docstring(doc: str) -> list[str]:
+    spaces = " " * INDENT
+    if len(doc) + INDENT + 6 <= WIDTH:
+        return [f'{spaces}"""{doc}"""']
+    first, *rest = textwrap.wrap(doc, WIDTH - INDENT - 3)
+    return [f'{spaces}"""{first}', *(spaces + line for line in rest), f'{spaces}"""']

@@ -1,0 +1,101 @@
+"""Painting: everything that is seen, as numbers in the cells of the map, packed into as few bytes a cell as possible."""
+
+from dataclasses import dataclass
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower.axes import Value, as_dtype, binary, literal
+from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path
+
+POSITION, HEADING = path("state.position"), path("state.heading")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some bits of a painted byte."""
+
+    name: str
+    plane: int
+    shift: int
+    bits: int
+
+
+def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
+    """Returns where content, agents and marks are kept: packed into as few bytes as they fit."""
+    contents = max(look.raw + look.raw_values for look in looks(game))
+    wanted = [("content", _bits(contents)), ("agent", _bits(game.agents.number + 1) if by_id else 3)]
+    wanted += [(f"mark_{p.name}", 1) for p in seen_marks(game)]
+    found: list[Part] = []
+    used = [0]
+    for name, bits in wanted:
+        plane = next((i for i, u in enumerate(used) if u + bits <= 8), len(used))
+        if plane == len(used):
+            used.append(0)
+        found.append(Part(name, plane, used[plane], bits))
+        used[plane] += bits
+    return tuple(found)
+
+
+def _bits(values: int) -> int:
+    return max(1, (values - 1).bit_length())
+
+
+def shift_of(part: Part, w: Writer) -> Value:
+    """Returns the place of a part's lowest bit."""
+    return literal(0, "u8") if not part.shift else Value(w.module.number(f"{part.name}_shift", part.shift), "u8")
+
+
+def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
+    """Writes the planes of bytes in which everything that is seen is painted into the cells of the map."""
+    layout, game = w.module.layout, w.module.game
+    content = next(p for p in parts if p.name == "content")
+    base = layout.base_table({look.kind.name: look.raw << content.shift for look in looks(game)})
+    name = w.module.constant("base", base, "looks of the cells of the frame, fields aside")
+    empty = call("jnp.zeros", w.module.number("frame_cells", layout.rows * layout.cols), path("jnp.uint8"))
+    planes = [w.bind(f"plane_{plane}", name if plane == content.plane else empty) for plane in range(1 + max(p.plane for p in parts))]
+    for look in looks(game):
+        kinds = (look.kind.name,)
+        if not look.painted or not layout.num_cells(kinds):
+            continue
+        cells = state_reads.cells_of(kinds, w)
+        w.origin = look.kind.origin
+        value = binary("<<", _raw(look, w), shift_of(content, w), "u8")
+        w.set(planes[content.plane], call("fill", planes[content.plane], cells, value.node))
+    phases = {f"mark_{p.name}": p for p in seen_marks(game)}
+    for part in parts:
+        if part.name in phases:
+            w.origin = phases[part.name].origin
+            bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
+            w.set(planes[part.plane], call("paint", planes[part.plane], path(f"state.{part.name}"), bit))
+    w.origin = game.agents.origin
+    agent = next(p for p in parts if p.name == "agent")
+    if by_id:
+        shown = binary("+", Value(Arange(w.module.agents, "u8"), "u8"), literal(1, "u8"), "u8")
+    elif any(s.what == "heading" for s in game.sights):
+        shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), literal(1, "u8"), "u8")
+    else:
+        shown = Value(call("jnp.ones", w.module.agents, path("jnp.uint8")), "u8")
+    shifted = binary("<<", shown, shift_of(agent, w), "u8")
+    w.set(planes[agent.plane], call("paint", planes[agent.plane], POSITION, shifted.node))
+    return planes
+
+
+def first_look(look: Look, w: Writer) -> Value:
+    """Returns the first number of a kind's looks as painted."""
+    return Value(w.module.number(f"{look.kind.name}_look", look.raw, "as it is painted"), "u8")
+
+
+def _raw(look: Look, w: Writer) -> Value:
+    """Returns the number of each cell's look: its fields' values, the first most significant."""
+    number: Value | None = None
+    for field, values in look.painted:
+        stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
+        if field.type.kind == "agent":  # one up, 0 is nobody
+            stored = binary("+", stored, literal(1, "i32"), "i32")
+        value = as_dtype(stored, "u8")
+        number = value if number is None else binary("+", binary("*", number, literal(values, "u8"), "u8"), value, "u8")
+    assert number is not None
+    return binary("+", number, first_look(look, w), "u8")

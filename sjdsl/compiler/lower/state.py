@@ -1,0 +1,142 @@
+"""State, Params and Outcome of a game: how each field is kept, and what it is at the start."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.names import attribute_name, param_attribute
+from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower.cell_appearance import marking_phases
+from sjdsl.compiler.lower.expressions import nobody
+from sjdsl.compiler.lower.movement import stores_moved
+from sjdsl.compiler.lower.statements import mark_size
+from sjdsl.compiler.lower.writer import Writer, all_fields
+from sjdsl.compiler.program import Field
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    DTYPES,
+    NEW_AXIS,
+    Expression,
+    Index,
+    Literal,
+    Name,
+    Sequence,
+    call,
+    constant,
+    path,
+    shape_of,
+)
+
+STORED = {"u8": "uint8", "u32": "uint32", "i32": "int32", "f32": "float32", "bool": "bool_"}
+INT32 = path("jnp.int32")
+
+
+def state_fields(game: ir.Game, w: Writer) -> list[Field]:
+    """Returns the attributes of State."""
+
+    def of_agents(name: str, comment: str, dtype: str = "int32") -> Field:
+        zeros = call("jnp.zeros", w.module.agents, INT32 if dtype == "int32" else Name("bool"))
+        return Field(name, "[N]", dtype, comment, zeros)
+
+    found = [
+        Field("step", "[]", "int32", "finished steps of this episode", call("jnp.int32", Literal(0))),
+        of_agents("position", "cell of each agent in the padded frame; 0: nowhere"),
+        of_agents("heading", "0 north, 1 east, 2 south, 3 west"),
+    ]
+    if stores_moved(game):
+        found.append(of_agents("moved", "did the last movement change the cell", "bool_"))
+    if w.module.stores_away:
+        found.append(of_agents("away", "ticks until an agent that is nowhere returns; 0: never"))
+        found.append(of_agents("away_pool", "where it was sent"))
+        found.append(of_agents("away_facing", "heading it will have; 4: any, 5: the same"))
+    found += [_field(field, game, w) for field in all_fields(game)]
+    for phase in marking_phases(game):
+        size = mark_size(phase, game)
+        zeros = call("jnp.zeros", w.module.number(f"marks_of_{phase.name}", size, f"cells that {phase.label} can mark"), INT32)
+        found.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", f"cells marked by {phase.label}; 0: none", zeros))
+    return found
+
+
+def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
+    dtype = STORED[state_reads.storage(field, w)]
+    dims = {"cell": "S", "agent": "N", "world": ""}[field.place]
+    shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by])
+    layout = w.module.layout
+    starts = layout.starts(field.kind, field) if field.place == "cell" else {field.start}
+    if len(starts) <= 1:
+        extent = {"cell": w.module.num_cells((field.kind,)), "agent": w.module.agents}.get(field.place)
+        size = (*([] if extent is None else [extent]), *(Literal(len(by)) for by in field.type.by))
+        first = _start(next(iter(starts), field.start), field, w)
+        default: Expression = call("jnp.full", shape_of(size) if size else Sequence(()), first, path(f"jnp.{dtype}"))
+    else:
+        given = {s for g in game.glyphs if g.kind == field.kind for n, s in g.starts if n == field.name}
+        encode = {s: _start(s, field, w).value for s in given | starts | {field.start}}
+        table = layout.starts_table(field.kind, field, encode, dtype)  # type: ignore[arg-type]
+        default = w.module.constant(f"{attribute_name(field)}_start", table, f"{field.name} of {field.kind} as on the map")
+        if field.type.by:
+            default = call("jnp.repeat", Index(default, (ALL, NEW_AXIS)), Literal(len(field.type.by[0])), axis=Literal(1))
+    meaning = f"{field.name}: {_meaning(field)}" + (f"; by {', '.join(field.type.by[0])}" if field.type.by else "")
+    return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
+
+
+def _meaning(field: ir.VarField) -> str:
+    match field.type.kind:
+        case "word":
+            return ", ".join(f"{i} {w}" for i, w in enumerate(field.type.words))
+        case "agents":
+            return "agents as bits"
+        case "agent":
+            return "an agent's id, -1 nobody"
+        case _ if field.timer:
+            return "steps left"
+        case _ if field.type.unit == "reward":
+            return "a reward"
+        case _:
+            return f"{field.type.low:g} .. {field.type.high:g}"
+
+
+def _start(value: object, field: ir.VarField, w: Writer) -> Literal:
+    """Returns a starting value as the field keeps it."""
+    match field.type.kind:
+        case "word":
+            node = w.module.word(value, field.type.words, field).node  # type: ignore[arg-type]
+        case "agent":
+            node = nobody(w).node
+        case "agents":
+            node = Literal(0)
+        case _:
+            node = Literal(value)  # type: ignore[arg-type]
+    assert isinstance(node, Literal)
+    return node
+
+
+def params_fields(game: ir.Game) -> list[Field]:
+    """Returns the attributes of Params."""
+    found = []
+    for param in game.params:
+        dtype = {"int": "int32", "real": "float32", "word": "uint8"}[param.type.kind]
+        shape = "[" + ", ".join(str(len(by)) for by in param.type.by) + "]"
+        by = "".join(f" by {{ {', '.join(words)} }}" for words in param.type.by)
+        unit = "word" if param.type.kind == "word" else param.type.unit
+        default = call("jnp.asarray", constant(param_value(param.value, param.type)), path(f"jnp.{dtype}"))
+        found.append(Field(param_attribute(param.name), shape, dtype, f"{unit}{by}", default))
+    return found
+
+
+def param_value(value: object, type_: ir.Type) -> object:
+    """Returns a parameter's value as nested lists of numbers; words as their numbers."""
+    if isinstance(value, tuple):
+        return [param_value(v, type_) for v in value]
+    return type_.words.index(value) if type_.kind == "word" else value
+
+
+def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
+    """Returns the attributes of Outcome."""
+    found = [
+        Field("reward", "[N]", "float32", "raw rewards of this step", call("jnp.zeros", w.module.agents, DTYPES["f32"])),
+        Field("ended", "[]", "bool_", "whether an `end` was performed", call("jnp.zeros", Sequence(()), Name("bool"))),
+    ]
+    for event in game.events:
+        size = (*([w.module.agents] if event.per_agent else []), *([Literal(len(event.by))] if event.by else []))
+        shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
+        comment = "counts of this step" + (f", by {', '.join(event.by)}" if event.by else "")
+        zeros = call("jnp.zeros", shape_of(size) if size else Sequence(()), INT32)
+        found.append(Field(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", comment, zeros))
+    return found

@@ -1,0 +1,236 @@
+"""What lowering keeps while it writes a module and one function of it: names, statements, constants."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
+from sjdsl.compiler.ir.types import HEADINGS
+from sjdsl.compiler.lower.axes import Axis, Value, literal
+from sjdsl.compiler.lower.map_tables import Layout, Table
+from sjdsl.compiler.lower.scope import IterationScope, Variable
+from sjdsl.compiler.program import Constant, Group, Number
+from sjdsl.compiler.program.expressions import Assign, Call, DType, Expression, Literal, Name, Return, Statement, path
+
+FACTS = {"NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW", "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS"}
+MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
+NOBODY = -1
+
+
+@dataclass
+class Module:
+    """What all functions of a module share. `expression` lowers an expression: what `Writer.value` calls."""
+
+    game: ir.Game
+    layout: Layout
+    expression: Callable[[ir.Expr, IterationScope, "Writer"], Value]
+    constants: dict[str, Constant] = field(default_factory=dict)
+    numbers: dict[str, Number] = field(default_factory=dict)
+    names: Names = field(default_factory=lambda: Names(set(MODULE_NAMES)))
+    writer: "Writer | None" = None  # the last one, whose statement is at fault where nothing else is known
+    _by_content: dict[tuple[str, bytes, tuple[int, ...]], str] = field(default_factory=dict)
+    _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
+
+    def constant(self, name: str, array: np.ndarray | Table, comment: str) -> Name:
+        """Returns the name of a module-level array; equal arrays are kept once."""
+        value, made_by = (array.value, array.node) if isinstance(array, Table) else (array, None)
+        key = (str(value.dtype), value.tobytes(), value.shape)
+        if key not in self._by_content:
+            fresh = self.names.fresh(name.upper())
+            self.constants[fresh] = Constant(fresh, value, comment, made_by)
+            self._by_content[key] = fresh
+        return Name(self._by_content[key])
+
+    def number(self, name: str, value: int, comment: str = "", group: Group = "other") -> Literal:
+        """Returns a number that the module gives a name to, if it is used."""
+        key = (name.upper(), value)
+        if key not in self._by_meaning:
+            fresh = self.names.fresh(name.upper())
+            self.numbers[fresh] = Number(fresh, value, comment, group)
+            self._by_meaning[key] = fresh
+        return Literal(value, self._by_meaning[key])
+
+    def num_cells(self, kinds: tuple[str, ...]) -> Literal:
+        """Returns how many cells of the kinds the map has."""
+        return self.number(f"num_{'_'.join(kinds)}", self.layout.num_cells(kinds), f"cells of {', '.join(kinds)}", "size")
+
+    def action(self, number: int) -> Literal:
+        """Returns the number of an action."""
+        return self.number(f"action_{self.game.agents.actions[number]}", number, group="action")
+
+    def word(self, word: str, words: tuple[str, ...], declared: ir.VarField | None = None) -> Value:
+        """Returns the number of a word among others. `declared`: the field it is a value of, after which it is named."""
+        if declared is not None and declared.type.words == words:
+            owner: str | None = declared.kind or declared.place
+        else:
+            owner = self._word_sets.get(words)
+        number = words.index(word)
+        if owner is None:
+            return literal(number, "u8")
+        return Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
+
+    @cached_property
+    def _word_sets(self) -> dict[tuple[str, ...], str]:
+        """What each set of words belongs to, by declaration: a field, or the first row or event by these words."""
+        game = self.game
+        found: dict[tuple[str, ...], str] = {HEADINGS: ""}
+        for declared in all_fields(game):
+            found.setdefault(declared.type.words, declared.kind or declared.place)
+        for declared in all_fields(game):
+            for by in declared.type.by:
+                found.setdefault(by, attribute_name(declared))
+        for param in game.params:
+            for by in (param.type.words, *param.type.by):
+                found.setdefault(by, param.name)
+        for event in game.events:
+            found.setdefault(event.by, event.name)
+        return {words: owner for words, owner in found.items() if words}
+
+    @property
+    def num_agents(self) -> int:
+        return self.game.agents.number
+
+    @property
+    def agents(self) -> Literal:
+        """How many agents there are."""
+        return Literal(self.num_agents, "NUM_AGENTS")
+
+    @property
+    def set_dtype(self) -> DType:
+        """How a set of agents is kept: a bit for each agent."""
+        return "u8" if self.num_agents <= 8 else "u32"
+
+    @cached_property
+    def can_be_away(self) -> bool:
+        """Whether agents can be off the map during a step."""
+        return self.stores_away or any(isinstance(n, ir.Remove) for n in ir.walk(self.game))
+
+    @cached_property
+    def stores_away(self) -> bool:
+        """Whether somebody can be sent away for some ticks."""
+        return any(s.after is not None for s in self.sends)
+
+    @cached_property
+    def sends(self) -> tuple[ir.Send, ...]:
+        """All statements that send agents somewhere, in the order of the game."""
+        return tuple(n for n in ir.walk(self.game) if isinstance(n, ir.Send))
+
+    def field(self, read: ir.FieldRead, kind: str = "") -> ir.VarField:
+        """Returns the declaration of a field."""
+        if read.place == "world":
+            return next(f for f in self.game.fields if f.name == read.name)
+        if read.place == "agent":
+            return next(f for f in self.game.agents.fields if f.name == read.name)
+        declared = next(k for k in self.game.kinds if k.name == (kind or read.kinds[0]))
+        return next(f for f in declared.fields if f.name == read.name)
+
+    def shape(self, name: str) -> ir.Shape:
+        return next(s for s in self.game.shapes if s.name == name)
+
+
+@dataclass
+class Writer:
+    """Writes the statements of one function."""
+
+    module: Module
+    purpose: str = ""
+    body: list[Statement] = field(default_factory=list)
+    names: Names = field(default_factory=lambda: Names(set(RESERVED)))
+    starting: bool = False
+    origin: Span | None = None
+    known: dict[tuple[Expression, str], Name] = field(default_factory=dict)
+    shape_axes: dict[tuple[str, Variable], Axis] = field(default_factory=dict)
+    axes_made: int = 0
+    changed: dict[str, Expression] = field(default_factory=dict)
+    outcome: dict[str, Expression] = field(default_factory=dict)
+    added: dict[str, list[Value]] = field(default_factory=dict)
+    marked: dict[Name, int] = field(default_factory=dict)
+    joined: dict[str, list[Expression]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.module.writer = self
+
+    def value(self, e: ir.Expr, scope: IterationScope) -> Value:
+        """Returns the array that an expression is for all instances of a scope at once."""
+        return self.module.expression(e, scope, self)
+
+    def axis(self, name: str, size: int | Literal) -> Axis:
+        """Returns a new axis, to the right of all made before."""
+        self.axes_made += 1
+        extent = size if isinstance(size, Literal) else Literal(size)
+        assert isinstance(extent.value, int)
+        return Axis(f"{name}{self.axes_made}", extent.value, self.axes_made, extent.name)
+
+    def stream(self, number: int) -> Literal:
+        """Returns the number of a random stream."""
+        where = "" if self.origin is None else f"{self.origin.file.rpartition('/')[2]}:{self.origin.line}"
+        return self.module.number(f"stream_{self.purpose}", number, where, "stream")
+
+    def bind(self, name: str, node: Expression) -> Name:
+        """Writes `name = node` under a name that is free."""
+        fresh = Name(self.names.fresh(identifier(name.lower())))
+        self.set(fresh, node)
+        return fresh
+
+    def set(self, name: Name, node: Expression) -> None:
+        """Writes `name = node`."""
+        self.body.append(Assign((name.identifier,), node, self.origin))
+
+    def unpack(self, names: tuple[Name, ...], node: Expression) -> None:
+        """Writes `a, b = node`."""
+        self.body.append(Assign(tuple(name.identifier for name in names), node, self.origin))
+
+    def give_back(self, *values: Expression) -> None:
+        """Writes the end of the function."""
+        self.body.append(Return(values, self.origin))
+
+    def keep(self, name: str, value: Value) -> Value:
+        """Gives a value a name in the function; what computes the same is named once."""
+        if isinstance(value.node, Literal | Name):
+            return value
+        key = (value.node, value.dtype)
+        if key not in self.known:
+            self.known[key] = self.bind(name, value.node)
+        return replace(value, node=self.known[key])
+
+    def forget(self) -> None:
+        """What has been computed so far is not valid any more."""
+        self.known.clear()
+        self.shape_axes.clear()
+
+    def current(self, attribute: str) -> Expression:
+        """Returns where a state attribute's new value stands so far."""
+        return self.changed.get(attribute) or path(f"state.{attribute}")
+
+    def assign(self, attribute: str, node: Expression) -> None:
+        """Gives a state attribute a new value."""
+        self._renew(self.changed, attribute, node)
+
+    def total(self, attribute: str) -> Expression:
+        """Returns where an attribute of the outcome stands so far."""
+        return self.outcome.get(attribute) or path(f"out.{attribute}")
+
+    def accumulate(self, attribute: str, node: Expression) -> None:
+        """Gives an attribute of the outcome a new value."""
+        self._renew(self.outcome, attribute, node)
+
+    def _renew(self, values: dict[str, Expression], attribute: str, node: Expression) -> None:
+        if attribute not in values:
+            values[attribute] = Name(self.names.fresh(attribute))
+        name = values[attribute]
+        assert isinstance(name, Name)
+        self.set(name, node)
+
+
+def replaced(name: str, changes: dict[str, Expression]) -> Expression:
+    """Returns a state or outcome with new values of some attributes."""
+    return Call(path(f"{name}.replace"), (), tuple(changes.items())) if changes else Name(name)
+
+
+def all_fields(game: ir.Game) -> list[ir.VarField]:
+    """Returns every field of a game in the order of State."""
+    return [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]

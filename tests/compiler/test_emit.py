@@ -1,0 +1,237 @@
+"""Emission: what is printed is what was meant, in lines that fit."""
+
+import ast
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sjdsl.compiler import build, lower_build
+from sjdsl.compiler.emit.expressions import PRECEDENCE, pieces, text
+from sjdsl.compiler.emit.layout import WIDTH, layout
+from sjdsl.compiler.emit.statements import statement_lines
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Arange,
+    Assign,
+    Attribute,
+    Binary,
+    Broadcast,
+    Call,
+    Cast,
+    Index,
+    Lambda,
+    Literal,
+    Mapping,
+    Name,
+    Reduce,
+    Return,
+    Sequence,
+    Slice,
+    Unary,
+    Update,
+    Where,
+    live,
+    path,
+)
+from sjdsl.compiler.syntax.read import read_source
+from sjdsl.games_folder import find_game
+
+GENERATED = Path(__file__).parents[2] / "generated"
+OPERATORS: dict[str, type[ast.operator] | type[ast.cmpop] | type[ast.unaryop]] = {
+    "+": ast.Add, "-": ast.Sub, "*": ast.Mult, "/": ast.Div, "//": ast.FloorDiv, "%": ast.Mod,
+    "&": ast.BitAnd, "|": ast.BitOr, "^": ast.BitXor, "<<": ast.LShift, ">>": ast.RShift,
+    "<": ast.Lt, "<=": ast.LtE, ">": ast.Gt, ">=": ast.GtE, "==": ast.Eq, "!=": ast.NotEq,
+}  # fmt: skip
+
+
+def meant(node: Any) -> ast.expr:
+    """Returns the tree that Python must read: written from the meaning of each node, without a thought of brackets."""
+    load = ast.Load()
+    match node:
+        case Name(identifier=name):
+            return ast.Name(name, load)
+        case Literal(name=str(name)) if name:
+            return ast.Name(name, load)
+        case Literal(value=bool() | None | str() as value):
+            return ast.Constant(value)
+        case Literal(value=int() | float() as value):
+            return ast.Constant(value) if not str(value).startswith("-") else ast.UnaryOp(ast.USub(), ast.Constant(-value))
+        case Literal(value=value):
+            return ast.Constant(value)
+        case Attribute(value=value, name=name):
+            return ast.Attribute(meant(value), name, load)
+        case Call(function=function, arguments=arguments, keywords=keywords):
+            named = [ast.keyword(name, meant(value)) for name, value in keywords]
+            return ast.Call(meant(function), [meant(a) for a in arguments], named)
+        case Slice(start=start, stop=stop):
+            return ast.Slice(None if start is None else meant(start), None if stop is None else meant(stop))
+        case Index(value=value, keys=keys):
+            key = meant(keys[0]) if len(keys) == 1 else ast.Tuple([meant(k) for k in keys], load)
+            return ast.Subscript(meant(value), key, load)
+        case Unary(op=op, operand=operand):
+            return ast.UnaryOp(ast.Invert() if op == "~" else ast.USub(), meant(operand))
+        case Binary(op=op, left=left, right=right):
+            made = OPERATORS[op]()
+            if isinstance(made, ast.cmpop):
+                return ast.Compare(meant(left), [made], [meant(right)])
+            return ast.BinOp(meant(left), made, meant(right))  # type: ignore[arg-type]
+        case Where(condition=condition, then=then, otherwise=otherwise):
+            return meant(Call(path("jnp.where"), (condition, then, otherwise)))
+        case Cast(value=value, dtype=dtype):
+            return meant(Call(Attribute(value, "astype"), (DTYPES[dtype],)))
+        case Reduce(fn=fn, value=value, axes=axes, dtype=dtype):
+            numbers = [] if axes is None else [Literal(axes[0])] if len(axes) == 1 else [Sequence(tuple(map(Literal, axes)))]
+            keywords = tuple(("axis", n) for n in numbers) + (() if dtype is None else (("dtype", DTYPES[dtype]),))
+            return meant(Call(path(f"jnp.{fn}"), (value,), keywords))
+        case Broadcast(value=value, shape=shape):
+            return meant(Call(path("jnp.broadcast_to"), (value, Sequence(shape))))
+        case Arange(size=size, dtype=dtype):
+            return meant(Call(path("jnp.arange"), (size,), () if dtype is None else (("dtype", DTYPES[dtype]),)))
+        case Update(target=target, keys=keys, fn=fn, value=value, drop=drop):
+            at = Attribute(Index(Attribute(target, "at"), keys), fn)
+            return meant(Call(at, (value,), (("mode", Literal("drop")),) if drop else ()))
+        case Sequence(items=items, is_list=is_list):
+            return (ast.List if is_list else ast.Tuple)([meant(i) for i in items], load)
+        case Mapping(entries=entries):
+            return ast.Dict([ast.Constant(k) for k, _ in entries], [meant(v) for _, v in entries])
+        case Lambda(parameters=parameters, body=body):
+            arguments = ast.arguments([], [ast.arg(p) for p in parameters], None, [], [], None, [])
+            return ast.Lambda(arguments, meant(body))
+    raise AssertionError(node)
+
+
+NAMES = st.sampled_from(["state", "position", "heading", "beam_cells", "orchard_fruit", "x"])
+LEAVES = st.one_of(
+    NAMES.map(Name),
+    st.integers(-3, 300).map(Literal),
+    st.sampled_from([0.5, -1.0, 1e-05, 3e20]).map(Literal),
+    st.sampled_from([True, None, ..., "drop", "it's", 'a "b"\\']).map(Literal),
+    st.integers(0, 9).map(lambda n: Literal(n, "NUM_WATER")),
+)
+
+
+@st.composite
+def trees(draw: st.DrawFn, depth: int = 4) -> Any:
+    """Draws an expression of at most so many levels."""
+
+    def tree(levels: int) -> Any:
+        if levels == 0 or draw(st.integers(0, 5)) == 0:
+            return draw(LEAVES)
+
+        def below() -> Any:
+            return tree(levels - 1)
+
+        def some(least: int = 0) -> tuple[Any, ...]:
+            return tuple(below() for _ in range(draw(st.integers(least, 3))))
+
+        def keys() -> tuple[Any, ...]:
+            slices = [Slice(), Slice(None, below()), Slice(below(), None)]
+            return tuple(draw(st.sampled_from([key, *slices])) for key in some(1))
+
+        dtype, name = draw(st.sampled_from(list(DTYPES))), draw(NAMES)
+        kinds = (
+            *[lambda: Binary(draw(st.sampled_from(sorted(PRECEDENCE))), below(), below())] * 5,
+            lambda: Unary(draw(st.sampled_from("~-")), below()),
+            lambda: Attribute(below(), name),
+            lambda: Index(below(), keys()),
+            lambda: Call(below(), some(), (("keyword", below()),)),
+            lambda: Where(below(), below(), below()),
+            lambda: Cast(below(), dtype),
+            lambda: Reduce(draw(st.sampled_from(["any", "sum", "max"])), below(), draw(st.sampled_from([None, (0,), (0, -1)])), dtype),
+            lambda: Broadcast(below(), some()),
+            lambda: Arange(below(), dtype),
+            lambda: Update(below(), keys(), draw(st.sampled_from(["set", "add"])), below(), draw(st.booleans())),
+            lambda: Sequence(some(), draw(st.booleans())),
+            lambda: Mapping(((name, below()),)),
+            lambda: Lambda(("key",), below()),
+        )
+        return draw(st.sampled_from(kinds))()
+
+    return tree(depth)
+
+
+def read(lines: str) -> str:
+    statement = ast.parse(lines).body[0]
+    assert isinstance(statement, ast.Assign)
+    return ast.dump(statement.value)
+
+
+@settings(max_examples=300, deadline=None)
+@given(trees())
+def test_one_line_is_read_as_it_was_meant(node: Any) -> None:
+    assert read(f"found = {text(node)}") == ast.dump(meant(node))
+
+
+@settings(max_examples=300, deadline=None)
+@given(trees())
+def test_broken_lines_are_read_as_they_were_meant_and_fit(node: Any) -> None:
+    lines = statement_lines(Assign(("found",), node), indent=0)
+    assert read("\n".join(lines)) == ast.dump(meant(node))
+    if len(re.sub(r"[^([{]", "", text(node))) < 12:  # brackets deep in brackets may be indented beyond any width
+        assert max(map(len, lines)) <= WIDTH
+
+
+def test_brackets_stand_where_they_are_needed_or_help() -> None:
+    a, b, c = map(Name, "abc")
+    for node, expected in (
+        (Binary("+", Binary("+", a, b), c), "a + b + c"),
+        (Binary("-", a, Binary("-", b, c)), "a - (b - c)"),
+        (Binary("*", Binary("+", a, b), c), "(a + b) * c"),
+        (Binary("&", Binary("&", a, b), c), "a & b & c"),
+        (Binary("&", Binary("==", a, b), Unary("~", c)), "(a == b) & ~c"),
+        (Binary("&", Binary("+", a, b), Literal(3)), "(a + b) & 3"),
+        (Binary("<", Binary(">>", a, Literal(1)), b), "(a >> 1) < b"),
+        (Cast(Unary("~", a), "u8"), "(~a).astype(jnp.uint8)"),
+        (Index(Cast(a, "i32"), (Slice(), Literal(None))), "a.astype(jnp.int32)[:, None]"),
+        (Attribute(Literal(7), "real"), "(7).real"),
+        (Sequence((a,)), "(a,)"),
+    ):
+        assert text(node) == expected
+
+
+def test_long_calls_are_broken_at_their_arguments() -> None:
+    names = [Name(f"argument_number_{i}") for i in range(9)]
+    value = Binary("+", Name("reward"), Call(path("jnp.sum"), tuple(names)))
+    lines = layout(pieces(value), 9, 0, 0).split("\n")
+    assert lines[0] == "reward + jnp.sum("
+    assert lines[1:-1] == [f"    argument_number_{i}," for i in range(9)]
+    assert lines[-1] == ")"
+
+
+def test_what_nothing_reads_is_left_out() -> None:
+    a, b, state = map(Name, ("a", "b", "state"))
+    again = Assign(("a",), Binary("+", a, Literal(1)))
+    body = [Assign(("a",), Literal(1)), Assign(("b",), a), again, Assign(("b",), Literal(2)), Return((state, b))]
+    assert live(body) == (body[3], body[4])
+    assert live([*body[:3], Return((a,))]) == (body[0], again, Return((a,)))
+
+
+@pytest.mark.parametrize("path_", sorted(GENERATED.glob("*.py")), ids=lambda p: p.stem)
+def test_generated_modules_are_tidy(path_: Path) -> None:
+    lines = path_.read_text("utf-8").splitlines()
+    assert [line for line in lines if len(line) > WIDTH] == []
+    idle = re.compile(r"(\* 1|\+ 0|- 0|<< 0|>> 0)(?![\w.])")
+    assert [line for line in lines if idle.search(line.split("  #")[0])] == []
+    assert not re.search(r'"""\n    return state, out\n', path_.read_text("utf-8"))  # a phase that does nothing
+
+
+def test_numbers_of_a_game_have_names() -> None:
+    """Agents, cells of kinds, actions and words are not written as bare numbers."""
+    module = (GENERATED / "clean_up.py").read_text("utf-8")
+    functions = module[module.index("def start") :]
+    assert "WATER_DIRTY" in functions and "NUM_WATER" in functions and "ACTION_ZAP" in functions
+    assert not re.search(r"\b(147|122|19)\b", functions.replace("clean_up.sj:19", ""))
+    assert not re.search(r"actions == \d", functions)
+
+
+def test_equal_programs_have_equal_text() -> None:
+    """The program alone decides the text: nothing is taken from the rules it was made from."""
+    from sjdsl.compiler.emit.module import render
+
+    source = read_source(find_game("coins"))
+    program = lower_build(build(source), source)
+    assert render(program) == (GENERATED / "coins.py").read_text("utf-8")
