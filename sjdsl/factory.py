@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any
 
 import jax
 
@@ -19,7 +19,7 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from sjdsl.parameters import build_params, split_sizes
-from sjdsl.runtime.env import Environment
+from sjdsl.runtime.env import Encoding, Environment
 
 
 def make(
@@ -28,7 +28,7 @@ def make(
     num_agents: int | None = None,
     params: Mapping[str, Any] | None = None,
     map: str | Path | tuple[str, ...] | None = None,
-    observation: Literal["tokens", "onehot"] = "tokens",
+    observation: Encoding = "tokens",
 ) -> Environment:
     """Returns the environment of a game.
 
@@ -52,9 +52,7 @@ def make(
     return environment_of(made, source, run_time, observation)
 
 
-def environment_of(
-    made: Build, source: Source, params: Mapping[str, Any], observation: Literal["tokens", "onehot"] = "tokens"
-) -> Environment:
+def environment_of(made: Build, source: Source, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
     """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
     key = game_hash(made.game)
     text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))

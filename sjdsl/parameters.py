@@ -1,8 +1,7 @@
 """Run-time parameters from Python: values by name, checked against the limits and `require`s of the game."""
 
 from collections.abc import Mapping, Sequence
-from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +10,9 @@ from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.near_names import meant
+
+if TYPE_CHECKING:
+    from sjdsl.runtime.module import GameModule
 
 Values = Mapping[str, Any]
 
@@ -31,7 +33,7 @@ def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values)
     return sizes, rest
 
 
-def build_params(game: ir.Game, module: ModuleType, given: Values, check_requires: bool = True) -> Any:
+def build_params(game: ir.Game, module: "GameModule", given: Values, check_requires: bool = True) -> Any:
     """Returns the game's `Params` with some values replaced; arguments and errors are those of `param_values`."""
     import jax.numpy as jnp
 

@@ -16,9 +16,10 @@ class Environment(Protocol):
     Without the last, or where `forbids_actions` is false, all always are.
     """
 
-    hash: str  # of the compiled game; a stored policy warns when it meets another
     params: Any  # pytree of the game's numbers; not part of `hash`
 
+    @property
+    def hash(self) -> str: ...  # of the compiled game; a stored policy warns when it meets another
     @property
     def name(self) -> str: ...
     @property

@@ -7,7 +7,6 @@ place it was written at, so that another process finds it again where that place
 import importlib
 import importlib.util
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal
@@ -19,7 +18,7 @@ Kind = Literal["network", "reward", "policy", "callback"]
 _REGISTERED: dict[tuple[Kind, str], Any] = {}
 
 
-def register(kind: Kind, name: str, thing: Callable[..., Any]) -> None:
+def register(kind: Kind, name: str, thing: object) -> None:
     """Gives a thing a name, for `network`, `reward` and wherever a policy or a callback is named.
 
     Args:

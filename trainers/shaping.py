@@ -91,7 +91,7 @@ def kept_share(ratio: float, num_agents: int) -> float:
     return 1.0 / (1.0 + ratio * (num_agents - 1))
 
 
-def exchanged(reward: Array, kept: float) -> Array:
+def exchanged(reward: Array, kept: float | Array) -> Array:
     """Reward exchange: u_i = s * r_i + (1 - s) / (n - 1) * sum over j != i of r_j.
 
     Args:

@@ -47,7 +47,8 @@ def _seconds_to_compile(env: Environment) -> float:
 
 def lower_step(env: Environment) -> Lowered:
     """Returns one step of a single environment as XLA is given it."""
-    return env.step.lower(*_described(env))
+    step: Any = env.step
+    return step.lower(*_described(env))
 
 
 def _described(env: Environment) -> tuple[Any, Any, Any]:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from sjdsl.bench import Task
     from sjdsl.bench.stored import Found
     from sjdsl.cli.bench_output import Outputs
+    from sjdsl.runtime.env import Encoding
 
 RACED = (1, 128, 1024, 4096)  # environments
 SWEPT = (16,)  # of each value
@@ -58,7 +59,7 @@ def command(
     context: click.Context,
     games: tuple[str, ...],
     envs: tuple[int, ...] | None,
-    observations: tuple[tuple[str, ...], ...],
+    observations: "tuple[tuple[Encoding, ...], ...]",
     agents: tuple[int | None, ...],
     repeats: int,
     steps: int | None,

@@ -10,12 +10,13 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
 if TYPE_CHECKING:
     from sjdsl.bench import Task
+    from sjdsl.runtime.env import Encoding
 
 CROWD = "crowd"  # the variant with room for many agents, where the game itself has too little
 
 
 def choose_tasks(
-    games: Sequence[str], variant: str | None, observations: Sequence[str], agents: Sequence[int | None]
+    games: Sequence[str], variant: str | None, observations: "Sequence[Encoding]", agents: Sequence[int | None]
 ) -> tuple[list["Task"], list[str]]:
     """Returns what is to be measured, and a line for each form that its game refuses.
 
@@ -41,7 +42,7 @@ def choose_tasks(
     return tasks, refused
 
 
-def _tasks_of(game: str, variant: str | None, number: int | None, observations: Sequence[str]) -> Iterator["Task"]:
+def _tasks_of(game: str, variant: str | None, number: int | None, observations: "Sequence[Encoding]") -> Iterator["Task"]:
     """Yields a game by observation; with a number of agents it has no room for, its crowd. Raises the refusal of the game itself."""
     from sjdsl.bench import game_task
 

@@ -1,8 +1,13 @@
 """Parses the options of `sjdsl bench`."""
 
+from typing import TYPE_CHECKING
+
 import click
 
-OBSERVATIONS = ("tokens", "onehot")
+if TYPE_CHECKING:
+    from sjdsl.runtime.env import Encoding
+
+OBSERVATIONS: tuple["Encoding", "Encoding"] = ("tokens", "onehot")
 NETWORKS = ("mlp", "cnn")
 
 

@@ -3,14 +3,14 @@
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sjdsl.cli.game_file import game_path, map_option, variant_option
 
 if TYPE_CHECKING:
-    from sjdsl.runtime.env import Environment
+    from sjdsl.runtime.env import Encoding, Environment
 
 Command = Callable[..., Any]
 SEED = click.IntRange(0, 2**32 - 1)  # JAX makes a key of the lower 32 bits of a number: another beyond them would be one of these again
@@ -79,7 +79,7 @@ def check_environment(game: str, variant: str | None, map_file: str | None, agen
         raise click.ClickException(str(error)) from None
 
 
-def make_environment(described: Mapping[str, Any], observation: Literal["tokens", "onehot"] = "tokens") -> "Environment":
+def make_environment(described: Mapping[str, Any], observation: "Encoding" = "tokens") -> "Environment":
     """Returns the environment. Raises CompileError, and ClickException for arguments that do not fit the game."""
     import sjdsl
 

@@ -94,7 +94,7 @@ def command(
 
     The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation.
     """
-    given = {"algorithm": algorithm, "reward": reward, "seed": seed, "seeds": seeds, "init_from": init_from}
+    given: dict[str, Any] = {"algorithm": algorithm, "reward": reward, "seed": seed, "seeds": seeds, "init_from": init_from}
     given["partners"] = ",".join(partners) or None
     known = {name: value for name, value in given.items() if value is not None}
     if distributed:
@@ -255,7 +255,7 @@ def join_processes() -> None:
         raise click.ClickException(f"cannot join the other processes: {error}; outside a cluster set {wanted}") from None
 
 
-def _choose(game: str | None, preset: str | None, changes: dict[str, str], needed: bool) -> tuple[str, dict[str, Any], "Config"]:
+def _choose(game: str | None, preset: str | None, changes: dict[str, Any], needed: bool) -> tuple[str, dict[str, Any], "Config"]:
     """Returns the game, the preset's other arguments of its environment, and the configuration."""
     from sjdsl.trainers import load_preset, make_config
 

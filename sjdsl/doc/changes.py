@@ -1,6 +1,6 @@
 """One change between two games, and comparisons of lists of lines and of tables by name."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Any
@@ -34,8 +34,9 @@ class Section:
     changes: tuple[Change, ...]
 
 
-def by_name(old: Mapping[str, Any], new: Mapping[str, Any], unit: str = "") -> list[Change]:
-    """Returns what is added, removed and different, in the order of the old names, then the new ones."""
+def by_name(sides: Iterable[Mapping[str, Any]], unit: str = "") -> list[Change]:
+    """Returns what is added, removed and different of an old and a new mapping, in the order of the old names, then the new ones."""
+    old, new = sides
     names = [*old, *(name for name in new if name not in old)]
     return [Change(name, old.get(name), new.get(name), unit=unit) for name in names if old.get(name) != new.get(name)]
 

@@ -1,7 +1,7 @@
 """The English of `define`s: each is explained once, with placeholders for its free variables."""
 
 from collections.abc import Iterator
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from sjdsl.compiler import ir
 from sjdsl.doc.conditions import condition
@@ -84,9 +84,9 @@ def generalised(node: ir.Named) -> tuple[ir.Expr, list[tuple[ir.Member | ir.Loca
 
 def renamed(node: N, names: dict[str, str]) -> N:
     """Returns a part of the rules with variables called differently."""
+    changed: dict[str, Any] = {}
     if isinstance(node, ir.Member | ir.Local) and node.name in names:
-        return node.model_copy(update={"name": names[node.name]})
-    changed = {}
+        changed["name"] = names[node.name]
     for name in ir.inner_fields(type(node)):
         old = getattr(node, name)
         if isinstance(old, ir.Node):

@@ -48,28 +48,31 @@ def differences(old: Written, new: Written) -> tuple[Section, ...]:
 def _description(old: ir.Game, new: ir.Game) -> list[Change]:
     about = [{"name": g.name, "title": g.title, **dict(g.about)} for g in (old, new)]
     cites = [{f"source {i}": text for i, text in enumerate(g.cites, 1)} for g in (old, new)]
-    return [*by_name(*about), *by_name(*cites)]
+    return [*by_name(about), *by_name(cites)]
 
 
 def _numbers(old: Written, new: Written) -> list[Change]:
     """Returns numbers with another default, entry by entry; other units, limits, and whether they are fixed when compiled."""
-    mine, theirs = ({n.name: n for n in (*w.game.sizes, *w.game.params)} for w in (old, new))
+    mine, theirs = _declared(old.game), _declared(new.game)
     found: list[Change] = []
-    for name in [*mine, *(n for n in theirs if n not in mine)]:
+    for name in mine | theirs:
         a, b = mine.get(name), theirs.get(name)
-        if a is None or b is None:
-            (one, w) = (a, old) if b is None else (b, new)
-            shown = f"{table_value(one.value, one.type.by)} (may be {limits_of(one, w)})"
-            found.append(_only(name, one.value, shown, unit_of(one), gone=b is None))
-            continue
-        found += by_name(_entries(name, a), _entries(name, b), unit_of(b))
-        facts = [{f"{name}, {key}": text for key, text in _facts(n, w).items()} for n, w in ((a, old), (b, new))]
-        found += by_name(*facts)
+        if a and b:
+            found += by_name((_entries(name, a), _entries(name, b)), unit_of(b))
+            found += by_name({f"{name}, {key}": text for key, text in _facts(n, w).items()} for n, w in ((a, old), (b, new)))
+        elif a:
+            found.append(Change(name, old=a.value, shown=(_shown(a, old), ""), unit=unit_of(a)))
+        elif b:
+            found.append(Change(name, new=b.value, shown=("", _shown(b, new)), unit=unit_of(b)))
     return found
 
 
-def _only(what: str, value: Any, shown: str, unit: str, gone: bool) -> Change:
-    return Change(what, old=value, shown=(shown, ""), unit=unit) if gone else Change(what, new=value, shown=("", shown), unit=unit)
+def _declared(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
+    return {s.name: s for s in game.sizes} | {p.name: p for p in game.params}
+
+
+def _shown(declared: ir.Size | ir.Param, w: Written) -> str:
+    return f"{table_value(declared.value, declared.type.by)} (may be {limits_of(declared, w)})"
 
 
 def _facts(declared: ir.Size | ir.Param, w: Written) -> dict[str, str]:
@@ -91,13 +94,12 @@ def _flat(name: str, value: Any, by: tuple[tuple[str, ...], ...]) -> list[tuple[
 def _map(old: ir.Game, new: ir.Game) -> list[Change]:
     sizes = [f"{len(g.rows)} rows of {len(g.rows[0])} cells" for g in (old, new)]
     cells = [_cells(g) for g in (old, new)]
-    found = by_name(*({"size": size} for size in sizes))
-    found += by_name(
-        *({f"cells of {what}": count for what, count in Counter(kind for row in rows for kind in row).items()} for rows in cells)
-    )
+    found = by_name({"size": size} for size in sizes)
+    counts = [Counter(kind for row in rows for kind in row) for rows in cells]
+    found += by_name({f"cells of {what}": number for what, number in count.items()} for count in counts)
     if sizes[0] == sizes[1]:
         same = sum(a == b for rows in zip(*cells, strict=True) for a, b in zip(*rows, strict=True))
-        found += by_name(*({"cells of the same kind and state": n} for n in (sum(map(len, cells[0])), same)))
+        found += by_name({"cells of the same kind and state": n} for n in (sum(map(len, cells[0])), same))
     return found
 
 
@@ -109,11 +111,11 @@ def _cells(game: ir.Game) -> list[list[str]]:
 
 def _agents(a: Vocabulary, b: Vocabulary) -> list[Change]:
     old, new = a.game.agents, b.game.agents
-    found = by_name({"number of agents": old.number}, {"number of agents": new.number})
+    found = by_name({"number of agents": g.number} for g in (old, new))
     numbers = [{f"action {name}": i for i, name in enumerate(g.actions)} for g in (old, new)]
-    found += by_name(*numbers)
+    found += by_name(numbers)
     if any(v.has(ir.Move) for v in (a, b)):
-        found += by_name({"moves": FRAMES[old.relative]}, {"moves": FRAMES[new.relative]})
+        found += by_name({"moves": FRAMES[g.relative]} for g in (old, new))
     found += _lines("fields", old.fields, new.fields)
     return found + texts("forbidden actions", forbidden(a), forbidden(b))
 
@@ -124,13 +126,13 @@ def _lines(what: str, old: tuple[ir.VarField, ...], new: tuple[ir.VarField, ...]
 
 def _kinds(a: Vocabulary, b: Vocabulary) -> list[Change]:
     old, new = ({k.name: k for k in v.game.kinds} for v in (a, b))
-    found: list[Change] = by_name(*({f"kind {name}": f"glyph {k.glyph}" for name, k in kinds.items()} for kinds in (old, new)))
+    found: list[Change] = by_name({f"kind {name}": f"glyph {k.glyph}" for name, k in kinds.items()} for kinds in (old, new))
     for name in [*old, *(n for n in new if n not in old)]:
         lines = [[*blocking(k[name], v), *map(field_line, k[name].fields)] if name in k else [] for k, v in ((old, a), (new, b))]
         found += texts(name, *lines)
     glyphs = [{f"glyph {g.glyph}": f"{g.kind} {starts(g, v.game)}".strip() for g in v.game.glyphs} for v in (a, b)]
     groups = [{f"group {name}": ", ".join(kinds) for name, kinds in v.game.groups} for v in (a, b)]
-    return [*found, *by_name(*glyphs), *by_name(*groups)]
+    return [*found, *by_name(glyphs), *by_name(groups)]
 
 
 def _shapes(a: Vocabulary, b: Vocabulary) -> list[Change]:
@@ -153,7 +155,7 @@ def _turn(turn: ir.Turn, v: Vocabulary) -> tuple[Line, ...]:
 def _observation(a: Vocabulary, b: Vocabulary) -> list[Change]:
     sides = [{f"window {side}": getattr(v.game.window, side) for side in ("ahead", "behind", "left", "right")} for v in (a, b)]
     unseen = [[Line(text) for text in unseen_fields(v.game)] for v in (a, b)]
-    return [*by_name(*sides, unit="cells"), *texts("seen", seen(a), seen(b)), *texts("not seen", *unseen)]
+    return [*by_name(sides, unit="cells"), *texts("seen", seen(a), seen(b)), *texts("not seen", *unseen)]
 
 
 def _metrics(v: Vocabulary) -> list[Line]:

@@ -5,7 +5,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import code, codes, number, variable
+from sjdsl.doc.wording import code, codes, number, table_value, variable
 
 SIGNS = {"+": "+", "-": "-", "*": "×", "/": "÷"}
 ATOMS = (ir.Number, ir.Word, ir.Nobody, ir.ParamRef, ir.Member, ir.Local, ir.FieldRead, ir.Attribute, ir.Step, ir.SumRow, ir.EventTotal)
@@ -116,8 +116,7 @@ def _is_simple_entry(e: ir.Expr) -> bool:
 def _parameter(e: ir.ParamRef, v: Vocabulary) -> str:
     if e.type.by or e.name not in v.numbers:
         return code(e.name)
-    default = v.numbers[e.name].value
-    return f"{code(e.name)} ({code(default) if isinstance(default, str) else number(default)})"
+    return f"{code(e.name)} ({table_value(v.numbers[e.name].value, ())})"
 
 
 def entry(e: ir.At, v: Vocabulary, default: str = "") -> str:

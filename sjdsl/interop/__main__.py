@@ -26,8 +26,7 @@ def run_script(script: Path, arguments: Sequence[str]) -> None:
     checkouts = [parent for parent in (folder, *folder.parents) if any((parent / name).is_dir() for name in ROOTS)]
     for place in (*checkouts[:1], folder):
         sys.path.insert(0, str(place))
-    if not hasattr(jax, "tree_map"):
-        jax.tree_map = jax.tree.map
+    vars(jax).setdefault("tree_map", jax.tree.map)
     reason = socialjax_modules.stand_in()
     if reason is not None:
         print(f"note: the package socialjax cannot be imported ({reason}); its wrappers are ours", file=sys.stderr)

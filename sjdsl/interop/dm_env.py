@@ -88,7 +88,7 @@ class Substrate(dm_env.Environment):
         """Returns the events of the last step: names, each with the player's number (None for those of no player) and how often."""
         return list(self._events)
 
-    def observation_spec(self) -> list[Mapping[str, specs.Array]]:  # type: ignore[override]
+    def observation_spec(self) -> list[Mapping[str, specs.Array]]:
         """Returns the specs of each player's observation."""
         rows, cols = self.env.observation_shape[2:]
         tile = self._look.tile
@@ -100,11 +100,11 @@ class Substrate(dm_env.Environment):
         spec["WORLD.RGB"] = specs.Array(board, np.uint8, "WORLD.RGB")
         return [dict(spec) for _ in range(self.env.num_agents)]
 
-    def action_spec(self) -> list[specs.DiscreteArray]:  # type: ignore[override]
+    def action_spec(self) -> list[specs.DiscreteArray]:
         """Returns the spec of each player's action."""
         return [specs.DiscreteArray(self.env.num_actions, np.int64, "action") for _ in range(self.env.num_agents)]
 
-    def reward_spec(self) -> list[specs.Array]:  # type: ignore[override]
+    def reward_spec(self) -> list[specs.Array]:
         """Returns the spec of each player's reward."""
         return [specs.Array((), np.float64, "REWARD") for _ in range(self.env.num_agents)]
 
@@ -119,7 +119,7 @@ class Substrate(dm_env.Environment):
         snapshot = take_snapshot(self.env, self._state, rewards)
         board = draw_board(self._look, snapshot, self._tiles)
         windows = draw_windows(board, snapshot, self.env.game.window, self._look.tile)
-        ready = np.asarray(self.env.allowed_actions(self._state))[:, self._own_actions].all(axis=1)
+        ready = np.all(np.asarray(self.env.allowed_actions(self._state))[:, self._own_actions], axis=1)
         collective = np.array(rewards.sum())
         observations = []
         for player, window in enumerate(windows):

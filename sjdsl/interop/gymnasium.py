@@ -7,6 +7,7 @@ import numpy as np
 from sjdsl.games_folder import bundled
 from sjdsl.interop.missing import needs
 from sjdsl.interop.slots import Autoreset, Slots, SlotStep
+from sjdsl.runtime.env import Encoding
 
 with needs("gymnasium"):
     import gymnasium
@@ -38,7 +39,7 @@ class VectorGame(VectorEnv):
         self,
         game: str,
         num_envs: int = 1,
-        observation: str = "onehot",
+        observation: Encoding = "onehot",
         common_reward: bool = False,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         **arguments: Any,

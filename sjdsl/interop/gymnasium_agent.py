@@ -10,7 +10,7 @@ import numpy as np
 from sjdsl.factory import make
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
-from sjdsl.runtime.env import Environment
+from sjdsl.runtime.env import Encoding, Environment
 from sjdsl.runtime.policy import UNTRAINED, Policy, take_actions, with_memory
 
 with needs("gymnasium"):
@@ -38,7 +38,7 @@ class AgentGame(gymnasium.Env):
         game: str,
         agent: int = 0,
         others: str | PathLike[str] | Policy = "random",
-        observation: str = "onehot",
+        observation: Encoding = "onehot",
         render_mode: str | None = None,
         **arguments: Any,
     ) -> None:
@@ -102,7 +102,7 @@ class AgentGame(gymnasium.Env):
         self._over = terminated or truncated
         if self.render_mode == "human":
             self.render()
-        infos = {name: int(count) for name, count in info["events"].items()}
+        infos: dict[str, Any] = {name: int(count) for name, count in info["events"].items()}
         infos |= {"action_mask": np.array(info["action_mask"]), "rewards": paid}
         return np.array(observation), float(paid[self.agent]), terminated, truncated, infos
 

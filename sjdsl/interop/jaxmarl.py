@@ -17,6 +17,7 @@ with needs("jaxmarl"):
     from jaxmarl.environments.multi_agent_env import MultiAgentEnv, State
 
 from sjdsl.interop.jaxmarl_registry import register
+from sjdsl.runtime.env import Encoding
 
 ByAgent = dict[str, Array]
 
@@ -41,7 +42,7 @@ class JaxMARLGame(MultiAgentEnv):
     def __init__(
         self,
         game: str,
-        observation: Literal["onehot", "tokens"] = "onehot",
+        observation: Encoding = "onehot",
         flat: bool = True,
         world_state: Literal["observations", "state"] | None = None,
         common_reward: bool = False,

@@ -47,7 +47,7 @@ def save_minari(dataset: Dataset, dataset_id: str) -> minari.MinariDataset:
         warnings.filterwarnings("ignore", module="minari")  # of an author and a link, which nobody gave
         return minari.create_dataset_from_buffers(
             dataset_id,
-            _buffers(dataset, env.num_agents),  # type: ignore[arg-type]  # one at a time
+            _buffers(dataset, env.num_agents),  # one at a time
             env=spec,
             algorithm_name=header.policy,
             description=f"{made_of}; rules {header.hash}, seeds from {header.seed}",
@@ -85,10 +85,10 @@ def _buffer(episode: Episode, number: int, agent: int, place: int) -> EpisodeBuf
         id=place,
         seed=episode.seed,
         options={"agent": agent, "episode": number},
-        observations=np.ascontiguousarray(np.moveaxis(episode.observations[:, agent], 1, -1)),  # type: ignore[arg-type]
-        actions=episode.actions[:, agent].astype(np.int64),  # type: ignore[arg-type]
-        rewards=episode.rewards[:, agent].astype(np.float64),  # type: ignore[arg-type]
-        terminations=last & episode.terminated,  # type: ignore[arg-type]
-        truncations=last & episode.truncated,  # type: ignore[arg-type]
+        observations=np.ascontiguousarray(np.moveaxis(episode.observations[:, agent], 1, -1)),
+        actions=episode.actions[:, agent].astype(np.int64),
+        rewards=episode.rewards[:, agent].astype(np.float64),
+        terminations=last & episode.terminated,
+        truncations=last & episode.truncated,
         infos=padded,
     )

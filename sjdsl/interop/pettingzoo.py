@@ -10,6 +10,7 @@ from sjdsl.factory import make
 from sjdsl.games_folder import bundled
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
+from sjdsl.runtime.env import Encoding
 
 with needs("pettingzoo"):
     from gymnasium import spaces
@@ -28,7 +29,7 @@ class ParallelGame(ParallelEnv):
 
     metadata = {"name": "sjdsl_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
 
-    def __init__(self, game: str, render_mode: str | None = None, observation: str = "onehot", **arguments: Any) -> None:
+    def __init__(self, game: str, render_mode: str | None = None, observation: Encoding = "onehot", **arguments: Any) -> None:
         """Makes the environment.
 
         Args:
@@ -61,7 +62,7 @@ class ParallelGame(ParallelEnv):
         """Returns the same object at each call."""
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: dict | None = None) -> tuple[dict[str, np.ndarray], Figures]:
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, np.ndarray], Figures]:
         """Starts an episode. The same seed gives the same episode under the same actions; without one, the draws go on."""
         del options
         if seed is not None:

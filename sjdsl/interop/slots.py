@@ -6,8 +6,10 @@ from typing import Any, Literal
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
 from sjdsl.factory import make
+from sjdsl.runtime.env import Encoding
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Slots:
         self,
         game: str,
         num_envs: int,
-        observation: str = "onehot",
+        observation: Encoding = "onehot",
         common_reward: bool = False,
         autoreset: Autoreset = "same step",
         **arguments: Any,
@@ -127,7 +129,10 @@ class Slots:
         ended = np.asarray(info["terminated"] | info["truncated"])
         if not same:
             self._over = ended
-        spread = lambda values: np.repeat(np.asarray(values), self.num_agents)  # noqa: E731
+
+        def spread(values: Any) -> np.ndarray:
+            return np.repeat(np.asarray(values), self.num_agents)
+
         return SlotStep(
             observations=self._slots(observation),
             rewards=np.array(reward).reshape(-1),  # a copy: Stable-Baselines3 adds to it
@@ -147,7 +152,7 @@ class Slots:
         parted = by_env.any(axis=1) & ~by_env.all(axis=1)
         if parted.any():
             raise ValueError(f"only some agents of environment {parted.argmax()} are to be reset; they begin an episode together")
-        return by_env.all(axis=1)
+        return np.all(by_env, axis=1)
 
     def _final(self, states: Any, ended: np.ndarray) -> dict[int, np.ndarray]:
         """Returns the last observations of the environments that have ended; observed only then."""
@@ -177,7 +182,10 @@ class Slots:
 
         seen, state = jax.lax.cond(begins.any(), with_fresh, lambda: (observation, stepped))
         reward, info = self._outcome(reward, info)
-        quiet = lambda leaf: _where(begins, jnp.zeros_like(leaf), leaf)  # noqa: E731
+
+        def quiet(leaf: Array) -> Array:
+            return _where(begins, jnp.zeros_like(leaf), leaf)
+
         info = {"events": info["events"], "terminated": info["terminated"], "truncated": info["truncated"]}
         return key, seen, state, quiet(reward), {**jax.tree.map(quiet, info), "terminal_state": state}
 

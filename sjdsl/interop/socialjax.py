@@ -1,7 +1,7 @@
 """SocialJax adapter: compiled games under the released suite's names, with its calls, scales and orders."""
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -119,7 +119,7 @@ class SocialJaxGame:
         observation, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
-        made = made.replace(outer_t=jnp.where(over, 0, made.outer_t))
+        made = replace(made, outer_t=jnp.where(over, 0, made.outer_t))
         if reset_state is not None:
             made = jax.tree.map(lambda new, old: jnp.where(over, new, old), reset_state, made)
             observation = self.env.observe(made.game)
@@ -133,7 +133,7 @@ class SocialJaxGame:
         _, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
-        made = made.replace(game=jax.tree.map(lambda last, new: jnp.where(over, last, new), info["terminal_state"], game))
+        made = replace(made, game=jax.tree.map(lambda last, new: jnp.where(over, last, new), info["terminal_state"], game))
         return self._observation(self.env.observe(made.game)), made, *self._results(reward, over, info, actions, timestep)
 
     def get_obs(self, state: State) -> Array:
@@ -164,7 +164,7 @@ class SocialJaxGame:
         return channels.reshape(self.num_agents, -1) if self._flat else channels
 
     def _results(
-        self, raw: Array, done: Array, info: dict, actions: Any, timestep: Any
+        self, raw: Array, done: Array, info: dict[str, Any], actions: Any, timestep: Any
     ) -> tuple[Array, dict[str, Array], dict[str, Array]]:
         rewards, further = self._rewards(raw, timestep)
         infos = {"original_rewards": self._scale * raw, "shaped_rewards": rewards, **further}

@@ -39,7 +39,9 @@ class LogWrapper:
         return observation, LogState(state, *[jnp.zeros(self._env.num_agents)] * 6)
 
     @partial(jax.jit, static_argnums=(0,))
-    def step(self, key: Array, state: LogState, actions: Any, timestep: Any = 0) -> tuple[Array, LogState, Array, dict, dict]:
+    def step(
+        self, key: Array, state: LogState, actions: Any, timestep: Any = 0
+    ) -> tuple[Array, LogState, Array, dict[str, Any], dict[str, Any]]:
         """As the environment's."""
         observation, inner, reward, done, info = self._env.step(key, state.env_state, actions, timestep)
         over = done["__all__"]

@@ -27,24 +27,23 @@ def stand_in() -> str | None:
         _make_modules()
         absent = isinstance(error, ModuleNotFoundError) and error.name == PACKAGE
         return None if absent else f"{type(error).__name__}: {error}"
-    suite.make = socialjax.make
-    suite.registered_envs = socialjax.registered_envs
+    vars(suite).update(make=socialjax.make, registered_envs=socialjax.registered_envs)
     return None
 
 
 def _make_modules() -> None:
-    package = _module(PACKAGE, make=socialjax.make, registered_envs=socialjax.registered_envs)
-    package.wrappers = _module(f"{PACKAGE}.wrappers")
-    package.wrappers.baselines = _module(f"{PACKAGE}.wrappers.baselines", **{name: getattr(socialjax, name) for name in WRAPPERS})
-    package.environments = _module(f"{PACKAGE}.environments")
     box, discrete = spaces.space_classes()
-    package.environments.spaces = _module(f"{PACKAGE}.environments.spaces", Box=box, Discrete=discrete, MultiDiscrete=spaces.MultiDiscrete)
+    baselines = _module(f"{PACKAGE}.wrappers.baselines", **{name: getattr(socialjax, name) for name in WRAPPERS})
+    shapes = _module(f"{PACKAGE}.environments.spaces", Box=box, Discrete=discrete, MultiDiscrete=spaces.MultiDiscrete)
+    wrappers = _module(f"{PACKAGE}.wrappers", baselines=baselines)
+    environments = _module(f"{PACKAGE}.environments", spaces=shapes)
+    _module(PACKAGE, make=socialjax.make, registered_envs=socialjax.registered_envs, wrappers=wrappers, environments=environments)
 
 
 def _module(name: str, **content: object) -> ModuleType:
     """Returns a module of a name, which `import` finds from now on."""
     made = ModuleType(name, f"Stands in for the module {name} of SocialJax.")
-    made.__path__ = []  # type: ignore[attr-defined]  # a package: its parts are imported by their full names
+    made.__path__ = []  # a package: its parts are imported by their full names
     made.__dict__.update(content)
     sys.modules[name] = made
     return made

@@ -20,6 +20,7 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     index = {name: number for number, name in enumerate(env.channel_names)}
     turned = TURNED if entry.headings == "left first" else (TURNED[0], TURNED[3], TURNED[2], TURNED[1])
     headings = [f"agent: other {name}" for name in turned]
+    others: list[Source] = ["agent: self", headings, *headings]
     rest = [source for sources in entry.rest for source in _one_by_one(sources, env.num_agents)]
 
     def any_of(observation: Array, source: Source) -> Array:
@@ -29,7 +30,7 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     def channels(observation: Array) -> Array:
         bare = observation[:, index["agent: none"]]
         tiles = [any_of(observation, source) * bare for source in entry.tiles]
-        agents = [any_of(observation, source) for source in ("agent: self", headings, *headings)]
+        agents = [any_of(observation, source) for source in others]
         further = [any_of(observation, source) for source in rest]
         return jnp.stack([plane.astype(jnp.float32) for plane in (*tiles, *agents, *further)], axis=-1)
 

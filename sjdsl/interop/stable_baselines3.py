@@ -7,6 +7,7 @@ import numpy as np
 
 from sjdsl.interop.missing import needs
 from sjdsl.interop.slots import Slots
+from sjdsl.runtime.env import Encoding
 
 with needs("sb3"):
     from gymnasium import spaces
@@ -21,7 +22,9 @@ class VecGame(VecEnv):
     info has `terminal_observation` and `TimeLimit.truncated`, from which Stable-Baselines3 bootstraps. Rewards are raw.
     """
 
-    def __init__(self, game: str, num_envs: int = 1, observation: str = "onehot", common_reward: bool = False, **arguments: Any) -> None:
+    def __init__(
+        self, game: str, num_envs: int = 1, observation: Encoding = "onehot", common_reward: bool = False, **arguments: Any
+    ) -> None:
         """Makes the environments.
 
         Args:
@@ -40,7 +43,7 @@ class VecGame(VecEnv):
     def reset(self) -> np.ndarray:
         """Starts all episodes; a seed given before by `seed` holds once."""
         seed, self._seed = self._seed, None
-        self.reset_infos = [{} for _ in range(self.num_envs)]
+        self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         return self._slots.reset(seed)
 
     def step_async(self, actions: np.ndarray) -> None:

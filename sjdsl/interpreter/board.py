@@ -82,10 +82,10 @@ def _glyph_kinds(game: ir.Game) -> dict[str, str]:
 
 def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
     pools: dict[Pool, ir.Send] = {}
-    for turn in (game.start, *game.schedule):
-        for node in ir.walk(turn) if isinstance(turn, ir.Phase) else ():
+    for phase in (turn for turn in (game.start, *game.schedule) if isinstance(turn, ir.Phase)):
+        for node in ir.walk(phase):
             if isinstance(node, ir.Send):
-                pool = Pool(turn.name, node.pool)
+                pool = Pool(phase.name, node.pool)
                 first = pools.setdefault(pool, node)
                 assert printer.domain(first.domain) == printer.domain(node.domain), f"{pool} is split"
                 assert first.order_stream == node.order_stream, f"{pool} is split"

@@ -42,7 +42,7 @@ def own_number(domain: ir.Domain, member: Found, board: Board) -> int:
     if domain.var.who == "agent":
         assert isinstance(member.member, int)
         return member.member
-    return cells_of(board, domain.var.kinds).index(member.member)  # type: ignore[arg-type]
+    return cells_of(board, domain.var.kinds).index(member.member)
 
 
 def found(domain: ir.Domain, here: Instance) -> list[Found]:

@@ -136,7 +136,7 @@ def _word(sight: ir.Sight, here: Instance) -> str:
     for label in sight.labels:
         if label.condition is None or evaluate(label.condition, here):
             return label.name
-    return evaluate(_read(sight, here.board), here)
+    return str(evaluate(_read(sight, here.board), here))
 
 
 def _is_hidden(sight: ir.Sight, here: Instance) -> bool:

@@ -69,7 +69,8 @@ def content_labels(game: ir.Game) -> tuple[str, ...]:
     Outside the map, then every visible state of every kind, first field slowest; then what kinds that are shown as a whole look like beside,
     and how a cell looks that an agent covers.
     """
-    labels, others = [OUTSIDE], []
+    labels = [OUTSIDE]
+    others: list[str] = []
     for kind in game.kinds:
         whole = look_of(game, kind.name)
         if whole is not None:

@@ -34,9 +34,9 @@ def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
     number = 0
     for offsets in shape.lanes:
         lane: list[Seen] = []
-        open_ = place is not None
+        open_ = True
         for ahead, right in offsets:
-            if open_:
+            if open_ and place is not None:
                 cell = cell_at(place, heading, ahead, right)
                 if cell in here.board.kind_of:
                     lane.append(Seen(cell, number))

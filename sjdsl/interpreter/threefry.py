@@ -68,12 +68,12 @@ class Near(NamedTuple):
 
 
 class Chosen(NamedTuple):
-    """A word that chose one of several. `left`: what there was to choose from, in order; `index`: of the one taken."""
+    """A word that chose one of several. `left`: what there was to choose from, in order; `taken`: the number of the one chosen."""
 
     stream: int
     number: int
     left: tuple[Any, ...]
-    index: int
+    taken: int
 
 
 @dataclass

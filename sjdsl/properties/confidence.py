@@ -16,7 +16,7 @@ def least_share(trials: int) -> float:
 
     Source: Clopper and Pearson 1934, one-sided, all trials successes: share^n = 5%.
     """
-    return (1 - CONFIDENCE) ** (1 / trials)
+    return math.pow(1 - CONFIDENCE, 1 / trials)
 
 
 def mean_and_half(values: Sequence[float]) -> tuple[float, float]:

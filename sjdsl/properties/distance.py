@@ -205,7 +205,10 @@ class Distances:
             cells = precondition.cells_for(gathered, self._game, self._world, bound)
             joined = [w for w in self._preconditions if w.joins is not None and w.writes & set(reads(gathered))]
             self._joins[key] = [
-                (w, w.joins, o) for w in joined if w.joins for o in ([(w.owner, c) for c in cells] if w.owner in w.cells else [None])
+                (w, w.joins, o)
+                for w in joined
+                if w.joins
+                for o in ([(w.owner, c) for c in cells] if w.owner is not None and w.owner in w.cells else [None])
             ]
         return self._joins[key]
 

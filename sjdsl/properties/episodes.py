@@ -90,7 +90,7 @@ class Player:
         env, lowered = self.env, self._lowered
         names = [(e.name, w, f"{e.name}[{w}]" if w else e.name) for e in env.game.events for w in e.by or (None,)]
 
-        def read(state: Any, totals: dict[str, Array]) -> Array:
+        def read(state: Any, totals: dict[str, Array]) -> Any:
             return lowered.values(state, with_totals(env.params, _read_totals(lowered, totals, env.game)))
 
         def advance(carry: Any, t: Array) -> Any:

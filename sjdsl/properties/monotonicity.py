@@ -56,8 +56,8 @@ def _atoms(e: ir.Node, game: ir.Game) -> set[str]:
     """Returns the texts of the largest parts that read the state."""
     if _is_fixed(e, game):
         return set()
-    if isinstance(e, READING) or not isinstance(e, ir.Expression):
-        return {text(e)}  # type: ignore[arg-type]
+    if ir.is_expression(e) and isinstance(e, READING):
+        return {text(e)}
     return {atom for child in ir.children(e) for atom in _atoms(child, game)}
 
 

@@ -223,7 +223,7 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precond
                 actions[name] = tuple(dict.fromkeys((*actions.get(name, ()), e.action)))
             case ir.StandsOn(agent=ir.Member(name=name)):
                 on[name] = e.kinds
-            case _ if isinstance(e, ir.Expression) and e.type.kind == "condition" and not _is_open(e):  # type: ignore[attr-defined]
+            case _ if ir.is_expression(e) and e.type.kind == "condition" and not _is_open(e):
                 tests.append((frozenset(n.name for n in ir.walk(e) if isinstance(n, ir.Member)) - _bound(e), e))
             case _:
                 pass

@@ -8,8 +8,11 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from sjdsl.compiler import ir
+from sjdsl.properties.biased_draws import Bias
 from sjdsl.properties.trajectory import Scenario
 
+GOOD: tuple[Bias, ...] = ("good",)
+BAD: tuple[Bias, ...] = ("bad",)
 SHORT = 5  # steps of a counterexample on which more is tried
 SHORTCUTS = 3  # replaced actions are tried in the first so many steps, where agents get into place
 SEEDS = 6  # seeds tried for each change of the layout
@@ -90,7 +93,7 @@ def _quieter(scenario: Scenario, stay: int) -> Iterator[Scenario]:
     for length in sorted({1, 2, len(still) // 2, len(still) - 1} - {0, -1}):
         yield replace(scenario, actions=still[:length], bias=scenario.bias[:length])
         yield replace(scenario, actions=scenario.actions[-length:], bias=scenario.bias[-length:])
-        yield replace(scenario, actions=scenario.actions[:length], bias=("good",) * length)
+        yield replace(scenario, actions=scenario.actions[:length], bias=GOOD * length)
     yield replace(scenario, actions=still)
 
 
@@ -125,7 +128,7 @@ def _without_a_step(scenario: Scenario, seeds: Iterable[int]) -> Iterator[Scenar
         shorter = replace(
             scenario, actions=scenario.actions[:t] + scenario.actions[t + 1 :], bias=scenario.bias[:t] + scenario.bias[t + 1 :]
         )
-        late = replace(shorter, bias=("bad",) * (len(shorter.bias) - 1) + ("good",))
+        late = replace(shorter, bias=(*BAD * (len(shorter.bias) - 1), *GOOD))
         yield from (replace(one, seed=seed) for seed in seeds for one in (shorter, late))
 
 

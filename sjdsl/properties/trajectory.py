@@ -77,17 +77,9 @@ class Trajectory:
     def cut(self, steps: int) -> "Trajectory":
         """Returns the trajectory up to the state after so many steps."""
         known = {check: values[: steps + 1] for check, values in self.known.items()}
-        lists = (self.actions, self.outcomes, self.features)
-        return Trajectory(
-            self.game,
-            self.params,
-            self.worlds[: steps + 1],
-            self.totals[: steps + 1],
-            *(x[:steps] for x in lists),
-            self.start_features,
-            None,
-            known,
-        )
+        actions, outcomes, features = self.actions[:steps], self.outcomes[:steps], self.features[:steps]
+        worlds, totals = self.worlds[: steps + 1], self.totals[: steps + 1]
+        return Trajectory(self.game, self.params, worlds, totals, actions, outcomes, features, self.start_features, None, known)
 
     def _read(self, check: ir.Check, world: World, totals: Totals) -> tuple[Any, ...]:
         return tuple(read(self.game, world, e, totals) for e in check.values)

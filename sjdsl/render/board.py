@@ -27,8 +27,8 @@ def draw_board(look: Look, snapshot: Snapshot, tiles: Tiles) -> np.ndarray:
                 tiles[kind.name, key] = draw_tile(draw_cell(kind, key), size)
         board[kind.rows, :, kind.cols] = np.stack([tiles[kind.name, key] for key in keys])[tile_of]
     for _, attribute, colour in look.marks:
-        row, col = np.nonzero(snapshot.marked(attribute, look))
-        board[row, :, col] = tinted(board[row, :, col], colour, TINT)
+        rows, cols = np.nonzero(snapshot.marked(attribute, look))
+        board[rows, :, cols] = tinted(board[rows, :, cols], colour, TINT)
     for figure in draw_figures(look, snapshot.values, snapshot.heading, snapshot.held):
         row, col = int(snapshot.row[figure.number]), int(snapshot.col[figure.number])
         if 0 <= row < look.height and 0 <= col < look.width:

@@ -62,7 +62,7 @@ def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
             return values.astype(int) + 1
         case _:
             counts = values.reshape(len(values), -1).sum(axis=1)
-    return np.clip(np.ceil(counts / field.full * BAR_STEPS), 0, BAR_STEPS).astype(int)
+    return np.asarray(np.clip(np.ceil(counts / field.full * BAR_STEPS), 0, BAR_STEPS), int)
 
 
 def draw_cell(kind: KindLook, key: Key) -> Drawing:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # the screen draws before JAX is there
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
+Sort = Literal["shape", "tint", "edge", "bar"]
 Values = Mapping[str, np.ndarray]  # attribute of the state -> array
 
 
@@ -34,7 +35,7 @@ class FieldLook:
 
     name: str
     attribute: str
-    sort: Literal["shape", "tint", "edge", "bar"]
+    sort: Sort
     holds: Literal["word", "number", "agent", "agents"]
     words: tuple[str, ...] = ()
     colours: tuple[Colour, ...] = ()
@@ -197,7 +198,7 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLo
     attribute = f"{kind}_{field.name}"
     match field.type.kind:
         case "word":
-            sort = "shape" if _is_written(field.name, kind, game) else "tint"
+            sort: Sort = "shape" if _is_written(field.name, kind, game) else "tint"
             pictures = usual_words(field, is_taken(field.name, kind, game), shapes)
             words = field.type.words
             return FieldLook(field.name, attribute, sort, "word", words, colours_of(words), pictures)

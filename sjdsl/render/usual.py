@@ -67,9 +67,8 @@ def usual_words(field: ir.VarField, taken: bool, first: int = 0) -> tuple[Pictur
 def is_taken(name: str, kind: str, game: ir.Game) -> bool:
     """Returns whether agents change the field of the cell that they stand on."""
     for node in ir.walk(game):
-        domain = getattr(node, "domain", None)
-        if isinstance(node, ir.Each | ir.Pick | ir.First) and domain.on is not None and kind in domain.on.kinds:
-            cell = domain.on.name
+        if isinstance(node, ir.Each | ir.Pick | ir.First) and node.domain.on is not None and kind in node.domain.on.kinds:
+            cell = node.domain.on.name
             sets = (inner.target for inner in ir.walk(node) if isinstance(inner, ir.Set))
             if any(isinstance(t, ir.FieldRead) and t.name == name and getattr(t.owner, "name", "") == cell for t in sets):
                 return True

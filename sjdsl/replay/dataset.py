@@ -137,8 +137,9 @@ class Dataset:
             with zipfile.ZipFile(self.path) as file:
                 parts = {name: _read(file, place + name) for name in self._parts(place)}
             events = {name.removeprefix("events/"): parts.pop(name) for name in list(parts) if name.startswith("events/")}
-            ends = {name: bool(parts.pop(name)) for name in ("terminated", "truncated")}
-            return Episode(seed=int(parts.pop("seed")), observations=parts.pop("observations", None), events=events, **parts, **ends)
+            seed, terminated, truncated = int(parts.pop("seed")), bool(parts.pop("terminated")), bool(parts.pop("truncated"))
+            seen = parts.pop("observations", None)
+            return Episode(seed=seed, observations=seen, events=events, terminated=terminated, truncated=truncated, **parts)
         except (zipfile.BadZipFile, KeyError, ValueError, TypeError, OSError) as error:
             raise RecordingError(f"episode {number} of {self.path} cannot be read: {error}") from None
 

@@ -30,7 +30,7 @@ class Episode:
     @property
     def returns(self) -> np.ndarray:
         """`[N]` float64, the sum of each agent's rewards."""
-        return self.rewards.astype(np.float64).sum(axis=0)
+        return np.asarray(self.rewards.astype(np.float64).sum(axis=0))
 
     def recording(self, environment: Mapping[str, Any], game_hash: str) -> Recording:
         """Returns the episode as `sjdsl play --record` keeps one. `environment`: the arguments of `sjdsl.make`."""

@@ -1,6 +1,7 @@
 """The environment interface: reset, step and auto-reset of one compiled game, ready for `jit`, `vmap` and `scan`."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -17,6 +18,8 @@ from sjdsl.runtime.tokens import to_channels
 State = Any
 Params = Any
 Info = dict[str, Any]
+Step = Callable[..., tuple[Array, State, Array, Array, Info]]
+Encoding = Literal["tokens", "onehot"]  # of observations
 
 
 class Environment:
@@ -32,7 +35,7 @@ class Environment:
         read them, None where there is no compiler. Playing reads the module alone.
     """
 
-    def __init__(self, module: GameModule, params: Params, observation: str = "tokens", game: Any = None) -> None:
+    def __init__(self, module: GameModule, params: Params, observation: Encoding = "tokens", game: Any = None) -> None:
         """Raises ValueError for an observation that is neither `tokens` nor `onehot`."""
         if observation not in ("tokens", "onehot"):
             raise ValueError(f"observation is `tokens` or `onehot`, not {observation!r}")
@@ -40,11 +43,11 @@ class Environment:
         self.params = params
         self.observation = observation
         self.game = game
-        self.reset = jax.jit(self._reset)
-        self.step = jax.jit(self._step)
-        self.step_env = jax.jit(self._step_env)
-        self.observe = jax.jit(self._observe)
-        self._tokens = jax.jit(module.observe)  # one function of the program, however often a step observes
+        self.reset: Callable[..., tuple[Array, State]] = jax.jit(self._reset)
+        self.step: Step = jax.jit(self._step)
+        self.step_env: Step = jax.jit(self._step_env)
+        self.observe: Callable[..., Array] = jax.jit(self._observe)
+        self._tokens: Callable[..., Array] = jax.jit(module.observe)  # one function of the program, however often a step observes
 
     @property
     def name(self) -> str:

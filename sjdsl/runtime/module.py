@@ -28,6 +28,7 @@ class GameModule(Protocol):
     ROLE: str | None  # attribute of State with the agents' roles, if no step writes it
 
     default_params: Callable[[], Any]
+    initial_state: Callable[[], Any]  # all that is declared; nobody stands on the map
     reset: Callable[[Any, Array], Any]  # params, words -> state
     step: Callable[[Any, Array, Any, Array], tuple[Any, Any]]  # state, actions [N], params, words -> state, outcome
     observe: Callable[[Any, Any], Array]  # state, params -> [N, P, rows, columns] uint8

@@ -57,7 +57,7 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
     def batched(size: int, in_batched: list[bool], members: Array, key: Array) -> tuple[Array, bool]:
         axes = tuple(0 if batched else None for batched in in_batched)
         each = jax.vmap(chosen, in_axes=axes, axis_size=size)
-        only = jax.vmap(lambda members, _: _only(members), in_axes=axes, axis_size=size)
+        only: Callable[..., Array] = jax.vmap(lambda members, _: _only(members), in_axes=axes, axis_size=size)
         return lax.cond(_several(members), lambda: each(members, key), lambda: only(members, key)), True
 
     return picked(members, key), members != 0

@@ -68,7 +68,7 @@ def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
         both = [x if b else jnp.broadcast_to(x, (size, *x.shape)) for x, b in zip((plane, values), in_batched, strict=True)]
         if size < LARGE_BATCH:
             return jax.vmap(lambda plane, values: _scattered(plane, cells, values))(*both), True
-        return _from_runs(*both, constant, first), True
+        return _from_runs(both[0], both[1], constant, first), True
 
     return filled(plane, values)
 

@@ -25,7 +25,7 @@ class Compiled:
         """Begins the episode, with a step compiled. `params`: as the interpreter has them."""
         self._env, self._params, self._course = env, params, Course(env, seed)
         Course(env, seed).step([0] * env.num_agents)  # JAX compiles it now, not at the first key
-        self.frame = make_frame(env.game, self._world(), self._course.returns)
+        self.frame = make_frame(env.game, self._world(), self._course.returns.tolist())
 
     @property
     def seen(self) -> tuple[Any, Any]:
@@ -35,7 +35,7 @@ class Compiled:
         """Takes one step. `actions`: a number of the game for each agent."""
         moment = self._course.step(actions)
         self.frame = make_frame(
-            self._env.game, self._world(), self._course.returns, actions, moment.reward.tolist(), _totals(moment), moment.done
+            self._env.game, self._world(), self._course.returns.tolist(), actions, moment.reward.tolist(), _totals(moment), moment.done
         )
         return self.frame
 

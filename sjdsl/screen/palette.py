@@ -34,13 +34,14 @@ def oklab(colours: Iterable[Colour]) -> np.ndarray:
             ]
         )
     )
-    return cones @ np.array(
+    axes = np.array(
         [
             [0.2104542553, 1.9779984951, 0.0259040371],
             [0.7936177850, -2.4285922050, 0.7827717662],
             [-0.0040720468, 0.4505937099, -0.8086757660],
         ]
     )
+    return np.asarray(cones @ axes)
 
 
 def told_apart(wanted: Sequence[Colour], taken: Sequence[Colour] = ()) -> list[Colour]:

@@ -110,7 +110,7 @@ def policy_choice(env: Any, policy: Any, seed: int) -> Choose:
     def choose(number: int, player: Player) -> list[int]:
         nonlocal memory
         memory, actions = act(memory, jax.random.fold_in(key, number), *player.seen)
-        return actions.tolist()
+        return list(actions.tolist())
 
     return choose
 

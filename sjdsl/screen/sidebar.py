@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.columns import Columns
 from rich.style import Style
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from sjdsl.compiler import ir
@@ -17,9 +17,8 @@ from sjdsl.screen.palette import ink_on
 
 def score_table(game: ir.Game, looks: ScreenLooks, frame: Frame, own: int | None) -> Table:
     """Returns a line for each agent: what it did in the last step, what it got for it, what it has got so far."""
-    table = Table(box=None, padding=(0, 1, 0, 0), show_edge=False, header_style="dim")
-    for heading, justify in (("agent", "left"), ("did", "left"), ("reward", "right"), ("return", "right")):
-        table.add_column(heading, justify=justify)
+    heads = ("agent", "did", Column("reward", justify="right"), Column("return", justify="right"))
+    table = Table(*heads, box=None, padding=(0, 1, 0, 0), show_edge=False, header_style="dim")
     for number in range(game.agents.number):
         who = Text().append(*agent_letters(looks, frame.world, number, own, number in frame.held))
         who.append(_standing(frame, number, own))

@@ -12,11 +12,11 @@ from sjdsl.interpreter.step import action_mask
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.states import fields_of, stored_values
 
-CLOSE = {"rtol": 1e-6, "atol": 1e-6}
+CLOSE = 1e-6  # relative and absolute
 MANY = 12  # of longer lists only the entries that differ are shown
 
 
-def state_differences(env: Environment, state: Any, world: World, observation: Any, allowed: Any = None, close: dict = CLOSE) -> list[str]:
+def state_differences(env: Environment, state: Any, world: World, seen: Any, allowed: Any = None, close: float = CLOSE) -> list[str]:
     """Returns where two states differ: places, fields, timers, marks, who is away, what is seen and, if given, allowed."""
     game, (_, cols), pad = env.game, env.module.FRAME, env.module.PAD
     places = [(p // cols - pad, p % cols - pad) if p else None for p in np.asarray(state.position).tolist()]
@@ -33,21 +33,21 @@ def state_differences(env: Environment, state: Any, world: World, observation: A
         pairs.append(("away", np.asarray(state.away).tolist(), [a.ticks if a else 0 for a in world.away]))
     for phase in marking(game):
         cells = np.asarray(getattr(state, f"mark_{phase.name}", ())).tolist()
-        mine = {(cell // cols - pad, cell % cols - pad) for cell in cells if cell}
-        pairs.append((f"marks of {phase.label}", sorted(mine), sorted({(r, c) for name, r, c in world.marks if name == phase.name})))
+        marked = sorted({(cell // cols - pad, cell % cols - pad) for cell in cells if cell})
+        pairs.append((f"marks of {phase.label}", marked, sorted({(r, c) for name, r, c in world.marks if name == phase.name})))
     found = [shown(name, mine, theirs) for name, mine, theirs in pairs if mine != theirs]
     for declared in fields_of(game):
-        mine, theirs = np.asarray(getattr(state, attribute_name(declared))), np.asarray(stored_values(declared, world))
-        theirs = theirs if theirs.size else theirs.reshape(mine.shape)  # of no cells, a list does not tell the length of rows
-        same = np.allclose(mine, theirs, **close) if declared.type.kind == "real" else mine.tolist() == theirs.tolist()
+        stored, wanted = np.asarray(getattr(state, attribute_name(declared))), np.asarray(stored_values(declared, world))
+        wanted = wanted if wanted.size else wanted.reshape(stored.shape)  # of no cells, a list does not tell the length of rows
+        same = np.allclose(stored, wanted, rtol=close, atol=close) if declared.type.kind == "real" else stored.tolist() == wanted.tolist()
         if not same:
-            found.append(shown(attribute_name(declared), mine.tolist(), theirs.tolist()))
-    mine, theirs = np.asarray(observation), interpreter_view.observe(game, world)
-    if mine.shape != theirs.shape:
-        found.append(f"observations: {mine.shape} / {theirs.shape}")
-    elif not np.array_equal(mine, theirs):
-        where = [tuple(index) for index in np.argwhere(mine != theirs)[:5].tolist()]
-        found.append("observations at " + ", ".join(f"{index}: {mine[index]} / {theirs[index]}" for index in where))
+            found.append(shown(attribute_name(declared), stored.tolist(), wanted.tolist()))
+    seen, expected = np.asarray(seen), interpreter_view.observe(game, world)
+    if seen.shape != expected.shape:
+        found.append(f"observations: {seen.shape} / {expected.shape}")
+    elif not np.array_equal(seen, expected):
+        where = [tuple(index) for index in np.argwhere(seen != expected)[:5].tolist()]
+        found.append("observations at " + ", ".join(f"{index}: {seen[index]} / {expected[index]}" for index in where))
     return found
 
 
@@ -59,7 +59,7 @@ def shown(name: str, mine: Any, theirs: Any) -> str:
     return f"{name}: {mine} / {theirs}"
 
 
-def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], outcome: Outcome, close: dict = CLOSE) -> list[str]:
+def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], outcome: Outcome, close: float = CLOSE) -> list[str]:
     """Returns where rewards, events, metrics and endings of two steps differ."""
     pairs: list[tuple[str, Any, Any]] = [("reward", reward, outcome.reward)]
     for event in env.game.events:
@@ -70,4 +70,6 @@ def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], out
     pairs.append(("terminated", info["terminated"], outcome.terminated))
     pairs.append(("truncated", info["truncated"], outcome.truncated and not outcome.terminated))
     found = [(name, np.asarray(mine, np.float64), np.asarray(theirs, np.float64)) for name, mine, theirs in pairs]
-    return [f"{name}: {mine.tolist()} / {theirs.tolist()}" for name, mine, theirs in found if not np.allclose(mine, theirs, **close)]
+    return [
+        f"{n}: {mine.tolist()} / {theirs.tolist()}" for n, mine, theirs in found if not np.allclose(mine, theirs, rtol=close, atol=close)
+    ]

@@ -30,6 +30,7 @@ class Scene:
     def __init__(self, stage: "Stage", world: World, params: Mapping[str, Any], seed: int):
         self.stage, self.env, self.world = stage, stage.env, world
         self.seed, self._past = seed, ""
+        self._seen: tuple[np.ndarray, np.ndarray] | None = None
         self._set_params(params)
         self.state = compiled_state(stage.env, stage.compiled.blank, world)
         self.reward: list[float] = []
@@ -58,7 +59,7 @@ class Scene:
         return self
 
     def _set_params(self, changed: Mapping[str, Any]) -> None:
-        self._seen: tuple[np.ndarray, np.ndarray] | None = None
+        self._seen = None
         self._changed, self._numbers = dict(changed), self.stage.numbers(changed)
         self.params = self._numbers.compiled
 
@@ -203,7 +204,7 @@ class Scene:
             return whole[name], None
         if name == "reward":
             return self._of_last_step(self.reward), agents
-        attributes = {
+        attributes: dict[str, Callable[[], list[Any]]] = {
             "agent.row": lambda: [None if p is None else p[0] for p in self.places()],
             "agent.col": lambda: [None if p is None else p[1] for p in self.places()],
             "agent.heading": self.headings,
@@ -233,7 +234,7 @@ class Scene:
         return values[name]
 
     def _allowed(self, action: str) -> list[bool]:
-        return self.allowed[:, self._chosen(action)[0]].tolist()
+        return list(self.allowed[:, self._chosen(action)[0]].tolist())
 
     def _marks(self, phase: str) -> set[tuple[int, int]]:
         names = {p.label: p.name for p in marking(self.env.game)}

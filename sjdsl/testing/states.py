@@ -8,11 +8,11 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.compiler.optimise import optimise
-from sjdsl.interpreter.state import Away, Pool, World
+from sjdsl.interpreter.state import Away, Facing, Pool, World
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.values import stored
 
-FACINGS = ("north", "east", "south", "west", None, "same")
+FACINGS: tuple[Facing | None, ...] = ("north", "east", "south", "west", None, "same")
 
 
 def fields_of(game: ir.Game) -> list[ir.VarField]:
@@ -73,9 +73,10 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
 
 def away_pools(game: ir.Game) -> dict[Pool, ir.Send]:
     """Returns the destinations one can be away before, each with a sentence that sends there."""
-    known, found = pool_numbers(game), {}
-    for phase in (game.start, *game.schedule):
-        for node in ir.walk(phase) if isinstance(phase, ir.Phase) else ():
+    known = pool_numbers(game)
+    found: dict[Pool, ir.Send] = {}
+    for phase in (turn for turn in (game.start, *game.schedule) if isinstance(turn, ir.Phase)):
+        for node in ir.walk(phase):
             if isinstance(node, ir.Send) and node.after is not None and Pool(phase.name, node.pool) in known:
                 found.setdefault(Pool(phase.name, node.pool), node)
     return found

@@ -107,12 +107,13 @@ def _agents(account: Account, board: Board, words: Words) -> Iterator[Effect]:
     before, after = account.before, account.after
     for agent in range(board.agents):
         by = tuple(_senders(account, board, agent))
-        for sort, old, new in (
+        changes: tuple[tuple[Sort, Value, Value], ...] = (
             ("place", before.position[agent], after.position[agent]),
             ("heading", before.heading[agent], after.heading[agent]),
             ("away", before.away[agent], after.away[agent]),
             ("moved", before.moved[agent], after.moved[agent]),
-        ):
+        )
+        for sort, old, new in changes:
             if old != new:
                 used = tuple(_used(sort, agent, account, board, by, words))
                 yield Effect(sort, agent, "", old, new, None, by, used)

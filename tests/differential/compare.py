@@ -58,13 +58,13 @@ def run(
     return report
 
 
-def compare(env: Environment, state: Any, observation: jax.Array, world: World, report: Report, close: dict = CLOSE) -> None:
+def compare(env: Environment, state: Any, observation: jax.Array, world: World, report: Report, close: float = CLOSE) -> None:
     """Adds every difference between two states to the report."""
     report.differences += state_differences(env, state, world, observation, close=close)
 
 
 def compare_outcome(
-    env: Environment, reward: jax.Array, done: jax.Array, info: dict, outcome: Outcome, report: Report, close: dict = CLOSE
+    env: Environment, reward: jax.Array, done: jax.Array, info: dict, outcome: Outcome, report: Report, close: float = CLOSE
 ) -> None:
     """Adds differences of rewards, events, measures and endings to the report."""
     report.differences += outcome_differences(env, reward, info, outcome, close)

@@ -23,7 +23,7 @@ from tests.fuzz import numpy_jax
 
 Words = tuple[int, int]
 FAR = 1e5  # real numbers of a state
-ROUNDED = {"rtol": 1e-5, "atol": 1e-5}  # random rules give dozens of rewards of both signs at once, and the order of additions is open
+ROUNDED = 1e-5  # random rules give dozens of rewards of both signs at once, and the order of additions is open
 
 
 @dataclass(frozen=True)

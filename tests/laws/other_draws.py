@@ -57,13 +57,13 @@ def choosing(index: int, size: int) -> int:
 def _picked(chosen: Chosen, about: Stream, game: ir.Game, changed: ir.Game, s: Symmetry) -> tuple[int, int]:
     assert about.options is not None
     numbers = [other_digit(found.number, about.options, game, changed, s) for found in chosen.left]
-    return sorted(numbers).index(numbers[chosen.index]), len(numbers)
+    return sorted(numbers).index(numbers[chosen.taken]), len(numbers)
 
 
 def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
     """Returns the word of each agent, by its new number, with which all of them get the cells they got."""
     free = sorted(s.cell(cell) for cell in turns[0].left)
-    goes = {s.order[turn.number]: s.cell(turn.left[turn.index]) for turn in turns}
+    goes = {s.order[turn.number]: s.cell(turn.left[turn.taken]) for turn in turns}
     words = []
     for agent in sorted(goes):
         index = free.index(goes[agent])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
 from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expression, Node, PlaceNode, Type
 
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 else:
     Expr = Annotated[Expression, INSTANCE]
     Place = Annotated[PlaceNode, INSTANCE]
+
+
+def is_expression(node: Node) -> TypeGuard[Expr]:
+    return isinstance(node, Expression)
 
 
 class Number(Expression):
