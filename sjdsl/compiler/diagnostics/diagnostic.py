@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields
-from functools import cache
 from operator import attrgetter
 from string import Formatter
 from typing import Any, ClassVar, Literal, dataclass_transform
@@ -42,12 +41,13 @@ class Facts(Frozen):
         self.__dict__.update(facts)
 
 
-@cache
 def _fields(kind: type[Any]) -> dict[str, Field[Any]]:
     """Returns the fields of a kind of diagnostic, by name."""
-    if kind.__base__ is not Facts:
-        _fields(kind.__base__)
-    return {f.name: f for f in fields(dataclass(init=False, eq=False, repr=False)(kind))}
+    if "__dataclass_fields__" not in vars(kind):
+        if kind.__base__ is not Facts:
+            _fields(kind.__base__)  # type: ignore[arg-type]
+        dataclass(init=False, eq=False, repr=False)(kind)
+    return {f.name: f for f in fields(kind)}
 
 
 class Diagnostic(Facts):
@@ -124,8 +124,3 @@ def near(name: str, candidates: Iterable[str], what: str = "") -> Near:
     shown = ", ".join(f"`{k}`" for k in known[:MOST_LISTED])
     more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
     return Near(nearest(name, known), f"{what} are {shown}{more}" if known and what else "")
-
-
-def near_or_all(name: str, candidates: Iterable[str], what: str) -> dict[str, str]:
-    found = near(name, candidates, what)
-    return {"nearest": found.nearest, "known": found.listed}

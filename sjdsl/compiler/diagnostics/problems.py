@@ -3,12 +3,11 @@
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label, near
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, near
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.near_names import nearest
 
 K = TypeVar("K", bound=Hashable)
 
@@ -39,24 +38,16 @@ class Problems:
         """Whether there are errors, and not only warnings."""
         return any(d.severity == "error" for d in self.found)
 
-    def add(self, new: Any, span: Any = None, labels: tuple[Label, ...] = (), fix: Fix | None = None, **facts: object) -> None:
+    def add(self, new: Diagnostic) -> None:
         """Records one diagnostic."""
-        if isinstance(new, type):
-            new = errors.diagnostic(new, span, labels, fix, facts)
         same = (d for d in self.found if type(d) is type(new) and d.span == new.span)
         if not isinstance(new, self.unsaid) and all(d.message != new.message for d in same):
             self.found.append(new)
 
-    def fail(self, new: Any, span: Any = None, labels: tuple[Label, ...] = (), **facts: object) -> Poisoned:
+    def fail(self, new: Diagnostic) -> Poisoned:
         """Records one diagnostic and returns what to raise: `raise problems.fail(...)`."""
-        self.add(new, span, labels, **facts)
+        self.add(new)
         return Poisoned()
-
-    def not_a_word(self, span: Span, word: str, owner: str, words: Iterable[str]) -> Poisoned:
-        """Records that a word is none of the words of a field, row, event or `case`."""
-        choices = list(words)
-        owner = owner if owner.startswith("this ") else f"`{owner}`"
-        return self.fail(errors.WORD_OUTSIDE, span, word=word, name=owner, words=", ".join(choices), nearest=nearest(word, choices))
 
     def unknown(self, name: Named, candidates: Iterable[str], what: str, instead: Mapping[str, str] | None = None) -> Poisoned:
         """Records that a name is none of the candidates (`what` says what they are); `instead`: what to write for names often tried."""

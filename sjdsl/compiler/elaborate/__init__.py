@@ -44,7 +44,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
 def _map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
     glyphs = glyph_table(static, problems)
     if game.map is None and overrides.rows is None:
-        problems.add(errors.MISSING_PART, game.span, what="map", help='`map "maps/name.txt"` or `map { "…" }`')
+        problems.add(errors.MissingPart(game.span, what="map", how='`map "maps/name.txt"` or `map { "…" }`'))
         return ()
     span = game.map.span if game.map is not None else game.span
     inline = game.map.rows if game.map is not None and overrides.rows is None else ()
@@ -74,7 +74,7 @@ def _rules(game: Composition, static: Static, rows: tuple[str, ...], problems: P
     episode = None
     with problems.survive():
         if game.episode is None:
-            raise problems.fail(errors.MISSING_PART, game.span, what="episode", help="`episode 1000`")
+            raise problems.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
         episode = scope.number(game.episode.steps, ("steps",), "a number of steps")
     view = window(game, scope)
     seen = sights(game, static, problems)

@@ -17,7 +17,7 @@ def override_number(game: Composition, overrides: dict[str, object], num_agents:
         overrides.setdefault(number.name.text, num_agents)
     elif number is not None:
         what = "another number of agents: `agents` does not name a `size` that says how many"
-        problems.add(errors.NOT_SUPPORTED, number.span, what=what)
+        problems.add(errors.Unsupported(number.span, what=what))
 
 
 def declare_number(game: Composition, scope: Scope) -> None:
@@ -30,15 +30,7 @@ def declare_number(game: Composition, scope: Scope) -> None:
 def _number(number: ast.Expr, scope: Scope) -> int:
     value = scope.fixed(number, "the number of agents")
     if value != int(value) or not 1 <= value <= limits.MAX_AGENTS:
-        raise scope.problems.fail(
-            errors.OUT_OF_LIMITS,
-            number.span,
-            name="the number of agents",
-            value=value,
-            low=1,
-            high=limits.MAX_AGENTS,
-            reason="",
-        )
+        raise scope.problems.fail(errors.OutOfLimits(number.span, name="the number of agents", value=value, low=1, high=limits.MAX_AGENTS))
     return int(value)
 
 
@@ -53,10 +45,10 @@ def declare_agents(game: Composition, scope: Scope) -> None:
             static.agent_fields[name] = one_field(declared, scope, "agent", "")
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:
-        problems.add(errors.MISSING_PART, span, what="number of agents", help="`agents 2 { acts ... moves relative }`")
+        problems.add(errors.MissingPart(span, what="number of agents", how="`agents 2 { acts ... moves relative }`"))
     elif game.acts is None:
         static.broken.add(ALL_ACTIONS)
-        problems.add(errors.MISSING_PART, span, what="actions", help="`acts turn_left, ..., stay` in `agents`")
+        problems.add(errors.MissingPart(span, what="actions", how="`acts turn_left, ..., stay` in `agents`"))
 
 
 def agents(game: Composition, static: Static, problems: Problems) -> ir.Agents | None:
@@ -80,11 +72,11 @@ def _actions(game: Composition, problems: Problems) -> tuple[str, ...]:
     actions = tuple(a.text for a in game.acts.actions)
     for i, action in enumerate(game.acts.actions):
         if action.text in actions[:i]:
-            problems.add(errors.TWICE, action.span, what=f"the action `{action.text}`")
+            problems.add(errors.WrittenTwice(action.span, what=f"the action `{action.text}`"))
     if "stay" not in actions:
-        problems.add(errors.MISSING_PART, game.acts.span, what="action `stay`", help="`stay` among the `acts`")
+        problems.add(errors.MissingPart(game.acts.span, what="action `stay`", how="`stay` among the `acts`"))
     if len(actions) > limits.MAX_ACTIONS:
-        problems.add(errors.NOT_SUPPORTED, game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions")
+        problems.add(errors.Unsupported(game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions"))
     return actions
 
 
@@ -102,7 +94,7 @@ def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.
                     or isinstance(node, ir.Count | ir.Sum | ir.StandsOn | ir.Chose)
                     or (isinstance(node, ir.FieldRead) and node.place == "agent" and not isinstance(node.owner, ir.Member))
                 ):
-                    raise problems.fail(errors.FORBID_READS, node.origin or forbid.span, what=f"`{text(node)}`")  # type: ignore[arg-type]
+                    raise problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))  # type: ignore[arg-type]
             numbers = tuple(_forbidden(a, scope) for a in forbid.actions) or tuple(range(len(static.actions)))
             found.append(ir.Forbid(actions=numbers, condition=test, origin=forbid.span))
     return tuple(found)
@@ -111,5 +103,5 @@ def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.
 def _forbidden(name: ast.Name, scope: Scope) -> int:
     if name.text == "stay":
         what, wanted = "what forbidden actions become", "an action that can be forbidden"
-        raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted)
+        raise scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted))
     return action_number(name, scope)

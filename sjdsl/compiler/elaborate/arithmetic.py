@@ -13,14 +13,7 @@ VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take
 
 
 def mismatch(scope: Scope, span: object, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
-    return scope.problems.fail(
-        errors.UNIT_MISMATCH,
-        span,
-        verb=verb,
-        left=describe(left),
-        right=describe(right),
-        help=help,  # type: ignore[arg-type]
-    )
+    return scope.problems.fail(errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help))  # type: ignore[arg-type]
 
 
 def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
@@ -35,13 +28,13 @@ def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir
             unit = times_unit(a.unit, b.unit)
         case "/":
             if divisor_can_be_zero(right, scope):
-                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span, parameters_read(scope.static, right))
+                raise scope.problems.fail(errors.ZeroDivisor(e.right.span, labels=parameters_read(scope.static, right)))
             unit = "fraction" if is_share(left, right) else over_unit(a.unit, b.unit)
         case "%":
             if a.kind != "int" or b.kind != "int":
                 raise mismatch(scope, e.span, VERBS["%"], a, b, "`%` is for whole numbers")
             if divisor_can_be_zero(right, scope):
-                raise scope.problems.fail(errors.ZERO_DIVISOR, e.right.span, parameters_read(scope.static, right))
+                raise scope.problems.fail(errors.ZeroDivisor(e.right.span, labels=parameters_read(scope.static, right)))
             unit = join_units(a.unit, b.unit)
         case _:
             unit = join_units(a.unit, b.unit)
@@ -101,7 +94,7 @@ def extreme(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
     """Returns `min(...)` or `max(...)`."""
     type_ = join_types([a.type for a in args], scope, "compare", e)
     if not is_number(type_):
-        raise scope.problems.fail(errors.WRONG_TYPE, e.span, wanted="a number", given=describe(type_), help="")
+        raise scope.problems.fail(errors.WrongType(e.span, wanted="a number", given=describe(type_)))
     pick = min if e.name.text == "min" else max
     low, high = pick(a.type.low for a in args), pick(a.type.high for a in args)
     type_ = _regain_unit(type_.model_copy(update={"low": low, "high": high}), args)

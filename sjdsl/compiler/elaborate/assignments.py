@@ -4,7 +4,9 @@ from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, interval_text
+from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, declared_name, interval_text, not_a_word
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
@@ -18,13 +20,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
     while isinstance(field, ir.At):
         field = field.row
     if not isinstance(field, ir.FieldRead):
-        raise scope.problems.fail(
-            errors.WRONG_TYPE,
-            path.span,
-            wanted="a field",
-            given=describe(target.type),
-            help=_written_how(field),
-        )
+        raise scope.problems.fail(errors.WrongType(path.span, wanted="a field", given=describe(target.type), help=_written_how(field)))
     return target, declaration(field, scope)
 
 
@@ -56,7 +52,7 @@ def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
     """Returns `set target = value`."""
     target, field = target_of(s.target, scope)
     if target.type.kind == "word":
-        check_known_word(s.value, text(target), target.type.words, scope)
+        check_known_word(s.value, target, target.type.words, scope)
     value = narrow_word(scope.expression(s.value), scope.fact_nodes)
     type_ = target.type
     if value.type.by and value.type.by != type_.by:
@@ -82,7 +78,7 @@ def _check_words(s: ast.Set, type_: ir.Type, target: ir.Expr, value: ir.Expr, sc
         raise wrong_type(scope, s.value, describe(type_), value.type)
     for word in value.type.words:
         if word not in type_.words:
-            raise scope.problems.not_a_word(s.value.span, word, text(target), type_.words)
+            raise not_a_word(s.value.span, word, target, type_.words, scope)
 
 
 def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
@@ -92,16 +88,7 @@ def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Exp
     low, high = narrowed(value, scope.fact_nodes)
     limit = inf if field.timer else target.type.high
     if target.type.kind == "int" and (low < target.type.low or high > limit):
-        reached = interval_text(value.type.model_copy(update={"low": low, "high": high}))
-        raise scope.problems.fail(
-            errors.FIELD_RANGE,
-            s.value.span,
-            name=text(target),
-            low=f"{target.type.low:g}",
-            high=f"{target.type.high:g}",
-            reached=reached,
-            help=_instead_of_set(s, field, target, scope),
-        )
+        raise _leaves_range(s.value.span, target, (low, high), value, scope, _instead_of_set(s, field, target, scope))
 
 
 def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scope) -> str:
@@ -120,12 +107,7 @@ def _check_unit(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -
         raise wrong_type(scope, tree, describe(target.type), value.type)
     if join_units(target.type.unit, value.type.unit) is None:
         raise scope.problems.fail(
-            errors.UNIT_MISMATCH,
-            tree.span,
-            verb="put into one field",
-            left=describe(target.type),
-            right=describe(value.type),
-            help="",
+            errors.UnitMismatch(tree.span, verb="put into one field", left=describe(target.type), right=describe(value.type))
         )
 
 
@@ -156,11 +138,11 @@ def _check_added(s: ast.Add, target: ir.Expr, value: ir.Expr, scope: Scope) -> N
     reached = (low + value.type.low, high + value.type.high)
     inside = target.type.low <= reached[0] and reached[1] <= target.type.high
     if not inside:
-        raise scope.problems.fail(
-            errors.FIELD_RANGE,
-            s.span,
-            name=text(target),
-            low=f"{target.type.low:g}",
-            high=f"{target.type.high:g}",
-            reached=interval_text(value.type.model_copy(update={"low": reached[0], "high": reached[1]})),
-        )
+        raise _leaves_range(s.span, target, reached, value, scope)
+
+
+def _leaves_range(span: Span, target: ir.Expr, reached: tuple[float, float], value: ir.Expr, scope: Scope, help_: str = "") -> Poisoned:
+    becomes = interval_text(value.type.model_copy(update={"low": reached[0], "high": reached[1]}))
+    name, declared, low, high = text(target), declared_name(target), target.type.low, target.type.high
+    found = errors.FieldRange(span, name=name, declared=declared, low=low, high=high, reached=becomes, help=help_)
+    return scope.problems.fail(found)

@@ -22,11 +22,7 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
         keys = _number_keys(e, subject, scope)
     else:
         raise scope.problems.fail(
-            errors.WRONG_TYPE,
-            e.subject.span,
-            wanted="a whole number, a word or a condition",
-            given=describe(subject.type),
-            help="",
+            errors.WrongType(e.subject.span, wanted="a whole number, a word or a condition", given=describe(subject.type))
         )
     arms, poisoned = [], False
     for arm, key in zip(e.arms, keys, strict=True):
@@ -47,7 +43,7 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
     rest: ir.Expr | None = None
     for arm in e.arms:
         if arm.word is not None and not scope.static.is_word(arm.word.text):
-            raise scope.problems.not_a_word(arm.word.span, arm.word.text, "this case", (subject.value,))
+            raise scope.problems.fail(errors.WordOutside(arm.word.span, word=arm.word.text, owner="this case", words=(subject.value,)))
         value = scope.expression(arm.value)
         if arm.word is None:
             rest = value
@@ -55,7 +51,7 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
             chosen = value
     found = chosen or rest
     if found is None:
-        raise scope.problems.fail(errors.TABLE_GAP, e.span, problem=f"`case` lacks `{subject.value}`")
+        raise scope.problems.fail(errors.TableGap(e.span, problem=f"`case` lacks `{subject.value}`"))
     return found
 
 
@@ -75,14 +71,14 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
     keys: list[Key] = []
     for arm in e.arms:
         if arm.low is not None:
-            raise scope.problems.fail(errors.TABLE_GAP, arm.span, problem="a number cannot be the case of a word")
+            raise scope.problems.fail(errors.TableGap(arm.span, problem="a number cannot be the case of a word"))
         if arm.word is None:
             keys.append([])
             continue
         if arm.word.text not in names:
-            raise scope.problems.not_a_word(arm.word.span, arm.word.text, "this case", names)
+            raise scope.problems.fail(errors.WordOutside(arm.word.span, word=arm.word.text, owner="this case", words=names))
         if arm.word.text in seen:
-            raise scope.problems.fail(errors.TABLE_GAP, arm.word.span, problem=f"`case` has `{arm.word.text}` twice")
+            raise scope.problems.fail(errors.TableGap(arm.word.span, problem=f"`case` has `{arm.word.text}` twice"))
         seen.add(arm.word.text)
         keys.append([(None, None, (arm.word.text,))])
     rest = tuple(n for n in names if n not in seen)
@@ -96,13 +92,13 @@ def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
     keys: list[Key] = []
     for arm in e.arms:
         if arm.word is not None:
-            raise scope.problems.fail(errors.TABLE_GAP, arm.span, problem=f"`{arm.word.text}` cannot be the case of a number")
+            raise scope.problems.fail(errors.TableGap(arm.span, problem=f"`{arm.word.text}` cannot be the case of a number"))
         if arm.low is None:
             keys.append([])
             continue
         first, last = float(arm.low), inf if arm.open else float(arm.high if arm.high is not None else arm.low)
         if last < first or any(first <= b and a <= last for a, b in taken):
-            raise scope.problems.fail(errors.TABLE_GAP, arm.span, problem="this case overlaps one before it, or is empty")
+            raise scope.problems.fail(errors.TableGap(arm.span, problem="this case overlaps one before it, or is empty"))
         taken.append((first, last))
         keys.append([(arm.low, None if arm.open else int(last), ())])
     gaps = _gaps(sorted(taken), low, high)
@@ -133,10 +129,10 @@ def _close(e: ast.Case, keys: list[Key], rest: Key, problem: str, scope: Scope) 
     """Gives what is left to `otherwise`, which must stand last and have something to do."""
     holes = [i for i, key in enumerate(keys) if not key]
     if not holes and rest:
-        raise scope.problems.fail(errors.TABLE_GAP, e.span, problem=problem)
+        raise scope.problems.fail(errors.TableGap(e.span, problem=problem))
     if holes and (len(holes) > 1 or holes[0] != len(keys) - 1):
-        raise scope.problems.fail(errors.TABLE_GAP, e.arms[holes[0]].span, problem="`otherwise` stands once, and last")
+        raise scope.problems.fail(errors.TableGap(e.arms[holes[0]].span, problem="`otherwise` stands once, and last"))
     if holes and not rest:
-        raise scope.problems.fail(errors.TABLE_GAP, e.arms[-1].span, problem="nothing is left for `otherwise`")
+        raise scope.problems.fail(errors.TableGap(e.arms[-1].span, problem="nothing is left for `otherwise`"))
     if holes:
         keys[-1] = rest

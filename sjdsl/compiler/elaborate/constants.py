@@ -5,11 +5,10 @@ from math import isfinite
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
-from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.diagnostics.diagnostic import Label, near
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
-from sjdsl.near_names import nearest
 
 UNITS = (*UNIT_LIMITS, "word")
 
@@ -48,9 +47,9 @@ def _report_outside(
     """Reports the numbers of one declaration that are outside its limits, as one mistake."""
     spans = [_entry(declared.value, keys).span for keys, _ in outside]
     labels = (*_where_limits(declared, spans[0]), *(Label(span, "and this") for span in spans[1:]))
-    low, high = (f"{limit:g}" for limit in limits)
-    facts = {"value": f"{outside[0][1]:g}", "low": low, "high": high, "reason": _reason(declared, scope)}
-    scope.problems.add(errors.OUT_OF_LIMITS, spans[0], labels, name=f"`{declared.name.text}`", **facts)
+    name, value, (low, high) = f"`{declared.name.text}`", outside[0][1], limits
+    found = errors.OutOfLimits(spans[0], labels=labels, name=name, value=value, low=low, high=high, reason=_reason(declared, scope))
+    scope.problems.add(found)
 
 
 def _where_limits(declared: ast.Constant, span: Span) -> tuple[Label, ...]:
@@ -72,13 +71,7 @@ def _overridden(declared: ast.Constant, override: object, by: tuple, scope: Scop
     whole = declared.unit.text in INTEGER_UNITS
     if by or isinstance(override, bool) or not isinstance(override, int | float) or (whole and override != int(override)):
         wanted = "a whole number" if whole else "a number"
-        raise scope.problems.fail(
-            errors.WRONG_TYPE,
-            declared.span,
-            wanted=f"{wanted} for `{declared.name.text}`",
-            given=repr(override),
-            help="",
-        )
+        raise scope.problems.fail(errors.WrongType(declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)))
     return int(override) if whole else float(override)
 
 
@@ -88,18 +81,11 @@ def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, flo
         return low, high
     own_low, own_high = (scope.fixed(e, "the limits of a number") for e in (declared.low, declared.high))
     if own_low > own_high or own_low < low or own_high > high:
-        raise scope.problems.fail(
-            errors.OUT_OF_LIMITS,
-            declared.low.span,
-            name=f"the limits of `{declared.name.text}`",
-            value=f"{own_low:g} .. {own_high:g}",
-            low=f"{low:g}",
-            high=f"{high:g}",
-            reason="",
-        )
+        name, given = f"the limits of `{declared.name.text}`", f"{own_low:g} .. {own_high:g}"
+        raise scope.problems.fail(errors.OutOfLimits(declared.low.span, name=name, value=given, low=low, high=high))
     for tree, value in ((declared.low, own_low), (declared.high, own_high)):
         if unit in INTEGER_UNITS and value != int(value):
-            raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a whole number", given=f"{value:g}", help="")
+            raise scope.problems.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value:g}"))
     return own_low, own_high
 
 
@@ -110,11 +96,11 @@ def _value(tree: ast.Expr | ast.Table, unit: str, scope: Scope) -> tuple[tuple[t
     names = tuple(e.key.text for e in tree.entries)
     for i, entry in enumerate(tree.entries):
         if entry.key.text in names[:i]:
-            raise scope.problems.fail(errors.TABLE_GAP, entry.key.span, problem=f"the table has `{entry.key.text}` twice")
+            raise scope.problems.fail(errors.TableGap(entry.key.span, problem=f"the table has `{entry.key.text}` twice"))
     words = _table_words(tree, names, scope)
     inner = [_value(e.value, unit, scope) for e in tree.entries]
     if any(i[0] != inner[0][0] for i in inner):
-        raise scope.problems.fail(errors.TABLE_GAP, tree.span, problem="the rows of this table differ in their words")
+        raise scope.problems.fail(errors.TableGap(tree.span, problem="the rows of this table differ in their words"))
     order = [names.index(w) for w in words]
     return (words, *inner[0][0]), tuple(inner[i][1] for i in order)
 
@@ -128,48 +114,46 @@ def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tupl
     closest = max(sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=())
     unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
     if unknown is not None and set(names) & set(closest):
-        raise scope.problems.not_a_word(unknown.span, unknown.text, "this table", closest)
+        raise scope.problems.fail(errors.WordOutside(unknown.span, word=unknown.text, owner="this table", words=closest))
     if unknown is not None:
-        near = nearest(unknown.text, [w for s in sets for w in s])
+        meant = near(unknown.text, [w for s in sets for w in s])
         listed = ", ".join(dict.fromkeys(names))
         help_ = (
             f"the words of a table are those of a field, a row (`by`) or an event: declare one, `field NAME : {{ {listed} }} = {names[0]}`"
         )
-        raise scope.problems.fail(errors.UNKNOWN_NAME, unknown.span, name=unknown.text, nearest=near, help="" if near else help_)
+        raise scope.problems.fail(errors.UnknownName(unknown.span, name=unknown.text, near=meant, help="" if meant.nearest else help_))
     if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
         return tuple(w for w in closest if w in names)
     missing = [w for w in closest if w not in names]
     problem = f"the table lacks `{'`, `'.join(missing)}`" if missing else "no set of words has just these words"
-    raise scope.problems.fail(errors.TABLE_GAP, table.span, problem=problem)
+    raise scope.problems.fail(errors.TableGap(table.span, problem=problem))
 
 
 def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
     built = scope.expression(tree)
     if not isinstance(built, ir.Number):
         scope.fixed(tree, "the value of a number")
-        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a number", given=describe(built.type), help="")
+        raise scope.problems.fail(errors.WrongType(tree.span, wanted="a number", given=describe(built.type)))
     value = built.value
     whole = unit in INTEGER_UNITS
     if not isfinite(value) or abs(value) > 2**30 or (whole and value != int(value)):
         wanted = "a whole number" if whole else "a number of reasonable size"
-        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted=wanted, given=f"{value:g}", help="")
+        raise scope.problems.fail(errors.WrongType(tree.span, wanted=wanted, given=f"{value:g}"))
     if built.type.unit not in ("number", unit) and not (unit == "reward" and built.type.unit == "count"):
-        raise scope.problems.fail(
-            errors.UNIT_MISMATCH, tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`", help=""
-        )
+        raise scope.problems.fail(errors.UnitMismatch(tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`"))
     return int(value) if whole else float(value)
 
 
 def _word(declared: ast.Constant, scope: Scope) -> None:
     """A parameter whose entries are words: over the table's own words if they serve, else the first set that has them all."""
     if declared.is_size:
-        raise scope.problems.fail(errors.WRONG_TYPE, declared.span, wanted="a number for a `size`", given="a word", help="")
+        raise scope.problems.fail(errors.WrongType(declared.span, wanted="a number for a `size`", given="a word"))
     by: tuple[tuple[str, ...], ...] = ()
     entries: list[ast.Expr | ast.Table] = [declared.value]
     if isinstance(declared.value, ast.Table):
         names = tuple(e.key.text for e in declared.value.entries)
         if len(set(names)) != len(names):
-            raise scope.problems.fail(errors.TABLE_GAP, declared.value.span, problem="the table has a word twice")
+            raise scope.problems.fail(errors.TableGap(declared.value.span, problem="the table has a word twice"))
         by = (_table_words(declared.value, names, scope),)
         order = {e.key.text: e.value for e in declared.value.entries}
         entries = [order[w] for w in by[0]]
@@ -177,7 +161,7 @@ def _word(declared: ast.Constant, scope: Scope) -> None:
     sets = [*by, *scope.static.word_sets]
     words = next((s for s in sets if set(values) <= set(s)), None)
     if words is None:
-        raise scope.problems.fail(errors.NEVER_EQUAL, declared.value.span)
+        raise scope.problems.fail(errors.NeverEqual(declared.value.span))
     type_ = ir.Type(kind="word", words=words, by=by)
     value = tuple(values) if by else values[0]
     name = declared.name.text
@@ -188,7 +172,7 @@ def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
     built = None if isinstance(tree, ast.Table) else scope.expression(tree)
     if not isinstance(built, ir.Word):
         given = "a table" if built is None else describe(built.type)
-        raise scope.problems.fail(errors.WRONG_TYPE, tree.span, wanted="a word", given=given, help="")
+        raise scope.problems.fail(errors.WrongType(tree.span, wanted="a word", given=given))
     return built.value
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.agents import declare_agents, declare_number, override_number
@@ -40,11 +40,11 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
 
     def add(names: tuple[ast.Name, ...]) -> None:
         if len(names) > limits.MAX_WORDS:
-            problems.add(errors.NOT_SUPPORTED, names[0].span, what=f"a set of more than {limits.MAX_WORDS} words")
+            problems.add(errors.Unsupported(names[0].span, what=f"a set of more than {limits.MAX_WORDS} words"))
         spelt = [n.text for n in names]
         for i, name in enumerate(names):
             if name.text in spelt[:i]:
-                problems.add(errors.TWICE, name.span, what=f"the word `{name.text}`")
+                problems.add(errors.WrittenTwice(name.span, what=f"the word `{name.text}`"))
         static.word_sets.append(tuple(dict.fromkeys(spelt)))
 
     attributes = [a for k in game.kinds.values() for a in k.attributes] + list(game.agent_fields.values())
@@ -73,13 +73,13 @@ def _check_names(game: Composition, static: Static, problems: Problems) -> None:
     for what, table in tables:
         for name, node in table.items():
             if name in RESERVED_VARIABLES:
-                problems.add(errors.NAME_TAKEN, node.name.span, name=name, what="something of the language")
+                problems.add(errors.NameTaken(node.name.span, name=name, what="something of the language"))
             elif name in SEEN and what in ("a kind", "a group"):
-                problems.add(errors.NAME_TAKEN, node.name.span, name=name, what=SEEN[name])
+                problems.add(errors.NameTaken(node.name.span, name=name, what=SEEN[name]))
             elif name in taken:
-                problems.add(errors.NAME_TAKEN, node.name.span, name=name, what=taken[name])
+                problems.add(errors.NameTaken(node.name.span, name=name, what=taken[name]))
             elif static.is_word(name):
-                problems.add(errors.WORD_CLASH, node.name.span, name=name, what=what)
+                problems.add(errors.WordClash(node.name.span, name=name, what=what))
             taken.setdefault(name, what)
 
 
@@ -134,8 +134,8 @@ def _glyphs(kind: ast.Kind, scope: Scope) -> None:
             if Declared(field_name.text, name) in scope.static.broken:
                 continue
             if field_name.text not in fields:
-                choices = near_or_all(field_name.text, fields, "its fields")
-                scope.problems.add(errors.NO_FIELD, field_name.span, owner=f"the kind `{name}`", name=field_name.text, **choices)
+                meant = near(field_name.text, fields, "its fields")
+                scope.problems.add(errors.NoField(field_name.span, owner=f"the kind `{name}`", name=field_name.text, near=meant))
                 continue
             with scope.problems.survive():
                 value = starting(tree, field_name.text, fields[field_name.text].type, scope)
@@ -173,6 +173,6 @@ def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block
             continue
         if what.text != "agents" and scope.static.shapes[what.text].see_through:
             problem = f"the shape `{what.text}` sees through everything"
-            scope.problems.add(errors.NEVER_HAPPENS, what.span, problem=problem)
+            scope.problems.add(errors.NeverHappens(what.span, problem=problem))
         found.append(ir.Block(what=what.text, condition=test, origin=attribute.span))
     return found

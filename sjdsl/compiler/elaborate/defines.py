@@ -11,10 +11,10 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
     define = scope.static.defines[name.text]
     scope.static.used.add(Declared(name.text))
     if name.text in scope.defining:
-        raise scope.problems.fail(errors.DEFINE_CYCLE, name.span, name=name.text)
+        raise scope.problems.fail(errors.DefineCycle(name.span, name=name.text))
     if len(arguments) != len(define.parameters):
         wanted = f"{len(define.parameters)} argument{'s' * (len(define.parameters) != 1)}"
-        raise scope.problems.fail(errors.ARGUMENTS, name.span, name=name.text, wanted=wanted, given=len(arguments), help="")
+        raise scope.problems.fail(errors.WrongArguments(name.span, name=name.text, wanted=wanted, given=len(arguments)))
     scope.static.expansions += 1
     if len(scope.defining) >= limits.MAX_DEFINES_DEEP or scope.static.expansions > limits.MAX_EXPANSIONS:
         what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP

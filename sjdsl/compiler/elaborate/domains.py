@@ -35,11 +35,7 @@ def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
     assert d.on is not None
     if var.who != "agent":
         raise scope.problems.fail(
-            errors.NOT_A,
-            d.kind.span,
-            name=d.kind.text,
-            what="a kind of cell",
-            wanted="an agent (`agent on KIND`)",
+            errors.WrongSort(d.kind.span, name=d.kind.text, what="a kind of cell", wanted="an agent (`agent on KIND`)")
         )
     name = d.on.bind or d.on.kind
     check_free(name, scope, d.on.bind is not None)
@@ -81,7 +77,7 @@ def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scop
         case ast.Members():
             members = tuple(_variable(name, scope) for name in place.names)
             if any(m.who != var.who for m in members):
-                raise scope.problems.fail(errors.WRONG_TYPE, place.span, wanted="variables of the same sort", given="a mixture", help="")
+                raise scope.problems.fail(errors.WrongType(place.span, wanted="variables of the same sort", given="a mixture"))
             return ir.Among(members=members, origin=place.span)
         case ast.Path():
             value = scope.expression(place)
@@ -95,9 +91,9 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     shape = shapes.used(ref, scope)
     member = _variable(anchor, scope)
     if member.who == "agent" and scope.place == START:
-        raise scope.problems.fail(errors.NO_PLACE_YET, ref.span, what=f"{shape.name} of {anchor.text}")
+        raise scope.problems.fail(errors.NoPlaceYet(ref.span, what=f"{shape.name} of {anchor.text}"))
     if shape.directed and member.who == "cell":
-        raise scope.problems.fail(errors.DIRECTED_SHAPE, ref.span, name=shape.name, anchor=anchor.text)
+        raise scope.problems.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))
     return ir.Near(shape=shape.name, anchor=member, origin=ref.span)
 
 
@@ -108,7 +104,7 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
             raise Poisoned
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
-        raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="a value", wanted="an agent or a cell")
+        raise scope.problems.fail(errors.WrongSort(name.span, name=name.text, what="a value", wanted="an agent or a cell"))
     raise unknown(name, scope)
 
 

@@ -2,14 +2,14 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.elaborate.domains import domain, without_variables
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, not_a_word
 from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer
-from sjdsl.near_names import nearest
 
 FACINGS = ("north", "east", "south", "west", "same")
 
@@ -25,7 +25,7 @@ def agent(e: ast.Path, scope: Scope) -> ir.Expr:
 
 def check_somebody(e: ast.Expr, built: ir.Expr, scope: Scope) -> None:
     if not isinstance(built, ir.Member) and f"(not ({text(built)} is nobody))" not in scope.facts:
-        raise scope.problems.fail(errors.CAN_BE_NOBODY, e.span, path=text(built))
+        raise scope.problems.fail(errors.CanBeNobody(e.span, path=text(built)))
 
 
 def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
@@ -57,26 +57,26 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     name = s.event.name
     event = static.events.get(name.text)
     if event is None:
-        raise scope.problems.fail(errors.NO_EVENT, name.span, name=name.text, nearest=nearest(name.text, static.events))
+        raise scope.problems.fail(errors.NoEvent(name.span, name=name.text, near=near(name.text, static.events)))
     word = None
     row = ir.EventTotal(type=integer(0, float("inf")), name=name.text)
     if event.by is not None:
         row = row.model_copy(update={"type": row.type.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})})
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
-            raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted=f"`{name.text}[word]`", given="the whole row", help="")
+            raise scope.problems.fail(errors.WrongType(s.event.span, wanted=f"`{name.text}[word]`", given="the whole row"))
         check_known_word(s.event.steps[0].key, name.text, row.type.by[0], scope)
         key = narrow_word(scope.expression(s.event.steps[0].key), scope.fact_nodes)
         if key.type.kind != "word":
             raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
         outside = [w for w in key.type.words if w not in row.type.by[0]]
         if outside:
-            raise scope.problems.not_a_word(s.event.span, outside[0], name.text, row.type.by[0])
+            raise not_a_word(s.event.span, outside[0], name.text, row.type.by[0], scope)
         word = key
     elif s.event.steps:
-        raise scope.problems.fail(errors.WRONG_TYPE, s.event.span, wanted="the event alone", given="an entry of it", help="")
+        raise scope.problems.fail(errors.WrongType(s.event.span, wanted="the event alone", given="an entry of it"))
     amount = None if s.by is None else scope.number(s.by, ("count",), "a count")
     if amount is not None and amount.type.low < 0:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.by.span, name="what is counted", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.OutOfLimits(s.by.span, name="what is counted", value="negative", low=0, high="any"))  # type: ignore[union-attr]
     for_ = None if s.receiver is None else receiver(s.receiver, scope)
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 
@@ -102,25 +102,17 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     # one set of free cells serves all who are sent: the destination cannot depend on who that is
     destination, _ = domain(s.domain, without_variables(scope, _instead_of_variables(s, scope)))
     if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
-        raise scope.problems.fail(
-            errors.WRONG_TYPE,
-            s.domain.span,
-            wanted="a kind of cell, perhaps with `where`",
-            given="another domain",
-            help="",
-        )
+        raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
     after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")
     if after is not None and after.type.low < 0:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, s.after.span, name="the delay", value="negative", low=0, high="any", reason="")  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.OutOfLimits(s.after.span, name="the delay", value="negative", low=0, high="any"))  # type: ignore[union-attr]
     if isinstance(after, ir.Number) and after.value == 0:
         after = None
     facing = None if s.facing is None else s.facing.text
     if facing is not None and facing not in FACINGS:
         raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")  # type: ignore[arg-type]
     if s.stay is not None and s.stay.text != "stay":
-        raise scope.problems.fail(
-            errors.UNKNOWN_NAME, s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"
-        )
+        raise scope.problems.fail(errors.UnknownName(s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"))
     place = use.streams.header(s.domain.span, s.domain.span.end)
     pool = use.pools.setdefault(place, len(use.pools))
     return ir.Send(

@@ -13,7 +13,7 @@ from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain, most_members
-from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, kinds_named
+from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, kinds_named, not_a_word
 from sjdsl.compiler.elaborate.paths import path
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import at_least
@@ -102,7 +102,7 @@ def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
         scope.expression(e.right)
         raise
     if left.type.kind == "word" and not left.type.by:
-        check_known_word(e.right, text(left), left.type.words, scope)
+        check_known_word(e.right, left, left.type.words, scope)
     return [left, scope.expression(e.right)]
 
 
@@ -129,9 +129,9 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
 def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
     for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
         if isinstance(literal, ir.Word) and literal.value not in other.type.words:
-            raise scope.problems.not_a_word(tree.span, literal.value, text(other), other.type.words)
+            raise not_a_word(tree.span, literal.value, other, other.type.words, scope)
     if not set(left.type.words) & set(right.type.words):
-        raise scope.problems.fail(errors.NEVER_EQUAL, e.span)
+        raise scope.problems.fail(errors.NeverEqual(e.span))
 
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
@@ -144,7 +144,7 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
         name = bound
     if scope.place in BETWEEN_STEPS:
         said, what = f"{agent.name} chose {name}", "about what is done in a step"
-        raise scope.problems.fail(errors.NOT_A, e.span, name=said, what=what, wanted="something about a state")
+        raise scope.problems.fail(errors.WrongSort(e.span, name=said, what=what, wanted="something about a state"))
     return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
 
 
@@ -161,7 +161,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
-            raise scope.problems.fail(errors.NOT_A, e.kind.span, name=e.kind.text, what=what, wanted="a cell of a sentence around")
+            raise scope.problems.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a sentence around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
@@ -179,7 +179,7 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
             return ir.Truth(value=value.value in names, origin=e.span)
         for name in e.container.names:
             if name.text not in value.type.words:
-                raise scope.problems.not_a_word(name.span, name.text, text(value), value.type.words)
+                raise not_a_word(name.span, name.text, value, value.type.words, scope)
         return ir.InWords(value=value, words=names, origin=e.span)
     if e.high is not None:
         low, high = scope.expressions((e.container, e.high))
@@ -251,7 +251,7 @@ def arity(e: ast.Call, scope: Scope, least: int, most: int | None = None) -> Non
     if not least <= len(e.arguments) <= most:
         wanted = f"{least} arguments" if least != 1 else "1 argument"
         wanted = wanted if most == least else f"{least} or more arguments"
-        raise scope.problems.fail(errors.ARGUMENTS, e.span, name=e.name.text, wanted=wanted, given=len(e.arguments), help="")
+        raise scope.problems.fail(errors.WrongArguments(e.span, name=e.name.text, wanted=wanted, given=len(e.arguments)))
 
 
 def ramp(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
@@ -262,7 +262,7 @@ def ramp(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
     value, zero_at, one_at = args
     if not _apart(zero_at, one_at, scope):
         raise scope.problems.fail(
-            errors.CROSSED, e.span, parameters_read(scope.static, zero_at, one_at), low=text(zero_at), high=text(one_at)
+            errors.Crossed(e.span, labels=parameters_read(scope.static, zero_at, one_at), low=text(zero_at), high=text(one_at))
         )
     return ir.Ramp(type=real(0.0, 1.0, "fraction"), value=value, zero_at=zero_at, one_at=one_at, origin=e.span)
 
@@ -288,13 +288,13 @@ def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
     total = f"sum({text(row)})"
     if f"({total} > 0)" not in scope.facts and not at_least(total, scope.fact_nodes) > 0:
-        raise scope.problems.fail(errors.EMPTY_MIX, e.span, row=text(row))
+        raise scope.problems.fail(errors.EmptyMix(e.span, row=text(row)))
     return ir.Mix(type=ir.Type(kind="mix", words=names), row=row, origin=e.span)
 
 
 def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
     if scope.place != "`checks`":
-        raise scope.problems.fail(errors.NOT_A, e.name.span, name=e.name.text, what="a class of games", wanted="a value")
+        raise scope.problems.fail(errors.WrongSort(e.name.span, name=e.name.text, what="a class of games", wanted="a value"))
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
     return ir.MatrixClass(name=e.name.text, table=table, origin=e.span)  # type: ignore[arg-type]

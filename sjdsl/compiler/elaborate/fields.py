@@ -4,7 +4,7 @@ from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text, not_a_word
 from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
 
@@ -17,7 +17,7 @@ def fields_of(attributes: tuple[object, ...], scope: Scope, place: str, kind: st
     for attribute in attributes:
         if isinstance(attribute, ast.Field | ast.Timer):
             if attribute.name.text in made:
-                scope.problems.add(errors.TWICE, attribute.name.span, what=f"the field `{attribute.name.text}`")
+                scope.problems.add(errors.WrittenTwice(attribute.name.span, what=f"the field `{attribute.name.text}`"))
                 continue
             with scope.problems.survive(scope.static.broken, Declared(attribute.name.text, kind)):
                 made[attribute.name.text] = one_field(attribute, scope, place, kind)
@@ -30,7 +30,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, place: str, kind: s
     if declared.name.text in taken:
         what = "a field of the agents" if place == "agent" else "a field of a kind"
         problem = "every agent has it already" if place == "agent" else "every cell has it already"
-        scope.problems.add(errors.BAD_NAME, declared.name.span, name=declared.name.text, what=what, problem=problem)
+        scope.problems.add(errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem))
     common = {"name": declared.name.text, "place": place, "kind": kind, "origin": declared.span}
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
@@ -63,11 +63,7 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
     values = [scope.fixed(e, "the range of a field") for e in (declared.low, declared.high)]
     if any(v != int(v) for v in values) or values[0] > values[1] or max(map(abs, values)) > 2**30:
         raise scope.problems.fail(
-            errors.WRONG_TYPE,
-            declared.span,
-            wanted="a range of whole numbers, the smaller first",
-            given="another one",
-            help="",
+            errors.WrongType(declared.span, wanted="a range of whole numbers, the smaller first", given="another one")
         )
     unit = join_units(low.type.unit, high.type.unit)
     return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=values[0], high=values[1])
@@ -81,10 +77,7 @@ def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | floa
         if type_.unit == "reward":
             return 0.0
         raise scope.problems.fail(
-            errors.MISSING_PART,
-            declared.span,
-            what=f"starting value for `{declared.name.text}`",
-            help="`= value` after its type",
+            errors.MissingPart(declared.span, what=f"starting value for `{declared.name.text}`", how="`= value` after its type")
         )
     return starting(declared.start, declared.name.text, type_, scope)
 
@@ -98,17 +91,14 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
             return None
         case ir.Word() if type_.kind == "word":
             if value.value not in type_.words:
-                raise scope.problems.not_a_word(tree.span, value.value, name, type_.words)
+                raise not_a_word(tree.span, value.value, name, type_.words, scope)
             return value.value
         case ir.Number() if type_.kind in ("int", "real"):
             if type_.kind == "int" and (value.value != int(value.value) or not type_.low <= value.value <= type_.high):
                 raise scope.problems.fail(
-                    errors.FIELD_RANGE,
-                    tree.span,
-                    name=name,
-                    low=f"{type_.low:g}",
-                    high=f"{type_.high:g}",
-                    reached=interval_text(value.type),
+                    errors.FieldRange(
+                        tree.span, name=name, declared=name, low=type_.low, high=type_.high, reached=interval_text(value.type)
+                    )
                 )
             return int(value.value) if type_.kind == "int" else float(value.value)
         case _:

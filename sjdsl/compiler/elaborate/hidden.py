@@ -6,9 +6,9 @@ observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="ri
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.scope import Scope, Static
-from sjdsl.near_names import nearest
 
 PLANES = ("marks", "content")
 FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide content on agents`"
@@ -33,19 +33,19 @@ def unseen(game: Composition, static: Static, problems: Problems) -> tuple[ir.Hi
 def _hidden(hide: ast.Hide, static: Static, problems: Problems) -> ir.Hidden:
     what, on = hide.what.name.text, hide.on
     if hide.what.steps or what not in PLANES:
-        raise problems.fail(errors.WRONG_TYPE, hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}")
+        raise problems.fail(errors.WrongType(hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}"))
     if what == "content" and (on is None or on.text != "agents"):
         help = "write `hide content on agents`; `show gate as { floor }` makes cells of one kind look like those of another"
-        raise problems.fail(errors.WRONG_TYPE, hide.span, wanted="`on agents`", given="content of other cells", help=help)
+        raise problems.fail(errors.WrongType(hide.span, wanted="`on agents`", given="content of other cells", help=help))
     if on is None or on.text == "agents":
         if hide.condition is not None:
             given = "a condition without a kind of cells"
-            raise problems.fail(errors.WRONG_TYPE, hide.span, wanted="`on KIND` before `when`", given=given, help=f"write {FORMS}")
+            raise problems.fail(errors.WrongType(hide.span, wanted="`on KIND` before `when`", given=given, help=f"write {FORMS}"))
         return ir.Hidden(what=what, on="map" if on is None else "agents", origin=hide.span)  # type: ignore[arg-type]
     kinds = static.kinds_of(on.text)
     if kinds is None:
-        near = nearest(on.text, [*static.kinds, *static.groups, "agents"])
-        raise problems.fail(errors.UNKNOWN_NAME, on.span, name=on.text, nearest=near)
+        meant = near(on.text, [*static.kinds, *static.groups, "agents"])
+        raise problems.fail(errors.UnknownName(on.span, name=on.text, near=meant))
     scope = Scope(static, problems, place="`observe`").bind("agent", ir.Member(name="agent", who="agent"))
     scope = scope.bind(on.text, ir.Member(name=on.text, who="cell", kinds=kinds))
     test = None if hide.condition is None else scope.condition(hide.condition)

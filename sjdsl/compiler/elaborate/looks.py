@@ -5,6 +5,7 @@ from dataclasses import replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
@@ -62,8 +63,8 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     name, static = look.what.text, scope.static
     kinds = () if name == "agent" else static.kinds_of(name)
     if kinds is None:
-        near = nearest(name, ["agent", *static.kinds, *static.groups])
-        raise scope.problems.fail(errors.UNKNOWN_NAME, look.what.span, name=name, nearest=near)
+        meant = near(name, ["agent", *static.kinds, *static.groups])
+        raise scope.problems.fail(errors.UnknownName(look.what.span, name=name, near=meant))
     what = "agent" if name == "agent" else "cell"
     test = None
     if look.where is not None:
@@ -80,7 +81,7 @@ def _check_reads(test: ir.Expr, look: ast.Look, problems: Problems) -> None:
         field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
         between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word)
         if not isinstance(node, READABLE) or field_of_other or between_cells:
-            raise problems.fail(errors.LOOK_READS, node.origin or look.span, what=f"`{text(node)}`")  # type: ignore[arg-type]
+            raise problems.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))  # type: ignore[arg-type]
 
 
 def _paint(paint: ast.Paint, problems: Problems) -> ir.Paint:
@@ -91,12 +92,11 @@ def _paint(paint: ast.Paint, problems: Problems) -> ir.Paint:
         is_colour = word.text in COLOURS if isinstance(word, ast.Name) else _is_hexadecimal(word.text)
         if sort == "colour" and not is_colour:
             known = (*SPRITES, *COLOURS)
-            near = word.text if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
-            lead = f"did you mean `{near}`? The" if near else "the"
-            facts = {"lead": lead, "sprites": ", ".join(SPRITES), "colours": ", ".join(COLOURS)}
-            raise problems.fail(errors.NO_PAINT, word.span, name=word.text, **facts)
+            meant = word.text if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
+            sprites, colours = ", ".join(SPRITES), ", ".join(COLOURS)
+            raise problems.fail(errors.NoPaint(word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours))
         if sort in said:
-            raise problems.fail(errors.TWICE, word.span, what=f"a {sort} of one look")
+            raise problems.fail(errors.WrittenTwice(word.span, what=f"a {sort} of one look"))
         said[sort] = word.text
     return ir.Paint(**said, origin=paint.span)
 

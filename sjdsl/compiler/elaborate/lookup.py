@@ -6,9 +6,11 @@ from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
-from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.diagnostics.diagnostic import Near, near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
+from sjdsl.compiler.ir.printer import expression as text
 
 AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
 CELL_ATTRIBUTES = ("row", "col")
@@ -36,7 +38,7 @@ def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> 
     if ALL_ACTIONS in scope.static.broken:
         raise Poisoned
     if wanted not in actions:
-        raise scope.problems.fail(errors.NO_ACTION, name.span, name=wanted, **near_or_all(wanted, actions, "the actions"))
+        raise scope.problems.fail(errors.NoAction(name.span, name=wanted, near=near(wanted, actions, "the actions")))
     return actions.index(wanted)
 
 
@@ -59,17 +61,34 @@ def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
         what = what or ("a word" if static.is_word(name.text) else "")
         what = what or ("the agents' own name" if name.text == "agent" else "a number of the language" if name.text == "step" else "")
     if what:
-        raise scope.problems.fail(errors.NAME_TAKEN, name.span, name=name.text, what=what)
+        raise scope.problems.fail(errors.NameTaken(name.span, name=name.text, what=what))
 
 
-def check_known_word(tree: ast.Expr | ast.Table, owner: str, words: Iterable[str], scope: Scope) -> None:
+def check_known_word(tree: ast.Expr | ast.Table, owner: ir.Expr | str, words: Iterable[str], scope: Scope) -> None:
     """Says which words there are, if a tree that should be one of them is a name that means nothing here."""
     static = scope.static
     if not isinstance(tree, ast.Path) or tree.steps or tree.name.text in scope.variables or static.is_word(tree.name.text):
         return
     name = tree.name.text
     if name not in static.names() and Declared(name) not in static.broken and name not in static.events:
-        raise scope.problems.not_a_word(tree.span, name, owner, words)
+        raise not_a_word(tree.span, name, owner, words, scope)
+
+
+def not_a_word(span: Span, word: str, owner: ir.Expr | str, words: Iterable[str], scope: Scope) -> Poisoned:
+    """Reports a word that is none of those of `owner`: of a value, or of a field or event given by its name."""
+    name, declared = (owner, owner) if isinstance(owner, str) else (text(owner), declared_name(owner))
+    return scope.problems.fail(errors.WordOutside(span, word=word, owner=f"`{name}`", declared=declared, words=tuple(words)))
+
+
+def declared_name(e: ir.Expr) -> str:
+    """Returns the name of the field or event whose words or numbers a value has, empty if neither declares them."""
+    match e:
+        case ir.FieldRead() | ir.EventTotal():
+            return e.name
+        case ir.At():
+            return declared_name(e.row)
+        case _:
+            return ""
 
 
 def unknown(name: ast.Name, scope: Scope) -> Poisoned:
@@ -79,7 +98,7 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
         return Poisoned()
     if name.text in scope.withheld:
         what, wanted = "a variable of the sentences around", "something that is the same for all who are sent"
-        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text])
+        return scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]))
     if static.kinds_of(name.text) or name.text == "agent":
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
         wanted, help_ = f"a variable of a sentence around (`each {name.text} …`)", ""
@@ -90,30 +109,26 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
             help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
         elif name.text != "agent" and "agent" in scope.variables:
             help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
-        return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted=wanted, help=help_)
+        return scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=help_))
     for what, table, help_ in (
         ("an event", static.events, "events are read in `checks`; what a rule reads is kept in a field"),
         ("an action", static.actions, f"`agent chose {name.text}` asks whether an agent chose it"),
         ("a shape", static.shapes, f"`count(KIND in {name.text} of agent)` counts what is in it"),
     ):
         if name.text in table:
-            return scope.problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted="a value", help=help_)
-    near = scope.near(name.text)
+            return scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted="a value", help=help_))
+    meant = scope.near(name.text)
     values = sorted({*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"})
-    facts = near_or_all(name.text, values if len(values) > 1 else (), "the values known here") | {
-        "nearest": near,
-        "help": _owned(name.text, near, static),
-    }
-    return scope.problems.fail(errors.UNKNOWN_NAME, name.span, name=name.text, **facts)
+    listed = near(name.text, values if len(values) > 1 else (), "the values known here").listed
+    help_ = _owned(name.text, meant, static)
+    return scope.problems.fail(errors.UnknownName(name.span, name=name.text, near=Near(meant, listed), help=help_))
 
 
 def _with_parameter(define: str, variable: str, static: Static) -> str:
     """Returns how a define is written that speaks of a variable around its use."""
     value = static.defines[define].value.span
-    text = re.sub(rf"\b{variable}\b", "who", static.sources[value.file].text[value.start : value.end])
-    return (
-        f"a define sees its parameters alone: write `define {define}(who) = {' '.join(text.split())}`, and use it as `{define}({variable})`"
-    )
+    written = re.sub(rf"\b{variable}\b", "who", static.sources[value.file].text[value.start : value.end])
+    return f"a define sees its parameters alone: write `define {define}(who) = {' '.join(written.split())}`, and use it as `{define}({variable})`"
 
 
 def _owned(name: str, near: str, static: Static) -> str:
@@ -130,8 +145,8 @@ def _owned(name: str, near: str, static: Static) -> str:
 
 def no_field(name: ast.Name, owner: str, fields: Iterable[str], instead: Mapping[str, str], problems: Problems) -> Poisoned:
     """Reports a field that `owner` does not have; `instead`: what to write for names that are often tried."""
-    facts = near_or_all(name.text, fields, "the fields")
-    return problems.fail(errors.NO_FIELD, name.span, owner=owner, name=name.text, help=instead.get(name.text, ""), **facts)
+    meant = near(name.text, fields, "the fields")
+    return problems.fail(errors.NoField(name.span, owner=owner, name=name.text, help=instead.get(name.text, ""), near=meant))
 
 
 def interval_text(type_: ir.Type) -> str:

@@ -6,7 +6,7 @@ from itertools import chain
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import near_or_all
+from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.elaborate.declaration_labels import numbers_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain
@@ -27,9 +27,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
                 for node in ir.walk(test):
                     if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.EventTotal | ir.Step | ir.Member):
                         raise scope.problems.fail(
-                            errors.NOT_FIXED,
-                            node.origin or check.span,
-                            what="what a `require` reads (numbers, not the state)",  # type: ignore[arg-type]
+                            errors.NotFixed(node.origin or check.span, what="what a `require` reads (numbers, not the state)")
                         )
                 found.append(test)
     return tuple(found)
@@ -46,7 +44,7 @@ def check_requires(game: Composition, scope: Scope) -> None:
         if not holds(test, values):
             shown = ", ".join(f"{n} is {values[n]}" for n in sorted(_params(test)) if not isinstance(values[n], tuple))
             problem = text(test) + (f" ({shown})" if shown else "")
-            scope.problems.add(errors.REQUIRE_FALSE, test.origin or game.span, numbers_read(test, game), problem=problem)
+            scope.problems.add(errors.RequireFalse(test.origin or game.span, labels=numbers_read(test, game), problem=problem))
 
 
 def _params(test: ir.Expr) -> set[str]:
@@ -61,7 +59,9 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
         mine = [t for t in tallies if t.event == event.name.text]
         per_agent = {t.receiver is not None for t in mine} or {True}
         if len(per_agent) > 1:
-            raise scope.problems.fail(errors.TWICE, event.span, what=f"event `{event.name.text}` counted with and without `for`, so it")
+            raise scope.problems.fail(
+                errors.WrittenTwice(event.span, what=f"event `{event.name.text}` counted with and without `for`, so it")
+            )
         by = () if event.by is None else tuple(n.text for n in event.by.names)
         found.append(ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span))
     return tuple(found)
@@ -120,11 +120,11 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
     values = []
     for name in (check.value, check.argument):
         if name.text not in scope.static.defines:
-            choices = near_or_all(name.text, scope.static.defines, "the defines")
-            raise scope.problems.fail(errors.NOT_A, name.span, name=name.text, what="no define", wanted="a define", **choices)
+            meant = near(name.text, scope.static.defines, "the defines")
+            raise scope.problems.fail(errors.WrongSort(name.span, name=name.text, what="no define", wanted="a define", near=meant))
         values.append(use_define(name, (), scope))
         if not is_number(values[-1].type):
-            raise scope.problems.fail(errors.WRONG_TYPE, name.span, wanted="a number", given=describe(values[-1].type), help="")
+            raise scope.problems.fail(errors.WrongType(name.span, wanted="a number", given=describe(values[-1].type)))
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
     words = (check.direction.text, check.value.text, check.argument.text)

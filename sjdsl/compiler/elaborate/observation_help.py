@@ -47,7 +47,7 @@ def _of_agents(owner: str, verb: str, static: Static) -> str:
 
 
 def _not_a_field(name: ast.Name, what: str, help_: str, problems: Problems) -> Poisoned:
-    return problems.fail(errors.NOT_A, name.span, name=name.text, what=what, wanted="a field", help=help_)
+    return problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted="a field", help=help_))
 
 
 def no_agent_field(owner: str, name: ast.Name, static: Static, problems: Problems) -> Poisoned:
@@ -56,12 +56,13 @@ def no_agent_field(owner: str, name: ast.Name, static: Static, problems: Problem
         return no_field(name, "an agent", static.agent_fields, guesses.AGENT_FIELDS | guesses.PLACES, problems)
     help_ = "an agent that is away sees nothing, and is not seen" if name.text == "away" else _copy(owner, name.text, static)
     return problems.fail(
-        errors.NOT_A,
-        name.span,
-        name=f"{owner}.{name.text}",
-        what="what every agent has of itself",
-        wanted="a field that the game declares",
-        help=help_,
+        errors.WrongSort(
+            name.span,
+            name=f"{owner}.{name.text}",
+            what="what every agent has of itself",
+            wanted="a field that the game declares",
+            help=help_,
+        )
     )
 
 
@@ -94,7 +95,7 @@ def of_group(sight: ast.Show | ast.Hide, name: ast.Name, static: Static, problem
     if verb == "show" and not any(more.values()):
         more = {path: labels(path, static.kinds[kinds[0]][name.text].type.kind) for path in paths}
     help_ = "write it for each kind: " + ", ".join(f"`{verb} {path}{more[path]}`" for path in paths)
-    return problems.fail(errors.NOT_A, group.span, name=group.text, what="a group of kinds", wanted="one kind", help=help_)
+    return problems.fail(errors.WrongSort(group.span, name=group.text, what="a group of kinds", wanted="one kind", help=help_))
 
 
 def labels(path: str, kind: str) -> str:

@@ -22,7 +22,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
         return ir.Window(**sides)
     for i, (name, tree) in enumerate(game.window.sides):
         if name.text in [n.text for n, _ in game.window.sides[:i]]:
-            scope.problems.add(errors.TWICE, name.span, what=f"`{name.text}`")
+            scope.problems.add(errors.WrittenTwice(name.span, what=f"`{name.text}`"))
         if name.text not in SIDES:
             scope.problems.unknown(name, SIDES, "the sides of a window", guesses.SIDES)
             continue
@@ -30,13 +30,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
             value = scope.fixed(tree, "the window")
             if value != int(value) or not 0 <= value <= limits.MAX_WINDOW:
                 raise scope.problems.fail(
-                    errors.OUT_OF_LIMITS,
-                    tree.span,
-                    name=f"the window {name.text}",
-                    value=value,
-                    low=0,
-                    high=limits.MAX_WINDOW,
-                    reason="",
+                    errors.OutOfLimits(tree.span, name=f"the window {name.text}", value=value, low=0, high=limits.MAX_WINDOW)
                 )
             sides[name.text] = int(value)
     return ir.Window(**sides, origin=game.window.span)
@@ -68,7 +62,7 @@ def _put_looks(seen: dict[Key, ir.Sight], game: Composition, problems: Problems)
     for sight in game.sights.values():
         kind = sight.what.name.text
         if kind in whole and sight.what.steps and not (isinstance(sight, ast.Hide) and sight.condition is None):
-            problems.add(errors.TWICE, sight.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)")
+            problems.add(errors.WrittenTwice(sight.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"))
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
         del seen[key]
     detailed = {kind: field for what, kind, field in seen if what == "cell" and field}
@@ -77,7 +71,7 @@ def _put_looks(seen: dict[Key, ir.Sight], game: Composition, problems: Problems)
             if label.name in detailed:
                 given = f"a kind whose cells do not all look alike: its `{detailed[label.name]}` is seen"
                 help = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
-                problems.add(errors.WRONG_TYPE, label.origin, wanted="one look", given=given, help=help)  # type: ignore[arg-type]
+                problems.add(errors.WrongType(label.origin, wanted="one look", given=given, help=help))  # type: ignore[arg-type]
 
 
 def _entries(sight: ir.Sight) -> list[ir.Sight]:
@@ -95,11 +89,7 @@ def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> 
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
     if len(members) != len(path.steps) or len(members) > 1:
         raise problems.fail(
-            errors.WRONG_TYPE,
-            path.span,
-            wanted="`agent.field`, `other.field`, `everyone.field` or `kind.field`",
-            given="another path",
-            help="",
+            errors.WrongType(path.span, wanted="`agent.field`, `other.field`, `everyone.field` or `kind.field`", given="another path")
         )
     if not members:
         if head in static.kinds:
@@ -141,18 +131,19 @@ def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: P
     if not labels and type_.kind in ("agent", "agents"):
         told = example_labels(path_text(show.what), type_.kind)
         raise problems.fail(
-            errors.WRONG_TYPE,
-            show.span,
-            wanted="a field with labels",
-            given="a field that holds agents, whose numbers mean nothing to an observer",
-            help=f"write `show {path_text(show.what)}{told}`",
+            errors.WrongType(
+                show.span,
+                wanted="a field with labels",
+                given="a field that holds agents, whose numbers mean nothing to an observer",
+                help=f"write `show {path_text(show.what)}{told}`",
+            )
         )
     if not labels and type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
         help_ = f"show it with labels, `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
-        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number that is not a count from 0 to 255", help=help_)
+        raise problems.fail(errors.Unsupported(show.span, what="showing a number that is not a count from 0 to 255", help=help_))
     if what == "cell" and not labels and type_.kind != "word":
         help_ = f"write `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
-        raise problems.fail(errors.NOT_SUPPORTED, show.span, what="showing a number of a cell without labels", help=help_)
+        raise problems.fail(errors.Unsupported(show.span, what="showing a number of a cell without labels", help=help_))
     seen[key] = ir.Sight(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
 
 
@@ -160,7 +151,7 @@ def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.S
     """Returns how cells of a kind look: like the first label whose condition holds."""
     if not show.labels:
         help = of_a_kind(kind, "show", static)
-        raise problems.fail(errors.WRONG_TYPE, show.span, wanted=f"what cells of `{kind}` look like", given="a kind without it", help=help)
+        raise problems.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given="a kind without it", help=help))
     labels = _labels(show, "cell", kind, static, problems)
     names = tuple(dict.fromkeys(label.name for label in labels))
     return ir.Sight(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
@@ -188,7 +179,7 @@ def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Prob
         last = i == len(show.labels) - 1
         if last != (label.where is None):
             problem = "the last label has no condition" if last else f"label `{label.label.text}` needs a condition (`where`)"
-            raise problems.fail(errors.TABLE_GAP, label.span, problem=problem)
+            raise problems.fail(errors.TableGap(label.span, problem=problem))
         test = None if label.where is None else _scope(what, kind, static, problems).condition(label.where)
         found.append(ir.Label(name=label.label.text, condition=test, origin=label.span))
     return tuple(found)
@@ -198,12 +189,12 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Sight], static: Static, problems: P
     key, _ = _resolve(hide, static, problems)
     if key[0] == "cell" and not key[2]:
         help = of_a_kind(key[1], "hide", static)
-        raise problems.fail(errors.WRONG_TYPE, hide.what.span, wanted="something that is seen of cells", given="a kind", help=help)
+        raise problems.fail(errors.WrongType(hide.what.span, wanted="something that is seen of cells", given="a kind", help=help))
     if hide.condition is None:
         seen.pop(key, None)
         return
     test = _scope(key[0], key[1], static, problems).condition(hide.condition)
     if key not in seen:
-        problems.add(errors.NEVER_HAPPENS, hide.span, problem="it is not seen anyway")
+        problems.add(errors.NeverHappens(hide.span, problem="it is not seen anyway"))
         return
     seen[key] = seen[key].model_copy(update={"hidden_when": test})

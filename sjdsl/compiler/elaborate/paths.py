@@ -4,7 +4,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.defines import use as use_define
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, no_field, unknown
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, no_field, not_a_word, unknown
 from sjdsl.compiler.elaborate.scope import START, Declared, Scope
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
@@ -30,7 +30,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         if bound is None:
             raise Poisoned
         if isinstance(bound, str):
-            raise scope.problems.fail(errors.NOT_A, e.name.span, name=name, what=f"the action `{bound}`", wanted="a value")
+            raise scope.problems.fail(errors.WrongSort(e.name.span, name=name, what=f"the action `{bound}`", wanted="a value"))
         return bound.model_copy(update={"origin": e.span})
     if name == "step":
         return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
@@ -38,7 +38,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         static.used.add(Declared(name))
         size = static.sizes[name]
         if size.type.by:
-            raise scope.problems.fail(errors.NOT_SUPPORTED, e.span, what="a size that is a table")
+            raise scope.problems.fail(errors.Unsupported(e.span, what="a size that is a table"))
         return ir.Number(type=size.type, value=size.value, origin=e.span)  # type: ignore[arg-type]
     if name in static.params:
         static.used.add(Declared(name))
@@ -69,15 +69,13 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         return cell_member(owner, name, scope)
     if (isinstance(owner, ir.Member) and owner.who == "agent") or owner.type.kind == "agent":
         return agent_member(owner, name, scope)
-    raise scope.problems.fail(
-        errors.WRONG_TYPE, name.span, wanted="an agent or a cell before the point", given=describe(owner.type), help=""
-    )
+    raise scope.problems.fail(errors.WrongType(name.span, wanted="an agent or a cell before the point", given=describe(owner.type)))
 
 
 def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     static = scope.static
     if not isinstance(owner, ir.Member) and f"(not ({text(owner)} is nobody))" not in scope.facts:
-        raise scope.problems.fail(errors.CAN_BE_NOBODY, name.span, path=text(owner))
+        raise scope.problems.fail(errors.CanBeNobody(name.span, path=text(owner)))
     if name.text in static.agent_fields:
         static.used.add(Declared(name.text, "agent"))
         type_ = static.agent_fields[name.text].type
@@ -93,9 +91,9 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if name.text in ("row", "col") and not isinstance(owner, ir.Member):
         what = "the row or column of an agent that a field holds: it may be away"
         help_ = f"name it: `each agent as x in {text(owner)}` has those who are there, and `x.{name.text}`"
-        raise scope.problems.fail(errors.NOT_SUPPORTED, name.span, what=what, help=help_)
+        raise scope.problems.fail(errors.Unsupported(name.span, what=what, help=help_))
     if name.text in ("row", "col") and scope.place == START:
-        raise scope.problems.fail(errors.NO_PLACE_YET, name.span, what=f"{text(owner)}.{name.text}")
+        raise scope.problems.fail(errors.NoPlaceYet(name.span, what=f"{text(owner)}.{name.text}"))
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     if Declared(name.text, "agent") in static.broken:
@@ -119,40 +117,29 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
         found.append(fields[name.text])
         static.used.add(Declared(name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
-        raise scope.problems.fail(
-            errors.NO_FIELD,
-            name.span,
-            owner="the group: its kinds disagree on the type, so it",
-            name=name.text,
-        )
+        raise scope.problems.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
     return ir.FieldRead(type=found[0].type, owner=owner, place="cell", kinds=owner.kinds, name=name.text, origin=name.span)
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     """Returns `row[key]`, the key a word of the row's set or a mix over it."""
     if not row.type.by:
-        raise scope.problems.fail(errors.WRONG_TYPE, step.span, wanted="a row or table before `[`", given=describe(row.type), help="")
-    check_known_word(step.key, text(row), row.type.by[0], scope)
+        raise scope.problems.fail(errors.WrongType(step.span, wanted="a row or table before `[`", given=describe(row.type)))
+    check_known_word(step.key, row, row.type.by[0], scope)
     key = narrow_word(scope.expression(step.key), scope.fact_nodes)
     if key.type.kind not in ("word", "mix") or key.type.by:
-        raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="a word", given=describe(key.type), help="")
+        raise scope.problems.fail(errors.WrongType(step.key.span, wanted="a word", given=describe(key.type)))
     outside = [w for w in key.type.words if w not in row.type.by[0]]
     if outside or (key.type.kind == "mix" and key.type.words != row.type.by[0]):
-        raise scope.problems.not_a_word(step.key.span, outside[0] if outside else "mix", text(row), row.type.by[0])
+        raise not_a_word(step.key.span, outside[0] if outside else "mix", row, row.type.by[0], scope)
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word):
-            raise scope.problems.fail(errors.WRONG_TYPE, step.key.span, wanted="one word", given=describe(key.type), help="")
+            raise scope.problems.fail(errors.WrongType(step.key.span, wanted="one word", given=describe(key.type)))
         return row.model_copy(update={"word": key.value, "type": element(row.type)})
     type_ = element(row.type)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
-            raise scope.problems.fail(
-                errors.WRONG_TYPE,
-                step.key.span,
-                wanted="a word (only tables of numbers are mixed)",
-                given="a mix",
-                help="",
-            )
+            raise scope.problems.fail(errors.WrongType(step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix"))
         type_ = type_.model_copy(update={"kind": "real", "unit": type_.unit if type_.unit == "reward" else "number"})
         if row.type.unit in ("probability", "fraction"):
             type_ = type_.model_copy(update={"unit": row.type.unit})

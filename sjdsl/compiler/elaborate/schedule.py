@@ -17,24 +17,24 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
     """Returns the phase that runs at reset."""
     phase = game.phases.get("start")
     if phase is None:
-        scope.problems.add(errors.NO_START, game.span, problem="the game has no `phase start`")
+        scope.problems.add(errors.NoStart(game.span))
         return None
     if phase.parameters:
-        scope.problems.add(errors.ARGUMENTS, phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters), help="")
+        scope.problems.add(errors.WrongArguments(phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters)))
     return _use(phase, "start", "start", {}, replace(scope, place=START))
 
 
 def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     """Returns the turns of a step in order."""
     if game.schedule is None:
-        scope.problems.add(errors.MISSING_PART, game.span, what="schedule", help="`schedule phase -> phase` with its phases in order")
+        scope.problems.add(errors.MissingPart(game.span, what="schedule", how="`schedule phase -> phase` with its phases in order"))
         return ()
     turns: list[ir.Turn] = []
     labels: list[str] = []
     functions = Names({"start"})
     if len(game.schedule.turns) > limits.MAX_TURNS:
         what = f"a schedule of more than {limits.MAX_TURNS} turns"
-        scope.problems.add(errors.NOT_SUPPORTED, game.schedule.span, what=what)
+        scope.problems.add(errors.Unsupported(game.schedule.span, what=what))
         return ()
     for turn in game.schedule.turns:
         with scope.problems.survive():
@@ -45,11 +45,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     for phase in game.phases.values():
         if phase.name.text not in scheduled:
             scope.problems.add(
-                errors.PHASE_USE,
-                phase.name.span,
-                name=phase.name.text,
-                problem="written but not scheduled",
-                help="add it to the schedule",
+                errors.PhaseUse(phase.name.span, name=phase.name.text, problem="written but not scheduled", help="add it to the schedule")
             )
     return tuple(turns)
 
@@ -58,22 +54,22 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], fu
     name = turn.name.text
     if name == "tick":
         if turn.arguments:
-            scope.problems.add(errors.ARGUMENTS, turn.span, name="tick", wanted="no arguments", given=len(turn.arguments), help="")
+            scope.problems.add(errors.WrongArguments(turn.span, name="tick", wanted="no arguments", given=len(turn.arguments)))
         return ir.Tick(origin=turn.span)
     phase = game.phases.get(name)
     if phase is None or name == "start":
         problem = "scheduled but not written" if phase is None else "run at reset, not in the schedule"
         near = nearest(name, [*game.phases, "tick"])
         help_ = f"did you mean `{near}`?" if near and phase is None else ""
-        raise scope.problems.fail(errors.PHASE_USE, turn.name.span, name=name, problem=problem, help=help_)
+        raise scope.problems.fail(errors.PhaseUse(turn.name.span, name=name, problem=problem, help=help_))
     if len(turn.arguments) != len(phase.parameters):
         wanted = f"{len(phase.parameters)} argument{'s' * (len(phase.parameters) != 1)}"
-        raise scope.problems.fail(errors.ARGUMENTS, turn.span, name=name, wanted=wanted, given=len(turn.arguments), help="")
+        raise scope.problems.fail(errors.WrongArguments(turn.span, name=name, wanted=wanted, given=len(turn.arguments)))
     values: dict[str, ir.Expr | str | None] = {}
     shown = []
     for parameter, argument in zip(phase.parameters, turn.arguments, strict=True):
         if parameter.text in scope.static.names() and not scope.static.is_word(parameter.text):
-            scope.problems.add(errors.NAME_TAKEN, parameter.span, name=parameter.text, what="something else")
+            scope.problems.add(errors.NameTaken(parameter.span, name=parameter.text, what="something else"))
         value = _argument(argument, scope)
         values[parameter.text] = value
         shown.append(value if isinstance(value, str) else text(value))
@@ -94,7 +90,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
             return argument.name.text
     value = scope.expression(argument)
     if not isinstance(value, ir.Word | ir.Number):
-        raise scope.problems.fail(errors.NOT_FIXED, argument.span, what="what a phase is used with")
+        raise scope.problems.fail(errors.NotFixed(argument.span, what="what a phase is used with"))
     return value
 
 

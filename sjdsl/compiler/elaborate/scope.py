@@ -128,8 +128,8 @@ class Scope:
             return built.value
         for node in ir.walk(built):
             if isinstance(node, ir.ParamRef):
-                raise self.problems.fail(errors.SHAPE_PARAM, e.span, name=node.name, what=what)
-        raise self.problems.fail(errors.NOT_FIXED, e.span, what=what)
+                raise self.problems.fail(errors.ShapeParam(e.span, name=node.name, what=what))
+        raise self.problems.fail(errors.NotFixed(e.span, what=what))
 
     def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable."""
@@ -150,4 +150,4 @@ class Scope:
 
 
 def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "") -> Poisoned:
-    return scope.problems.fail(errors.WRONG_TYPE, e.span, wanted=wanted, given=describe(given), help=help)
+    return scope.problems.fail(errors.WrongType(e.span, wanted=wanted, given=describe(given), help=help))

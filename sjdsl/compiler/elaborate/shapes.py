@@ -38,7 +38,7 @@ def picture(shape: ast.Shape, scope: Scope) -> ir.Shape:
     rows = [row.text for row in shape.rows]
     problem = _picture_problem(rows)
     if problem:
-        raise scope.problems.fail(errors.BAD_PICTURE, shape.span, problem=problem)
+        raise scope.problems.fail(errors.BadPicture(shape.span, problem=problem))
     anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
     anchor_col = rows[anchor_row].index("^")
     cells = {(anchor_row - r, c - anchor_col) for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "x"}
@@ -75,12 +75,12 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if len(arguments) != len(BUILT_IN[name]):
         wanted = f"{len(BUILT_IN[name])} number{'s' * (len(BUILT_IN[name]) > 1)} ({', '.join(BUILT_IN[name])})"
         help_ = f"`{name}(r, centre)` includes the middle" if name in SEE_THROUGH else ""
-        raise scope.problems.fail(errors.ARGUMENTS, ref.span, name=name, wanted=wanted, given=len(arguments), help=help_)
+        raise scope.problems.fail(errors.WrongArguments(ref.span, name=name, wanted=wanted, given=len(arguments), help=help_))
     numbers = [_reach(a, scope) for a in arguments]
     label = f"{name}({', '.join(map(str, numbers))}{', centre' if centre else ''})"
     lanes = _round(name, numbers[0], centre) if name in SEE_THROUGH else _directed(name, numbers)
     if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
-        raise scope.problems.fail(errors.NOT_SUPPORTED, ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells")
+        raise scope.problems.fail(errors.Unsupported(ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"))
     see_through = name in SEE_THROUGH
     return ir.Shape(name=label, lanes=lanes, see_through=see_through, directed=not see_through, origin=ref.span)
 
@@ -88,7 +88,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
 def _reach(e: ast.Expr, scope: Scope) -> int:
     value = scope.fixed(e, "a shape")
     if value != int(value) or not 1 <= value <= 64:
-        raise scope.problems.fail(errors.OUT_OF_LIMITS, e.span, name="the reach of a shape", value=value, low=1, high=64, reason="")
+        raise scope.problems.fail(errors.OutOfLimits(e.span, name="the reach of a shape", value=value, low=1, high=64))
     return int(value)
 
 

@@ -109,7 +109,7 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
 def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
     for i, name in enumerate(names):
         if name.text in [n.text for n in names[:i]]:
-            raise scope.problems.fail(errors.TWICE, name.span, what=f"the word `{name.text}`")
+            raise scope.problems.fail(errors.WrittenTwice(name.span, what=f"the word `{name.text}`"))
         if not scope.static.is_word(name.text):
             known = [w for ws in scope.static.word_sets for w in ws]
             raise scope.problems.unknown(name, known, "the words of the game")
@@ -118,10 +118,10 @@ def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
 def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
     unit = low.type.unit if low.type.unit != "number" else high.type.unit
     if "number" not in (low.type.unit, high.type.unit) and low.type.unit != high.type.unit:
-        raise scope.problems.fail(errors.UNIT_MISMATCH, s.span, verb="draw between", left=low.type.unit, right=high.type.unit, help="")
+        raise scope.problems.fail(errors.UnitMismatch(s.span, verb="draw between", left=low.type.unit, right=high.type.unit))
     known = scope.knowing(scope.static.requires)
     if low.type.high > high.type.low and f"({text(high)} >= {text(low)})" not in known.facts | {_strict(low, high, known)}:
-        raise scope.problems.fail(errors.CROSSED, s.span, parameters_read(scope.static, low, high), low=text(low), high=text(high))
+        raise scope.problems.fail(errors.Crossed(s.span, labels=parameters_read(scope.static, low, high), low=text(low), high=text(high)))
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
         given = f"{most:g}" if most < float("inf") else "endlessly many"
@@ -141,18 +141,18 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
     names = tuple(e.key.text for e in table.entries)
     _check_declared(tuple(e.key for e in table.entries), scope)
     if len(set(names)) != len(names):
-        raise scope.problems.fail(errors.TABLE_GAP, table.span, problem="a word stands twice in these weights")
+        raise scope.problems.fail(errors.TableGap(table.span, problem="a word stands twice in these weights"))
     weights = []
     for entry in table.entries:
         if isinstance(entry.value, ast.Table):
-            raise scope.problems.fail(errors.WRONG_TYPE, entry.span, wanted="a probability", given="a table", help="")
+            raise scope.problems.fail(errors.WrongType(entry.span, wanted="a probability", given="a table"))
         weights.append(probability(entry.value, scope))
     if all(isinstance(w, ir.Number) for w in weights):
         total = sum(w.value for w in weights)  # type: ignore[union-attr]
         if abs(total - 1) > 1e-6:
-            raise scope.problems.fail(errors.WEIGHTS, table.span, total=f"{total:g}")
+            raise scope.problems.fail(errors.Weights(table.span, total=total))
     elif not _required_one(weights, scope):
-        raise scope.problems.fail(errors.WEIGHTS, table.span, total="something known only when it runs")
+        raise scope.problems.fail(errors.Weights(table.span, total="something known only when it runs"))
     return ir.Draw(name=s.name.text, type=words(names), words=names, weights=tuple(weights), stream=stream, origin=s.span)
 
 
@@ -168,19 +168,11 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     header = use.streams.header(s.span, s.block.span.start)
     how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if how_many is not None and how_many.type.low < 0:
-        raise scope.problems.fail(
-            errors.OUT_OF_LIMITS, s.number.span, name="the number picked", value="negative", low=0, high="any", reason=""
-        )  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.OutOfLimits(s.number.span, name="the number picked", value="negative", low=0, high="any"))  # type: ignore[union-attr]
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_sentence(header)
     if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
-        raise scope.problems.fail(
-            errors.WRONG_TYPE,
-            s.domain.span,
-            wanted="`in SHAPE of x` after `first`",
-            given="a domain without a shape",
-            help="",
-        )
+        raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
     body = inside(s.block, header, inner, use)
     otherwise: tuple[ir.Stmt, ...] = ()
     if not isinstance(s, ast.Each) and s.otherwise is not None:
@@ -230,11 +222,7 @@ def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
     right, inner = domain(s.right, inner)
     if s.first and not isinstance(right.place, ir.Near):
         raise scope.problems.fail(
-            errors.WRONG_TYPE,
-            s.right.span,
-            wanted="`in SHAPE of x` after `with first`",
-            given="a domain without a shape",
-            help="",
+            errors.WrongType(s.right.span, wanted="`in SHAPE of x` after `with first`", given="a domain without a shape")
         )
     body = inside(s.block, header, inner, use)
     return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
@@ -272,7 +260,7 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
     for part in conjuncts(test):
         clash = next((f for f in scope.fact_nodes if contradict(part, f)), None)
         if clash is not None:
-            scope.problems.add(errors.NEVER_HAPPENS, part.origin or test.origin, problem=f"{text(clash)} holds here")  # type: ignore[arg-type]
+            scope.problems.add(errors.NeverHappens(part.origin or test.origin, problem=f"{text(clash)} holds here"))  # type: ignore[arg-type]
             continue
         match part:
             case ir.Compare(fn=fn, left=left, right=right):
@@ -287,11 +275,7 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
                 }[fn]
                 if never:
                     reach = interval_text(left.type.model_copy(update={"low": low, "high": high}))
-                    scope.problems.add(
-                        errors.NEVER_HAPPENS,
-                        part.origin or test.origin,
-                        problem=f"{text(left)} is {reach}",  # type: ignore[arg-type]
-                    )
+                    scope.problems.add(errors.NeverHappens(part.origin or test.origin, problem=f"{text(left)} is {reach}"))  # type: ignore[arg-type]
             case _:
                 pass
 
@@ -306,7 +290,7 @@ def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
         try:
             p = probability(current.probability, scope)
             if p.type.high <= 0:
-                scope.problems.add(errors.NEVER_HAPPENS, current.probability.span, problem="its probability is 0")
+                scope.problems.add(errors.NeverHappens(current.probability.span, problem="its probability is 0"))
             body = inside(current.block, header, scope, use)
             branches.append(ir.Branch(test=p, body=body, origin=current.span))
         except Poisoned:
@@ -331,21 +315,15 @@ def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     labels = parameters_read(scope.static, p)
     if high > 1 + 1e-9:
         problem = f"reach {high:g}" if high < float("inf") else "exceed 1"
-        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, labels, problem=problem)
+        raise scope.problems.fail(errors.ProbabilityRange(e.span, labels=labels, problem=problem))
     if low < -1e-9:
-        raise scope.problems.fail(errors.PROBABILITY_RANGE, e.span, labels, problem="fall below 0")
+        raise scope.problems.fail(errors.ProbabilityRange(e.span, labels=labels, problem="fall below 0"))
     return p
 
 
 def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     movers, _ = domain(s.domain, scope)
     if movers.var.who != "agent":
-        raise scope.problems.fail(
-            errors.NOT_A,
-            s.domain.kind.span,
-            name=s.domain.kind.text,
-            what="a kind of cell",
-            wanted="`agent`",
-        )
+        raise scope.problems.fail(errors.WrongSort(s.domain.kind.span, name=s.domain.kind.text, what="a kind of cell", wanted="`agent`"))
     stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
     return ir.Move(domain=movers, stream=stream, origin=s.span)

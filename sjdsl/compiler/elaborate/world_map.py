@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.diagnostics.diagnostic import Label, Near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate.scope import Static
@@ -32,8 +32,8 @@ def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows
     if not path.is_file():
         folder = path.parent
         beside = [p.name for p in folder.iterdir()] if folder.is_dir() else []
-        near = nearest(path.name, beside)
-        problems.add(errors.NO_FILE, span, name=name, nearest=str(Path(name).with_name(near)) if near else "")
+        meant = nearest(path.name, beside)
+        problems.add(errors.NoFile(span, name=name, near=Near(str(Path(name).with_name(meant)) if meant else "")))
         return (), ()
     return parse_rows(path.read_bytes(), (Path(source.name).parent / name).as_posix(), span, problems)
 
@@ -41,15 +41,15 @@ def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows
 def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
     """Returns the rows of a map file's bytes. `span`: what names the file, to say there that it cannot be read."""
     if len(data) > 4 * limits.MAX_MAP_CELLS:
-        problems.add(errors.MAP_FILE, span, name=name, problem=f"it has more than {limits.MAX_MAP_CELLS} cells")
+        problems.add(errors.MapFile(span, name=name, problem=f"it has more than {limits.MAX_MAP_CELLS} cells"))
         return (), ()
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        problems.add(errors.MAP_FILE, span, name=name, problem="it is not text")
+        problems.add(errors.MapFile(span, name=name, problem="it is not text"))
         return (), ()
     if re.match(r"sj \d", text):
-        problems.add(errors.MAP_FILE, span, name=name, problem="it is a game")
+        problems.add(errors.MapFile(span, name=name, problem="it is a game"))
         return (), ()
     lines = text.rstrip("\r\n").split("\n") if text.strip() else []
     return tuple(line.rstrip("\r") for line in lines), row_spans(lines, name)
@@ -81,18 +81,18 @@ def check_rows(rows: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, probl
     rows, spans = rows
     span = spans[0] if spans else span
     if not rows or not rows[0]:
-        problems.add(errors.EMPTY_MAP, span)
+        problems.add(errors.EmptyMap(span))
         return False
     widths = [len(row) for row in rows]
     wanted = max(set(widths), key=widths.count)
     sound = True
     if len(rows) > limits.MAX_MAP_SIDE or wanted > limits.MAX_MAP_SIDE:
         what = f"a map of {len(rows)} x {wanted} cells (at most {limits.MAX_MAP_SIDE} x {limits.MAX_MAP_SIDE})"
-        problems.add(errors.NOT_SUPPORTED, span, what=what)
+        problems.add(errors.Unsupported(span, what=what))
         return False
     for number, row in enumerate(rows):
         if len(row) != wanted:
-            problems.add(errors.RAGGED_MAP, _place(inline, spans, number, None, span), row=number, length=len(row), wanted=wanted)
+            problems.add(errors.RaggedMap(_place(inline, spans, number, None, span), row=number, length=len(row), wanted=wanted))
             sound = False
     unknown: dict[str, tuple[int, int]] = {}
     for number, row in enumerate(rows):
@@ -103,7 +103,9 @@ def check_rows(rows: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, probl
         other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
         shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
         place = _place(inline, spans, number, column, span)
-        problems.add(errors.UNKNOWN_GLYPH, place, _absent(glyphs, rows), glyph=shown, row=number, column=column, nearest=other_case)
+        problems.add(
+            errors.UnknownGlyph(place, labels=_absent(glyphs, rows), glyph=shown, row=number, column=column, other_case=other_case)
+        )
     return sound and not unknown
 
 
@@ -145,12 +147,12 @@ def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning
         problem = check_glyph(meaning.glyph)
         if problem:
             shown = meaning.glyph.encode("unicode_escape").decode()
-            problems.add(errors.BAD_GLYPH, span, glyph=shown, problem=problem)
+            problems.add(errors.BadGlyph(span, glyph=shown, problem=problem))
         elif meaning.glyph in table:
             first = table[meaning.glyph].kind
             there = table[meaning.glyph].origin
             labels = (Label(there, f"of `{first}` here"),) if there is not None else ()
-            problems.add(errors.GLYPH_TWICE, span, labels, glyph=meaning.glyph, first=first, second=meaning.kind)
+            problems.add(errors.GlyphTwice(span, labels=labels, glyph=meaning.glyph, first=first, second=meaning.kind))
         else:
             table[meaning.glyph] = meaning
     assert all(m.kind in static.kinds for m in table.values())

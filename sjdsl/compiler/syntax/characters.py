@@ -44,7 +44,7 @@ def describe(character: str) -> str:
 def without_controls(source: Source) -> tuple[str, list[Diagnostic]]:
     """Reports control and invisible characters, also in comments and texts; returns the text, as long, without them."""
     text = source.text
-    problems = []
+    problems: list[Diagnostic] = []
     for match in CONTROL.finditer(text):
         span = source.span(*match.span())
         problems.append(errors.BadCharacter(span, character=describe(match.group()), help="delete it", fix=Fix(span, "")))

@@ -2,7 +2,6 @@
 
 from sjdsl.compiler.diagnostics.errors.maps import *
 from sjdsl.compiler.diagnostics.errors.names import *
-from sjdsl.compiler.diagnostics.errors.old_names import *
 from sjdsl.compiler.diagnostics.errors.rules import *
 from sjdsl.compiler.diagnostics.errors.syntax import *
 from sjdsl.compiler.diagnostics.errors.values import *

@@ -145,7 +145,8 @@ def _begins_line(token: Token, source: Source) -> bool:
 def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
     here = _here(trouble, tokens, source)
     kinds = accepted(trouble.automaton, trouble.stack)
-    expected, fix, labels = expected_text(trouble, kinds), None, ()
+    expected, fix = expected_text(trouble, kinds), None
+    labels: tuple[Label, ...] = ()
     help_ = _help(trouble, kinds)
     if repair is not None and repair.alone:
         word = trouble.automaton.words.get(repair.kind, "")
