@@ -10,6 +10,7 @@ GAME = """sj 1
 game frame "Guards" {{
   episode 9
   param worth : reward = {{ raw: 1, cut: 2 }}
+  param luck : probability = 0.2
   kind grass "."
   map {{ "...." }}
   agents 2 {{
@@ -49,3 +50,18 @@ def test_a_row_that_can_be_empty_has_none(guard):
 def test_one_lies_between_one_half_and_more():
     assert codes(WRITES.format("> 1.5", "< 1.5")) == set()
     assert codes(WRITES.format("> 0.5", "< 1.2")) == {"SJ401"}
+
+
+SHARES = "each agent {{ when count(agent as a where {}) > 0 {{ give 1 / count(agent as b where {}) to agent }} }}"
+
+
+def test_names_of_bound_variables_do_not_matter():
+    assert codes(SHARES.format("a.held > 1", "b.held > 1")) == set()
+    assert codes(SHARES.format("a.held > 1", "b.held > 2")) == {"SJ207"}
+    assert codes(SHARES.format("a.held > 1 and a is agent", "b.held > 1 and agent is b")) == {"SJ207"}
+
+
+@pytest.mark.parametrize("guard", ["luck > 0", "luck >= 0.4", "0.4 <= luck"])
+def test_what_is_more_than_nothing_need_not_be_one(guard):
+    assert codes(f"each agent {{ when {guard} {{ chance 2 * luck - 1 {{ give 1 to agent }} }} }}") == {"SJ202"}
+    assert codes("each agent { when luck >= 0.5 { chance 2 * luck - 1 { give 1 to agent } } }") == set()

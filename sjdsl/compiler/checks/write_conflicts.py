@@ -6,12 +6,15 @@ conditions known to hold. Two writes of one field can only meet at one target, s
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Literal
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.ir.implications import conjuncts, contradict
+from sjdsl.compiler.ir.equivalence import Form, form
+from sjdsl.compiler.ir.implications import Fact, contradict, facts
 from sjdsl.compiler.ir.printer import expression as text
 
 
@@ -28,26 +31,52 @@ class Frame:
 class Branch:
     """One way through a sentence with several. `once`: the sentence is met once in the phase, so only one of its ways is taken."""
 
-    sentence: int
+    sentence: ir.Stmt
     way: int
     once: bool
 
 
 @dataclass(frozen=True)
-class Write:
-    """One `set`, `add` or change of place. `key`: what is written; `owner`: whose (None: the world's)."""
+class Target:
+    """What is written: the place of an agent, or a field of agents, cells or the world; `entries` of a row, None for any of them."""
 
-    sort: str  # set, add, place
-    key: tuple[str, ...]
+    of: Literal["agent", "cell", "world", "place"]
+    name: str = ""
+    entries: tuple[str | None, ...] = ()
+
+
+@dataclass(frozen=True)
+class Write:
+    """One `set`, `add` or change of place. `owner`: whose field or place (None: the world's); `value`: what two equal writes share."""
+
+    sort: Literal["set", "add", "place"]
+    target: Target
     kinds: tuple[str, ...]
     owner: ir.Expr | None
-    value: str
+    value: Form
     depends: frozenset[str]
     sentence: ir.Stmt
     frames: tuple[Frame, ...]
     branches: tuple[Branch, ...]
-    facts: tuple[ir.Expr, ...]
+    facts: tuple[Fact, ...]
     bounded: bool = False
+
+    @cached_property
+    def about_target(self) -> tuple[Fact, ...]:
+        """The known conditions that speak of the target alone, under a name that two writes share."""
+        if self.owner is None:
+            return tuple(f for f in self.facts if not _variables(f.condition))
+        if not isinstance(self.owner, ir.Member):
+            return ()
+        name = self.owner.name
+        return tuple(Fact(f.condition, {name: "target"}) for f in self.facts if _variables(f.condition) <= {name})
+
+
+def _variables(e: ir.Expr) -> set[str]:
+    return {n.name for n in ir.walk(e) if isinstance(n, ir.Member | ir.Local)}
+
+
+PLACE = Target("place")
 
 
 @dataclass(frozen=True)
@@ -56,7 +85,7 @@ class Around:
 
     frames: tuple[Frame, ...] = ()
     branches: tuple[Branch, ...] = ()
-    facts: tuple[ir.Expr, ...] = ()
+    facts: tuple[Fact, ...] = ()
     locals: dict[str, frozenset[str]] = field(default_factory=dict)
     lanes: dict[str, int] = field(default_factory=dict)
 
@@ -78,7 +107,7 @@ def _check_phase(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
             _report_range(write, game, problems)
     for i, a in enumerate(writes):
         for b in writes[i + 1 :]:
-            if _same_key(a, b) and _meet(a, b) and not _compatible(a, b):
+            if _same_target(a, b) and _meet(a, b) and not _compatible(a, b):
                 _report(a, b, phase, problems)
     moves = [s for s in _all(phase.body) if isinstance(s, ir.Move)]
     if moves and (len(phase.body) > 1 or phase.body[0] is not moves[0]):
@@ -101,9 +130,9 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                 yield from _quantified(s, around)
             case ir.Match():
                 left, right = s.left, s.right
-                facts = tuple(c for d in (left, right) if d.where is not None for c in conjuncts(d.where))
+                known = tuple(f for d in (left, right) if d.where is not None for f in facts(d.where))
                 frame = Frame(s, (*_bound(left), *_bound(right)), single=False)
-                inner = replace(around, frames=(*around.frames, frame), facts=around.facts + facts)
+                inner = replace(around, frames=(*around.frames, frame), facts=around.facts + known)
                 yield from _writes(s.body, inner)
             case ir.When() | ir.Chance():
                 yield from _branched(s, around)
@@ -112,12 +141,11 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
             case ir.Add():
                 yield _field_write("add", s, s.target, s.value, around)
             case ir.Send():
-                after = "" if s.after is None else text(s.after)
-                value = f"{s.pool} {after} {s.facing} {s.stay}"
+                value = ("send", s.pool, None if s.after is None else form(s.after), s.facing, s.stay)
                 depends = frozenset() if s.after is None else _names(s.after, around)
-                yield _write("place", ("place",), (), s.who, value, depends, s, around)
+                yield _write("place", PLACE, (), s.who, value, depends, s, around)
             case ir.Remove():
-                yield _write("place", ("place",), (), s.who, "removed", frozenset(), s, around)
+                yield _write("place", PLACE, (), s.who, ("remove",), frozenset(), s, around)
             case _:
                 pass
 
@@ -127,12 +155,12 @@ def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
 
 
 def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
-    facts = (*_standing(s.domain), *(() if s.domain.where is None else conjuncts(s.domain.where)))
+    known = (*_standing(s.domain), *(() if s.domain.where is None else facts(s.domain.where)))
     if isinstance(s, ir.First):
         single = isinstance(s.domain.place, ir.Near) and around.lanes[s.domain.place.shape] <= 1
     else:
         single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
-    inner = replace(around, frames=(*around.frames, Frame(s, _bound(s.domain), single)), facts=around.facts + facts)
+    inner = replace(around, frames=(*around.frames, Frame(s, _bound(s.domain), single)), facts=around.facts + known)
     other = around
     if isinstance(s, ir.First) and not single:  # both ways can be taken, each in some lanes
         other = replace(around, frames=(*around.frames, Frame(s, (), single)))
@@ -144,24 +172,24 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Wri
         yield from _writes(s.otherwise, other)
 
 
-def _standing(d: ir.Domain) -> tuple[ir.Expr, ...]:
+def _standing(d: ir.Domain) -> tuple[Fact, ...]:
     """Returns what `agent on kind` says of the agent."""
-    return () if d.on is None else (ir.StandsOn(agent=d.var, kinds=d.on.kinds),)
+    return () if d.on is None else (Fact(ir.StandsOn(agent=d.var, kinds=d.on.kinds)),)
 
 
 def _branch(s: ir.Stmt, way: int, around: Around) -> Branch:
-    return Branch(id(s), way, all(f.single for f in around.frames))
+    return Branch(s, way, all(f.single for f in around.frames))
 
 
 def _branched(s: ir.When | ir.Chance, around: Around) -> Iterator[Write]:
-    facts = around.facts
+    known = around.facts
     for number, branch in enumerate(s.branches):
-        here = facts + (tuple(conjuncts(branch.test)) if isinstance(s, ir.When) else ())
+        here = known + (facts(branch.test) if isinstance(s, ir.When) else ())
         yield from _writes(branch.body, replace(around, branches=(*around.branches, _branch(s, number, around)), facts=here))
         if isinstance(s, ir.When):
-            facts = facts + tuple(conjuncts(branch.test, holds=False))
+            known = known + facts(branch.test, holds=False)
     last = _branch(s, len(s.branches), around)
-    yield from _writes(s.otherwise, replace(around, branches=(*around.branches, last), facts=facts))
+    yield from _writes(s.otherwise, replace(around, branches=(*around.branches, last), facts=known))
 
 
 def _names(e: ir.Expr, around: Around) -> frozenset[str]:
@@ -179,31 +207,31 @@ def _names(e: ir.Expr, around: Around) -> frozenset[str]:
     return frozenset(found - inner)
 
 
-def _field_write(sort: str, s: ir.Set | ir.Add, target: ir.Expr, value: ir.Expr, around: Around) -> Write:
-    entries: list[str] = []
+def _field_write(sort: Literal["set", "add"], s: ir.Set | ir.Add, target: ir.Expr, value: ir.Expr, around: Around) -> Write:
+    entries: list[str | None] = []
     depends = _names(value, around)
     while isinstance(target, ir.At):
-        entries.insert(0, text(target.key) if isinstance(target.key, ir.Word) else "*")
+        entries.insert(0, target.key.value if isinstance(target.key, ir.Word) else None)
         depends |= _names(target.key, around)
         target = target.row
     assert isinstance(target, ir.FieldRead)
-    key = (target.place, target.name, *entries)
+    written = Target(target.place, target.name, tuple(entries))
     uncapped = sort == "add" and target.type.kind == "int"
-    made = _write(sort, key, target.kinds, target.owner, text(value), depends, s, around)
+    made = _write(sort, written, target.kinds, target.owner, form(value), depends, s, around)
     return replace(made, bounded=uncapped)
 
 
 def _write(
-    sort: str,
-    key: tuple[str, ...],
+    sort: Literal["set", "add", "place"],
+    target: Target,
     kinds: tuple[str, ...],
     owner: ir.Expr | None,
-    value: str,
+    value: Form,
     depends: frozenset[str],
     s: ir.Stmt,
     around: Around,
 ) -> Write:
-    return Write(sort, key, kinds, owner, value, depends, s, around.frames, around.branches, around.facts)
+    return Write(sort, target, kinds, owner, value, depends, s, around.frames, around.branches, around.facts)
 
 
 def is_own(w: Write) -> bool:
@@ -244,10 +272,10 @@ def _agrees_with_itself(w: Write) -> bool:
     return not (w.depends - own_names)
 
 
-def _same_key(a: Write, b: Write) -> bool:
-    if a.key[0] != b.key[0] or a.key[:2] != b.key[:2]:
+def _same_target(a: Write, b: Write) -> bool:
+    if (a.target.of, a.target.name) != (b.target.of, b.target.name):
         return False
-    return all(x == y or "*" in (x, y) for x, y in zip(a.key[2:], b.key[2:], strict=False))
+    return all(x == y or None in (x, y) for x, y in zip(a.target.entries, b.target.entries, strict=False))
 
 
 def _meet(a: Write, b: Write) -> bool:
@@ -264,7 +292,7 @@ def _compatible(a: Write, b: Write) -> bool:
 
 def _exclusive(a: Write, b: Write) -> bool:
     """Returns whether the two writes can never reach the same target in one phase."""
-    apart = [x for x in a.branches for y in b.branches if x.sentence == y.sentence and x.way != y.way]
+    apart = [x for x in a.branches for y in b.branches if x.sentence is y.sentence and x.way != y.way]
     if any(x.once for x in apart):
         return True
     if is_own(a) and is_own(b):
@@ -272,7 +300,7 @@ def _exclusive(a: Write, b: Write) -> bool:
             return True
         if _two_sides(a, b):
             return True
-    return any(contradict(x, y) for x in _about_target(a) for y in _about_target(b))
+    return any(contradict(x, y) for x in a.about_target for y in b.about_target)
 
 
 def _shared_frames(a: Write, b: Write) -> bool:
@@ -292,41 +320,10 @@ def _two_sides(a: Write, b: Write) -> bool:
     return isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name != b.owner.name
 
 
-def _about_target(w: Write) -> list[ir.Expr]:
-    """Returns the known conditions that speak of the target alone, the target renamed so that two writes compare."""
-    if w.owner is None:
-        return [f for f in w.facts if not _members(f)]
-    if not isinstance(w.owner, ir.Member):
-        return []
-    name = w.owner.name
-    return [_renamed(f, name) for f in w.facts if _members(f) <= {name}]
-
-
-def _members(e: ir.Expr) -> set[str]:
-    names: set[str] = set()
-    for node in ir.walk(e):
-        if isinstance(node, ir.Member | ir.Local):
-            names.add(node.name)
-    return names
-
-
-def _renamed(e: ir.Node, name: str) -> ir.Expr:
-    if isinstance(e, ir.Member) and e.name == name:
-        return e.model_copy(update={"name": "$"})
-    update = {}
-    for key in ir.inner_fields(type(e)):
-        value = getattr(e, key)
-        if isinstance(value, ir.Node):
-            update[key] = _renamed(value, name)
-        elif isinstance(value, tuple) and any(isinstance(v, ir.Node) for v in value):
-            update[key] = tuple(_renamed(v, name) if isinstance(v, ir.Node) else v for v in value)
-    return e.model_copy(update=update)  # type: ignore[return-value]
-
-
 def _name(w: Write) -> str:
     if w.sort == "place":
         return "the place"
-    return w.key[1] if w.owner is None else f"{text(w.owner)}.{w.key[1]}"
+    return w.target.name if w.owner is None else f"{text(w.owner)}.{w.target.name}"
 
 
 def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
@@ -338,7 +335,7 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     elif {a.sort, b.sort} == {"set", "add"}:
         problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
     else:
-        owner = {"agent": "agent", "cell": "cell", "world": "world"}.get(a.key[0], "agent")
+        owner = "agent" if a.target.of == "place" else a.target.of
         problems.add(errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label))
 
 
@@ -357,7 +354,7 @@ def _is_capped(w: Write, game: ir.Game) -> bool:
 
 
 def _declaration(w: Write, game: ir.Game) -> ir.VarField | None:
-    place, name = w.key[:2]
+    place, name = w.target.of, w.target.name
     if place == "agent":
         fields = game.agents.fields
     elif place == "world":

@@ -6,7 +6,7 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.evaluate_constant import fold
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.implications import compares
 from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_units, over_unit, times_unit
 
 VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take the remainder of"}
@@ -66,8 +66,8 @@ def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
     if isinstance(divisor, ir.Count) and divisor.domain.place is None and divisor.domain.where is None and divisor.domain.on is None:
         if divisor.domain.var.who == "cell":
             return not any(scope.static.cells.get(k, 0) for k in divisor.domain.var.kinds)
-    facts = scope.knowing(scope.static.requires).facts
-    return not any(f"({text(divisor)} {test})" in facts for test in ("> 0", ">= 1", "!= 0"))
+    known = scope.facts_and_requires
+    return not (compares(divisor, ">", 0, known) or compares(divisor, ">=", 1, known) or compares(divisor, "!=", 0, known))
 
 
 def is_share(left: ir.Expr, right: ir.Expr) -> bool:

@@ -53,7 +53,7 @@ def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
     target, field = target_of(s.target, scope)
     if target.type.kind == "word":
         check_known_word(s.value, target, target.type.words, scope)
-    value = narrow_word(scope.expression(s.value), scope.fact_nodes)
+    value = narrow_word(scope.expression(s.value), scope.facts)
     type_ = target.type
     if value.type.by and value.type.by != type_.by:
         raise wrong_type(scope, s.value, describe(type_), value.type)
@@ -85,7 +85,7 @@ def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Exp
     _check_unit(s.value, target, value, scope)
     if target.type.kind == "int" and value.type.kind != "int":
         raise wrong_type(scope, s.value, "a whole number", value.type)
-    low, high = narrowed(value, scope.fact_nodes)
+    low, high = narrowed(value, scope.facts)
     limit = inf if field.timer else target.type.high
     if target.type.kind == "int" and (low < target.type.low or high > limit):
         raise _leaves_range(s.value.span, target, (low, high), value, scope, _instead_of_set(s, field, target, scope))
@@ -134,7 +134,7 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
 
 def _check_added(s: ast.Add, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
     """Without `capped` an add must stay in range by what the guards say, and be the only one that reaches its target."""
-    low, high = narrowed(target, scope.fact_nodes) if is_number(target.type) else (target.type.low, target.type.high)
+    low, high = narrowed(target, scope.facts) if is_number(target.type) else (target.type.low, target.type.high)
     reached = (low + value.type.low, high + value.type.high)
     inside = target.type.low <= reached[0] and reached[1] <= target.type.high
     if not inside:

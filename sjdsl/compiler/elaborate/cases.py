@@ -13,7 +13,7 @@ from sjdsl.compiler.ir.types import describe
 
 def case(e: ast.Case, scope: Scope) -> ir.Expr:
     """Returns a `case` whose arms cover the subject without gap or overlap; `otherwise` is spelt out."""
-    subject = narrow_word(scope.expression(e.subject), scope.fact_nodes)
+    subject = narrow_word(scope.expression(e.subject), scope.facts)
     if isinstance(subject, ir.Word):
         return _known_word(e, subject, scope)
     if subject.type.kind in ("word", "condition") and not subject.type.by:
@@ -87,7 +87,7 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
 
 
 def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
-    low, high = narrowed(subject, scope.fact_nodes)
+    low, high = narrowed(subject, scope.facts)
     taken: list[tuple[float, float]] = []
     keys: list[Key] = []
     for arm in e.arms:

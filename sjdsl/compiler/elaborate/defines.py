@@ -30,7 +30,6 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
         scope.problems,
         variables,
         scope.facts,
-        scope.fact_nodes,
         scope.place,
         scope.events_readable,
         (*scope.defining, name.text),

@@ -48,7 +48,7 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
     if not scope.defining:
         return name.text
     around = [v for v in scope.variables.values() if isinstance(v, ir.Node)]
-    unseen: set[str] = set().union(*map(_free_names, (*around, *scope.fact_nodes)))
+    unseen: set[str] = set().union(*map(_free_names, (*around, *(f.condition for f in scope.facts))))
     found = name.text
     while found in unseen:
         found += "_"
@@ -58,9 +58,9 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
 def without_variables(scope: Scope, instead: str) -> Scope:
     """Returns a scope that sees neither agents, cells and values of the sentences around nor what is known of them."""
     fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
-    facts = [f for f in scope.fact_nodes if not _free_names(f)]
+    facts = tuple(f for f in scope.facts if not _free_names(f.condition))
     withheld = {n: instead for n in scope.variables if n not in fixed}
-    return replace(scope, variables=fixed, facts=frozenset(), fact_nodes=(), withheld=withheld).knowing(facts)
+    return replace(scope, variables=fixed, facts=facts, withheld=withheld)
 
 
 def _free_names(e: ir.Node) -> set[str]:

@@ -4,11 +4,10 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.elaborate.domains import domain, without_variables
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, not_a_word
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_somebody, not_a_word
 from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word
-from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer
 
 FACINGS = ("north", "east", "south", "west", "same")
@@ -19,13 +18,8 @@ def agent(e: ast.Path, scope: Scope) -> ir.Expr:
     built = scope.expression(e)
     if not as_agent(built):
         raise wrong_type(scope, e, "an agent", built.type)
-    check_somebody(e, built, scope)
+    check_somebody(built, e.span, scope)
     return built
-
-
-def check_somebody(e: ast.Expr, built: ir.Expr, scope: Scope) -> None:
-    if not isinstance(built, ir.Member) and f"(not ({text(built)} is nobody))" not in scope.facts:
-        raise scope.problems.fail(errors.CanBeNobody(e.span, path=text(built)))
 
 
 def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
@@ -35,7 +29,7 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
         return built
     if not as_agent(built):
         raise wrong_type(scope, e, "an agent or a set of agents", built.type)
-    check_somebody(e, built, scope)
+    check_somebody(built, e.span, scope)
     return built
 
 
@@ -65,7 +59,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
             raise scope.problems.fail(errors.WrongType(s.event.span, wanted=f"`{name.text}[word]`", given="the whole row"))
         check_known_word(s.event.steps[0].key, name.text, row.type.by[0], scope)
-        key = narrow_word(scope.expression(s.event.steps[0].key), scope.fact_nodes)
+        key = narrow_word(scope.expression(s.event.steps[0].key), scope.facts)
         if key.type.kind != "word":
             raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
         outside = [w for w in key.type.words if w not in row.type.by[0]]

@@ -16,7 +16,7 @@ from sjdsl.compiler.elaborate.domains import domain, most_members
 from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, kinds_named, not_a_word
 from sjdsl.compiler.elaborate.paths import path
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.implications import at_least
+from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
@@ -205,9 +205,7 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
         row = scope.expression(e.value)
         if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
             raise wrong_type(scope, e.value, "a row of numbers", row.type, "write `sum(e over D)` to add over a domain")
-        n = len(row.type.by[0])
-        type_ = row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})
-        return ir.SumRow(type=_beyond_one(type_), row=row, origin=e.span)
+        return _sum_row(row).model_copy(update={"origin": e.span})
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
     if not is_number(value.type):
@@ -216,6 +214,11 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
     low, high = hull([value.type.model_copy(update={"low": 0, "high": 0}), value.type])
     type_ = value.type.model_copy(update={"low": times(low, most), "high": times(high, most)})
     return ir.Sum(type=_beyond_one(type_), value=value, domain=built, origin=e.span)
+
+
+def _sum_row(row: ir.Expr) -> ir.SumRow:
+    n = len(row.type.by[0])
+    return ir.SumRow(type=_beyond_one(row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})), row=row)
 
 
 def _beyond_one(type_: ir.Type) -> ir.Type:
@@ -273,8 +276,8 @@ def _apart(a: ir.Expr, b: ir.Expr, scope: Scope) -> bool:
         return True
     if isinstance(a, ir.Number) and isinstance(b, ir.Number):
         return a.value != b.value
-    facts = scope.knowing(scope.static.requires).facts
-    return any(f"({text(x)} {op} {text(y)})" in facts for x, y in ((a, b), (b, a)) for op in (">", "!="))
+    known = scope.facts_and_requires
+    return any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))
 
 
 def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
@@ -286,8 +289,8 @@ def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
         return ir.Lowest(type=type_, row=row, last=e.name.text == "highest", origin=e.span)
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
-    total = f"sum({text(row)})"
-    if f"({total} > 0)" not in scope.facts and not at_least(total, scope.fact_nodes) > 0:
+    entries = _sum_row(row)
+    if not compares(entries, ">", 0, scope.facts) and not narrowed(entries, scope.facts)[0] > 0:
         raise scope.problems.fail(errors.EmptyMix(e.span, row=text(row)))
     return ir.Mix(type=ir.Type(kind="mix", words=names), row=row, origin=e.span)
 

@@ -10,6 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import Near, near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
+from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.printer import expression as text
 
 AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
@@ -19,6 +20,12 @@ CELL_ATTRIBUTES = ("row", "col")
 def as_agent(e: ir.Expr) -> bool:
     """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
     return (isinstance(e, ir.Member) and e.who == "agent") or e.type.kind == "agent"
+
+
+def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
+    """Says so if an agent that a field holds can be nobody, as far as the guards around tell."""
+    if not isinstance(agent, ir.Member) and not is_known(ir.Not(value=ir.Same(left=agent, right=ir.Nobody())), scope.facts):
+        raise scope.problems.fail(errors.CanBeNobody(span, path=text(agent)))
 
 
 def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:

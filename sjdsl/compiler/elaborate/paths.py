@@ -4,7 +4,15 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.defines import use as use_define
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, no_field, not_a_word, unknown
+from sjdsl.compiler.elaborate.lookup import (
+    AGENT_ATTRIBUTES,
+    CELL_ATTRIBUTES,
+    check_known_word,
+    check_somebody,
+    no_field,
+    not_a_word,
+    unknown,
+)
 from sjdsl.compiler.elaborate.scope import START, Declared, Scope
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
@@ -74,8 +82,7 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
 
 def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     static = scope.static
-    if not isinstance(owner, ir.Member) and f"(not ({text(owner)} is nobody))" not in scope.facts:
-        raise scope.problems.fail(errors.CanBeNobody(name.span, path=text(owner)))
+    check_somebody(owner, name.span, scope)
     if name.text in static.agent_fields:
         static.used.add(Declared(name.text, "agent"))
         type_ = static.agent_fields[name.text].type
@@ -126,7 +133,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     if not row.type.by:
         raise scope.problems.fail(errors.WrongType(step.span, wanted="a row or table before `[`", given=describe(row.type)))
     check_known_word(step.key, row, row.type.by[0], scope)
-    key = narrow_word(scope.expression(step.key), scope.fact_nodes)
+    key = narrow_word(scope.expression(step.key), scope.facts)
     if key.type.kind not in ("word", "mix") or key.type.by:
         raise scope.problems.fail(errors.WrongType(step.key.span, wanted="a word", given=describe(key.type)))
     outside = [w for w in key.type.words if w not in row.type.by[0]]

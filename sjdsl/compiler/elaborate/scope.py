@@ -8,7 +8,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.ir.implications import conjuncts, fact_text
+from sjdsl.compiler.ir.implications import Fact, facts
 from sjdsl.compiler.ir.types import describe, is_number
 from sjdsl.near_names import nearest
 
@@ -75,15 +75,14 @@ class Scope:
     """Variables and known facts at one place of the text.
 
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
-    `facts`: canonical texts of conditions that hold here. `place`: what this is, for messages about draws and events.
+    `facts`: conditions that hold here. `place`: what this is, for messages about draws and events.
     `withheld`: variables around that cannot be used here, with what to write instead.
     """
 
     static: Static
     problems: Problems
     variables: "dict[str, ir.Expr | str | None]" = field(default_factory=dict)
-    facts: frozenset[str] = frozenset()
-    fact_nodes: tuple[ir.Expr, ...] = ()
+    facts: tuple[Fact, ...] = ()
     place: str = "a phase"
     events_readable: bool = False
     defining: tuple[str, ...] = ()
@@ -137,8 +136,12 @@ class Scope:
 
     def knowing(self, conditions: "Iterable[ir.Expr]") -> "Scope":
         """Returns this scope in which the conditions are known to hold."""
-        parts = tuple(part for condition in conditions for part in conjuncts(condition))
-        return replace(self, facts=self.facts | {fact_text(p) for p in parts}, fact_nodes=self.fact_nodes + parts)
+        return replace(self, facts=(*self.facts, *(f for condition in conditions for f in facts(condition))))
+
+    @property
+    def facts_and_requires(self) -> tuple[Fact, ...]:
+        """What holds here, the game's `require`s too."""
+        return self.knowing(self.static.requires).facts
 
     def unsure(self) -> "Scope":
         """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""

@@ -12,7 +12,8 @@ from sjdsl.compiler.elaborate.effects import agent, give, send, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
-from sjdsl.compiler.ir.implications import conjuncts, contradict, narrow_word, narrowed
+from sjdsl.compiler.ir.equivalence import form
+from sjdsl.compiler.ir.implications import Fact, compares, conjuncts, contradict, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import integer, words
 
@@ -77,7 +78,7 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
 
 
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
-    value = narrow_word(scope.expression(s.value), scope.fact_nodes)
+    value = narrow_word(scope.expression(s.value), scope.facts)
     check_free(s.name, scope, chosen=True)
     if isinstance(value, ir.Member):
         raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
@@ -119,8 +120,8 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
     unit = low.type.unit if low.type.unit != "number" else high.type.unit
     if "number" not in (low.type.unit, high.type.unit) and low.type.unit != high.type.unit:
         raise scope.problems.fail(errors.UnitMismatch(s.span, verb="draw between", left=low.type.unit, right=high.type.unit))
-    known = scope.knowing(scope.static.requires)
-    if low.type.high > high.type.low and f"({text(high)} >= {text(low)})" not in known.facts | {_strict(low, high, known)}:
+    known = scope.facts_and_requires
+    if low.type.high > high.type.low and not (compares(high, ">=", low, known) or compares(high, ">", low, known)):
         raise scope.problems.fail(errors.Crossed(s.span, labels=parameters_read(scope.static, low, high), low=text(low), high=text(high)))
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
@@ -130,11 +131,6 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
         scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, help_))
         raise Poisoned
     return integer(low.type.low, high.type.high, unit)
-
-
-def _strict(low: ir.Expr, high: ir.Expr, known: Scope) -> str:
-    strict = f"({text(high)} > {text(low)})"
-    return f"({text(high)} >= {text(low)})" if strict in known.facts else ""
 
 
 def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:
@@ -158,10 +154,14 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
 
 def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
     """Weights from parameters need `require a + b + c == 1`, or the form p, q, 1 - p - q."""
-    total = "".join("(" * (len(weights) - 1)) + text(weights[0]) + "".join(f" + {text(w)})" for w in weights[1:])
-    rest = text(weights[-1])
-    spelt = "(" * (len(weights) - 1) + "1" + "".join(f" - {text(w)})" for w in weights[:-1])
-    return f"({total} == 1)" in scope.knowing(scope.static.requires).facts or rest == spelt
+    one, last = ir.Number(type=weights[0].type, value=1), weights[-1]
+    rest = one
+    for weight in weights[:-1]:
+        rest = ir.Arithmetic(type=one.type, fn="-", args=(rest, weight))
+    total = weights[0]
+    for weight in weights[1:]:
+        total = ir.Arithmetic(type=one.type, fn="+", args=(total, weight))
+    return form(last) == form(rest) or compares(total, "==", one, scope.facts_and_requires)
 
 
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
@@ -258,13 +258,13 @@ def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
 def check_possible(test: ir.Expr, scope: Scope) -> None:
     """Warns if a condition contradicts what is known here, or the numbers it compares."""
     for part in conjuncts(test):
-        clash = next((f for f in scope.fact_nodes if contradict(part, f)), None)
+        clash = next((f for f in scope.facts if contradict(Fact(part), f)), None)
         if clash is not None:
-            scope.problems.add(errors.NeverHappens(part.origin or test.origin, problem=f"{text(clash)} holds here"))  # type: ignore[arg-type]
+            scope.problems.add(errors.NeverHappens(part.origin or test.origin, problem=f"{text(clash.condition)} holds here"))  # type: ignore[arg-type]
             continue
         match part:
             case ir.Compare(fn=fn, left=left, right=right):
-                low, high = narrowed(left, scope.fact_nodes)
+                low, high = narrowed(left, scope.facts)
                 never = {
                     "<": low >= right.type.high,
                     "<=": low > right.type.high,
@@ -311,7 +311,7 @@ def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     """Returns a probability that provably stays in 0 .. 1."""
     p = scope.number(e, ("probability",), "a probability")
-    low, high = narrowed(p, (*scope.fact_nodes, *scope.static.requires))
+    low, high = narrowed(p, scope.facts_and_requires)
     labels = parameters_read(scope.static, p)
     if high > 1 + 1e-9:
         problem = f"reach {high:g}" if high < float("inf") else "exceed 1"

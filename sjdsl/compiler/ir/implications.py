@@ -1,10 +1,13 @@
-"""What guards imply: conditions split into facts, and the intervals that these leave to an expression."""
+"""What guards imply: conditions split into facts, and the intervals and words that these leave to an expression."""
 
-from collections.abc import Iterator
-from math import ceil, floor, inf
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import ceil, floor, inf, isinf
+from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.printer import expression
+from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
 from sjdsl.compiler.ir.types import interval
 
 _MIRROR = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
@@ -29,117 +32,186 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
             yield condition if holds else ir.Not(value=condition, origin=condition.origin)
 
 
-def fact_text(condition: ir.Expr) -> str:
-    """Returns the canonical text of one condition: comparisons point to the larger side on the left."""
-    if isinstance(condition, ir.Compare) and condition.fn in ("<", "<="):
-        return f"({expression(condition.right)} {_MIRROR[condition.fn]} {expression(condition.left)})"
-    return expression(condition)
+Comparison = Literal["<", "<=", ">", ">=", "==", "!="]
+Interval = tuple[float, float]
 
 
-def contradict(a: ir.Expr, b: ir.Expr) -> bool:
-    """Returns whether two conditions can be seen never to hold together: opposite, other words, other ranges, other actions."""
-    opposite = [fact_text(p) for p in conjuncts(b, holds=False)]
-    if opposite == [fact_text(a)]:
+@dataclass(frozen=True, eq=False)
+class Fact:
+    """One condition that holds, and what it says of its subject: of a number an interval, of a word those it may be.
+
+    `names`: what stands for free variables, as in `form`; two facts are compared under the same names.
+    """
+
+    condition: ir.Expr
+    names: Names = field(default_factory=dict)
+
+    @cached_property
+    def form(self) -> Form:
+        return _directed(self.condition, self.names)
+
+    @cached_property
+    def opposite(self) -> Form | None:
+        """What the fact excludes, if that is one condition."""
+        excluded = list(conjuncts(self.condition, holds=False))
+        return _directed(excluded[0], self.names) if len(excluded) == 1 else None
+
+    @cached_property
+    def subject(self) -> Form | None:
+        return None if self._said.subject is None else form(self._said.subject, self.names)
+
+    @cached_property
+    def _said(self) -> "Said":
+        return _said(self.condition)
+
+    @property
+    def interval(self) -> Interval | None:
+        """What a comparison with a number leaves to the subject."""
+        return self._said.interval
+
+    @property
+    def reach(self) -> Interval | None:
+        """What a comparison with something else leaves to the subject, by the type of that."""
+        return self._said.reach
+
+    @property
+    def words(self) -> frozenset[str] | None:
+        return self._said.words
+
+
+def facts(condition: ir.Expr, holds: bool = True) -> tuple[Fact, ...]:
+    """Returns what is known if a condition holds (or, with `holds` False, if it does not)."""
+    return tuple(Fact(part) for part in conjuncts(condition, holds))
+
+
+def is_known(condition: ir.Expr, known: Iterable[Fact]) -> bool:
+    """Returns whether a condition is one of the facts."""
+    wanted = _directed(condition)
+    return any(f.form == wanted for f in known)
+
+
+def compares(left: ir.Expr, fn: Comparison, right: ir.Expr | float, known: Iterable[Fact]) -> bool:
+    """Returns whether a comparison is one of the facts."""
+    right = right if isinstance(right, ir.Node) else ir.Number(type=left.type, value=right)
+    return is_known(ir.Compare(fn=fn, left=left, right=right), known)
+
+
+def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
+    if isinstance(condition, ir.Compare):
+        fn, left, right = condition.fn, condition.left, condition.right
+        fn, left, right = (_MIRROR[fn], right, left) if fn in ("<", "<=") else (fn, left, right)
+        return (ir.Compare, fn, form(left, names), form(right, names))
+    return form(condition, names)
+
+
+def contradict(a: Fact, b: Fact) -> bool:
+    """Returns whether two facts can be seen never to hold together: opposite, other words, other ranges, other actions."""
+    if a.form == b.opposite:
         return True
-    match a, b:
-        case ir.Chose(), ir.Chose():
-            return expression(a.agent) == expression(b.agent) and a.action != b.action
-        case ir.StandsOn(), ir.StandsOn():
-            return expression(a.agent) == expression(b.agent) and not set(a.kinds) & set(b.kinds)
-        case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
-            return expression(here.agent) == expression(there.agent) and set(here.kinds) <= set(there.kinds)
-        case ((ir.Compare() | ir.InRange()), (ir.Compare() | ir.InRange())):
-            return _ranges_apart(a, b)
-        case _:
-            first, second = _words_allowed(a), _words_allowed(b)
-            return first is not None and second is not None and first[0] == second[0] and not first[1] & second[1]
-
-
-def _words_allowed(condition: ir.Expr) -> tuple[str, frozenset[str]] | None:
-    """Returns (what, words it may be) for `x is w`, `x is not w`, `x in { … }`, and their negations."""
-    negated = isinstance(condition, ir.Not)
-    inner = condition.value if isinstance(condition, ir.Not) else condition
-    match inner:
-        case ir.Same(left=left, right=ir.Word(value=value)):
-            words = frozenset({value})
-        case ir.Same(left=ir.Word(value=value), right=left):
-            words = frozenset({value})
-        case ir.InWords(value=left):
-            words = frozenset(inner.words)
-        case _:
-            return None
-    if left.type.kind != "word":
-        return None
-    return expression(left), frozenset(left.type.words) - words if negated else words
-
-
-def _bounds(condition: ir.Expr) -> tuple[str, float, float] | None:
-    """Returns (what, low, high) for a comparison of an expression with a number."""
-    match condition:
-        case ir.InRange(value=value, low=ir.Number(value=low), high=ir.Number(value=high)):
-            return expression(value), low, high
-        case ir.Compare(fn=fn, left=left, right=ir.Number(value=value)):
-            pass
-        case ir.Compare(fn=fn, left=ir.Number(value=value), right=left):
-            fn = _MIRROR[fn]
-        case _:
-            return None
-    whole = left.type.kind == "int"
-    limits = {
-        "==": (value, value),
-        "<=": (-inf, floor(value) if whole else value),
-        ">=": (ceil(value) if whole else value, inf),
-        "<": (-inf, ceil(value) - 1 if whole else value),
-        ">": (floor(value) + 1 if whole else value, inf),
-    }
-    return (expression(left), *limits[fn]) if fn in limits else None
-
-
-def at_least(text: str, facts: tuple[ir.Expr, ...]) -> float:
-    """Returns the largest number that the facts put below an expression, given as its text."""
-    return max((bounds[1] for fact in facts if (bounds := _bounds(fact)) is not None and bounds[0] == text), default=-inf)
-
-
-def _ranges_apart(a: ir.Expr, b: ir.Expr) -> bool:
-    first, second = _bounds(a), _bounds(b)
-    if first is None or second is None or first[0] != second[0]:
+    if a.subject is None or a.subject != b.subject:
         return False
-    return first[2] < second[1] or second[2] < first[1]
+    match a.condition, b.condition:
+        case ir.Chose(action=one), ir.Chose(action=other):
+            return one != other
+        case ir.StandsOn() as here, ir.StandsOn() as there:
+            return not set(here.kinds) & set(there.kinds)
+        case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
+            return set(here.kinds) <= set(there.kinds)
+    if a.interval is not None and b.interval is not None:
+        return a.interval[1] < b.interval[0] or b.interval[1] < a.interval[0]
+    return a.words is not None and b.words is not None and not a.words & b.words
 
 
-def narrow_word(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> ir.Expr:
+class Said(NamedTuple):
+    """What a condition says, and of which expression; see `Fact`."""
+
+    subject: ir.Expr | None = None
+    interval: Interval | None = None
+    reach: Interval | None = None
+    words: frozenset[str] | None = None
+
+
+def _said(condition: ir.Expr) -> Said:
+    match condition:
+        case ir.Chose(agent=agent) | ir.StandsOn(agent=agent) | ir.Not(value=ir.StandsOn(agent=agent)):
+            return Said(agent)
+        case ir.Not(value=inner):
+            words, subject = _words_named(inner)
+            return Said() if subject is None else Said(subject, words=frozenset(subject.type.words) - words)
+        case ir.InRange(value=subject, low=ir.Number(value=low), high=ir.Number(value=high)):
+            return Said(subject, (low, high))
+        case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
+            return Said(subject, _limits(fn, subject, (value, value)))
+        case ir.Compare(fn=fn, left=ir.Number(value=value), right=subject):
+            return Said(subject, _limits(_MIRROR[fn], subject, (value, value)))
+        case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if right.type.kind == "int":
+            return Said(subject, reach=_limits(fn, subject, (right.type.low, right.type.high)))
+        case _:
+            words, subject = _words_named(condition)
+            return Said(subject, words=words)
+
+
+def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
+    """Returns the words of `x is w` or `x in { … }`, and x."""
+    match condition:
+        case ir.Same(left=subject, right=ir.Word(value=value)) | ir.Same(left=ir.Word(value=value), right=subject):
+            words = frozenset({value})
+        case ir.InWords(value=subject):
+            words = frozenset(condition.words)
+        case _:
+            return frozenset(), None
+    return (words, subject) if subject.type.kind == "word" else (frozenset(), None)
+
+
+def _limits(fn: str, subject: ir.Expr, other: Interval) -> Interval | None:
+    """Returns the interval of what is compared with something in another; a whole number that is below it is below it by one."""
+    low, high = other
+    whole = subject.type.kind == "int"
+    match fn:
+        case "==":
+            return low, high
+        case "<=":
+            return -inf, floor(high) if whole and not isinf(high) else high
+        case ">=":
+            return ceil(low) if whole and not isinf(low) else low, inf
+        case "<":
+            return -inf, ceil(high) - 1 if whole and not isinf(high) else high
+        case ">":
+            return floor(low) + 1 if whole and not isinf(low) else low, inf
+        case _:
+            return None
+
+
+def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
     """Returns a word without the words that the facts about that very expression exclude."""
     if e.type.kind != "word" or e.type.by or isinstance(e, ir.Word):
         return e
-    text, left = expression(e), frozenset(e.type.words)
-    for fact in facts:
-        allowed = _words_allowed(fact)
-        if allowed is not None and allowed[0] == text:
-            left &= allowed[1]
+    subject, left = form(e), frozenset(e.type.words)
+    for f in known:
+        if f.words is not None and f.subject == subject:
+            left &= f.words
     if not left or left == frozenset(e.type.words):
         return e
     words = tuple(w for w in e.type.words if w in left)
     return ir.Narrowed(type=ir.Type(kind="word", words=words), value=e, origin=e.origin)
 
 
-def narrowed(e: ir.Expr, facts: tuple[ir.Expr, ...]) -> tuple[float, float]:
+def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number once the facts about it, or about its parts, are used."""
     low, high = e.type.low, e.type.high
+    if not known:
+        return low, high
     if isinstance(e, ir.Arithmetic) and not e.type.by:
-        by_parts = _of_parts(e, [narrowed(a, facts) for a in e.args])
+        by_parts = _of_parts(e, [narrowed(a, known) for a in e.args])
         low, high = max(low, by_parts[0]), min(high, by_parts[1])
     elif isinstance(e, ir.Named):
-        low, high = narrowed(e.value, facts)
-    text = expression(e)
-    for fact in facts:
-        bounds = _bounds(fact)
-        if bounds is not None and bounds[0] == text:
-            low, high = max(low, bounds[1]), min(high, bounds[2])
-        match fact:
-            case ir.Compare(fn=("<" | "<=") as fn, left=left, right=right) if expression(left) == text and right.type.kind == "int":
-                high = min(high, right.type.high - (fn == "<"))
-            case ir.Compare(fn=(">" | ">=") as fn, left=left, right=right) if expression(left) == text and right.type.kind == "int":
-                low = max(low, right.type.low + (fn == ">"))
+        low, high = narrowed(e.value, known)
+    subject = form(e)
+    for f in known:
+        if f.subject == subject:
+            for bounds in (f.interval, f.reach):
+                if bounds is not None:
+                    low, high = max(low, bounds[0]), min(high, bounds[1])
     return low, high
 
 

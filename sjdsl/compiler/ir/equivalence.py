@@ -1,0 +1,56 @@
+"""Equivalence of expressions: a form that two expressions share if and only if they differ in the names of bound variables alone.
+
+Alpha-equivalence: positions, types, and the defines and guards an expression has come through do not matter either.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from sjdsl.compiler.ir.expressions import Count, Domain, FieldRead, Local, Member, Named, Narrowed, Number, Sum
+from sjdsl.compiler.ir.node import Node
+
+Form = tuple[Any, ...]
+Names = Mapping[str, object]  # what stands for some variables: of bound ones, how many are bound around them
+NONE: Names = {}
+
+
+def form(e: Node, names: Names = NONE) -> Form:
+    """Returns what is compared of an expression. `names`: what stands for its free variables instead of their own names."""
+    match e:
+        case Member() | Local():
+            return ("variable", names.get(e.name, e.name))
+        case Number():
+            return ("number", e.value)
+        case FieldRead():
+            return ("field", e.name, None if e.owner is None else form(e.owner, names))
+        case Named() | Narrowed():
+            return form(e.value, names)
+        case Count():
+            return ("count", _domain(e.domain, names)[0])
+        case Sum():
+            domain, inner = _domain(e.domain, names)
+            return ("sum", domain, form(e.value, inner))
+        case _:
+            return (type(e), *(_part(getattr(e, name), names) for name in _compared(type(e))))
+
+
+def _part(value: object, names: Names) -> object:
+    if isinstance(value, Node):
+        return form(value, names)
+    return tuple(_part(v, names) for v in value) if isinstance(value, tuple) else value
+
+
+def _domain(d: Domain, names: Names) -> tuple[Form, Names]:
+    """Returns the form of a domain, and what stands for the variables inside it."""
+    inner = {**names, d.var.name: len(names)}
+    if d.on is not None:
+        inner[d.on.name] = len(names) + 1
+    place = None if d.place is None else form(d.place, names)
+    where = None if d.where is None else form(d.where, inner)
+    return (d.var.who, d.var.kinds, None if d.on is None else d.on.kinds, place, where), inner
+
+
+@cache
+def _compared(kind: type[Node]) -> tuple[str, ...]:
+    return tuple(name for name in kind.model_fields if name not in ("op", "origin", "type"))
