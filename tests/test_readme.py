@@ -53,7 +53,7 @@ def test_the_python_lines_of_training(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_the_python_lines_of_playing() -> None:
     names: dict = {}
     exec(block("python", "docs/playing.md"), names)
-    assert len(names["course"].actions) == 1000
+    assert len(names["player"].actions) == 1000
 
 
 def shown_commands() -> list[tuple[str, str]]:

@@ -9,14 +9,14 @@ from sjdsl.replay.files import load_recording
 from sjdsl.replay.recording import Recording, RecordingError, save_recording
 
 if TYPE_CHECKING:
-    from sjdsl.replay.course import Course, Moment, replayed
+    from sjdsl.replay.episode_player import EpisodePlayer, Moment, replayed
     from sjdsl.replay.episodes import play_episodes
 
 __all__ = [
-    "Course",
     "Dataset",
     "DatasetWriter",
     "Episode",
+    "EpisodePlayer",
     "Header",
     "Moment",
     "Recording",
@@ -29,5 +29,5 @@ __all__ = [
 
 __getattr__ = lazy_names(
     __name__,
-    {"Course": "course", "Moment": "course", "replayed": "course", "play_episodes": "episodes"},
+    {"EpisodePlayer": "episode_player", "Moment": "episode_player", "replayed": "episode_player", "play_episodes": "episodes"},
 )

@@ -9,7 +9,7 @@ import numpy as np
 from sjdsl.compiler.lower.cell_appearance import marking_phases
 from sjdsl.interpreter.state import Value, World
 from sjdsl.properties.state_conversion import world_of
-from sjdsl.replay.course import Course, Moment
+from sjdsl.replay.episode_player import EpisodePlayer, Moment
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.frame import Frame, make_frame
 
@@ -23,24 +23,24 @@ class Compiled:
 
     def __init__(self, env: Environment, params: Mapping[str, Value], seed: int) -> None:
         """Begins the episode, with a step compiled. `params`: as the interpreter has them."""
-        self._env, self._params, self._course = env, params, Course(env, seed)
-        Course(env, seed).step([0] * env.num_agents)  # JAX compiles it now, not at the first key
-        self.frame = make_frame(env.game, self._world(), self._course.returns.tolist())
+        self._env, self._params, self._player = env, params, EpisodePlayer(env, seed)
+        EpisodePlayer(env, seed).step([0] * env.num_agents)  # JAX compiles it now, not at the first key
+        self.frame = make_frame(env.game, self._world(), self._player.returns.tolist())
 
     @property
     def seen(self) -> tuple[Any, Any]:
-        return self._course.observation, self._course.state
+        return self._player.observation, self._player.state
 
     def step(self, actions: Sequence[int]) -> Frame:
         """Takes one step. `actions`: a number of the game for each agent."""
-        moment = self._course.step(actions)
+        moment = self._player.step(actions)
         self.frame = make_frame(
-            self._env.game, self._world(), self._course.returns.tolist(), actions, moment.reward.tolist(), _totals(moment), moment.done
+            self._env.game, self._world(), self._player.returns.tolist(), actions, moment.reward.tolist(), _totals(moment), moment.done
         )
         return self.frame
 
     def _world(self) -> World:
-        return replace(marked_world(self._env, self._course.state), params=dict(self._params))
+        return replace(marked_world(self._env, self._player.state), params=dict(self._params))
 
 
 def marked_world(env: Environment, state: Any) -> World:

@@ -12,7 +12,7 @@ from sjdsl.trace.random_words import fold_in, key_of
 
 
 class Interpreted:
-    """The episode of a seed: state by state what `sjdsl.replay.Course` plays for the same seed and actions.
+    """The episode of a seed: state by state what `sjdsl.replay.EpisodePlayer` plays for the same seed and actions.
 
     Attributes:
       frame: of the moment; seen: nothing, for policies of the compiled game are not asked here.

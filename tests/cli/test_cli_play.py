@@ -10,7 +10,7 @@ import pytest
 from command_line import Sjdsl
 
 import sjdsl as package
-from sjdsl.replay import Course, RecordingError, replayed
+from sjdsl.replay import EpisodePlayer, RecordingError, replayed
 from sjdsl.runtime.env import Environment
 
 
@@ -28,10 +28,10 @@ def test_what_was_recorded_is_shown_again(env: Environment, sjdsl: Sjdsl, folder
     assert kept["hash"] == env.hash
     assert kept["seed"] == 5
     assert np.shape(kept["actions"]) == (6, 2)
-    course = Course(env, 5)
+    player = EpisodePlayer(env, 5)
     for step in kept["actions"]:
-        course.step(step)
-    assert kept["returns"] == course.returns.tolist()
+        player.step(step)
+    assert kept["returns"] == player.returns.tolist()
     shown = sjdsl("replay", "kept/episode.json", "--speed", "1000")
     assert shown.status == 0, shown.text
     assert shown.out.count("step ") == 7
@@ -42,9 +42,9 @@ def test_what_was_recorded_is_shown_again(env: Environment, sjdsl: Sjdsl, folder
 
 
 def test_an_episode_of_other_rules_is_refused(env: Environment, sjdsl: Sjdsl, folder: Path) -> None:
-    course = Course(env, 5)
-    course.step([0, 0])
-    recording = course.recording({"game": str(folder / "orchard.sj")})
+    player = EpisodePlayer(env, 5)
+    player.step([0, 0])
+    recording = player.recording({"game": str(folder / "orchard.sj")})
     (folder / "episode.json").write_text(recording.model_dump_json())
     (folder / "orchard.sj").write_text((folder / "orchard.sj").read_text().replace("none: 0.1", "none: 0.2"))
     shown = sjdsl("replay", "episode.json")

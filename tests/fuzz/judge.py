@@ -20,7 +20,7 @@ from sjdsl.factory import load_module
 from sjdsl.runtime.env import Environment
 from tests.fuzz.printed import changed_by_layout
 from tests.fuzz.programs import Program
-from tests.fuzz.together import forms, interpret, jitted, module_text, of_text, random_play, run, same_course
+from tests.fuzz.together import forms, interpret, jitted, module_text, of_text, random_play, run, same_trajectory
 
 # What a generated text may be refused for: things its generator does not look at closely.
 FORESEEN = {
@@ -141,7 +141,7 @@ def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
     history = interpret(game, play)
     verdict.near = history.near
     texts: list[str] = []
-    course: list[Any] = []
+    trajectory: list[Any] = []
     for name in manner.sets:
         rules = verify(optimise(game, SETS[name]))
         try:
@@ -155,11 +155,11 @@ def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
         texts.append(text)
         verdict.programs = len(texts)
         if len(texts) == 1:
-            report, course = run(of_text(game, text), play, history)
+            report, trajectory = run(of_text(game, text), play, history)
             verdict.steps = report.steps
             verdict.fault = report.differences[0] if report.differences else ""
         else:
-            differs = same_course(of_text(game, text), play, course)
+            differs = same_trajectory(of_text(game, text), play, trajectory)
             verdict.fault = f"passes {name}: {differs}" if differs else ""
         if manner.strict and not verdict.fault and name in ("all", "none"):
             changed = forms(on_jax(game, text))

@@ -68,7 +68,7 @@ def random_play(game: ir.Game, seed: int, steps: int) -> Play:
 
 
 def interpret(game: ir.Game, play: Play) -> History:
-    """Returns the course of a play by the interpreter; an episode that is over begins anew."""
+    """Returns the trajectory of a play by the interpreter; an episode that is over begins anew."""
     given = default_params(game)
     start = Recorded(Threefry(*play.start))
     world = reset(game, given, start)
@@ -143,9 +143,9 @@ def of_text(game: ir.Game, text: str) -> OnNumPy:
 
 def run(env: OnNumPy, play: Play, history: History) -> tuple[Report, list[Any]]:
     """Returns how far the module on NumPy and the interpreter went together, and all the module gave, step by step."""
-    report, course = Report(near=history.near), []
+    report, trajectory = Report(near=history.near), []
     if history.near and not history.moments:
-        return report, course
+        return report, trajectory
     for number, (state, observation, mask, step_) in enumerate(moments(env, play, len(history.moments))):
         if step_ is None:
             compare(env, state, observation, history.first, report, ROUNDED)
@@ -155,11 +155,11 @@ def run(env: OnNumPy, play: Play, history: History) -> tuple[Report, list[Any]]:
             compare(env, state, observation, moment.ended, report, ROUNDED)
             compare_outcome(env, *step_, moment.outcome, report, ROUNDED)
             report.steps += 1
-        course.append((plain(env, state), observation, mask, step_))
+        trajectory.append((plain(env, state), observation, mask, step_))
         if report.differences:
             report.differences = [f"step {report.steps - 1}: {d}" for d in report.differences]
             break
-    return report, course
+    return report, trajectory
 
 
 def plain(env: Environment, state: Any) -> dict[str, Any]:
@@ -181,10 +181,10 @@ def moments(env: OnNumPy, play: Play, steps: int) -> Iterator[Any]:
             state = env.begin(words) if done else ended
 
 
-def same_course(env: OnNumPy, play: Play, course: list[Any]) -> str:
-    """Returns where a module of other passes leaves the (first part of the) course of the first; every number must be the same."""
-    course = course[:20]
-    for number, (wanted, (state, *rest)) in enumerate(zip(course, moments(env, play, len(course) - 1), strict=True)):
+def same_trajectory(env: OnNumPy, play: Play, trajectory: list[Any]) -> str:
+    """Returns where a module of other passes leaves the (first part of the) trajectory of the first; every number must be the same."""
+    trajectory = trajectory[:20]
+    for number, (wanted, (state, *rest)) in enumerate(zip(trajectory, moments(env, play, len(trajectory) - 1), strict=True)):
         given = (plain(env, state), *rest)
         kept = wanted[0].keys() & given[0].keys()  # what no rule reads may be left out
         left, right = ([{n: x[0][n] for n in sorted(kept)}, *x[1:]] for x in (wanted, given))
@@ -208,14 +208,14 @@ def jitted(env: Environment, plays: list[Play], histories: list[History]) -> lis
 
         return first, jax.lax.scan(advance, first[1], (keys, actions))[1]
 
-    first, course = jax.tree.map(np.asarray, jax.jit(jax.vmap(one))(starts, keys, actions))
+    first, trajectory = jax.tree.map(np.asarray, jax.jit(jax.vmap(one))(starts, keys, actions))
     found = []
     for number, history in enumerate(histories):
         report = Report()
         take = lambda tree, *at: jax.tree.map(lambda x: x[(number, *at)], tree)  # noqa: B023, E731
         compare(env, take(first[1]), take(first[0]), history.first, report, ROUNDED)
         for t, moment in enumerate(history.moments):
-            observation, state, reward, done, info = take(course, t)
+            observation, state, reward, done, info = take(trajectory, t)
             compare(env, state, observation, moment.world, report, ROUNDED)
             compare_outcome(env, reward, done, info, moment.outcome, report, ROUNDED)
             if report.differences:

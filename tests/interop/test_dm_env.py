@@ -43,11 +43,11 @@ def test_an_episode_is_cut_off_and_another_begins() -> None:
 
 
 def test_a_seed_is_a_course() -> None:
-    def course(seed: int) -> list[np.ndarray]:
+    def trajectory(seed: int) -> list[np.ndarray]:
         env = Substrate("coins", seed=seed, **SHORT)
         return [env.step([step % 7, (2 * step) % 7]).observation[0]["WORLD.RGB"] for step in range(60)]
 
-    first, again, other = course(1), course(1), course(2)
+    first, again, other = trajectory(1), trajectory(1), trajectory(2)
     assert all(map(np.array_equal, first, again))
     assert not all(map(np.array_equal, first, other))
 

@@ -18,7 +18,7 @@ def actions_of(env: VectorGame, step: int) -> np.ndarray:
     return (3 * step + np.arange(env.num_envs)) % env.env.num_actions
 
 
-def course(env: VectorGame, seed: int, steps: int) -> list[np.ndarray]:
+def trajectory(env: VectorGame, seed: int, steps: int) -> list[np.ndarray]:
     seen = [env.reset(seed=seed)[0]]
     for step in range(steps):
         seen += env.step(actions_of(env, step))[:4]
@@ -63,9 +63,9 @@ def test_last_observations_of_episodes() -> None:
 
 def test_a_seed_is_a_course_of_500_steps() -> None:
     env = VectorGame("coins", 2, **SHORT)
-    first = course(env, 5, 500)
-    assert alike(first, course(VectorGame("coins", 2, **SHORT), 5, 500))
-    assert not alike(first, course(env, 6, 500))
+    first = trajectory(env, 5, 500)
+    assert alike(first, trajectory(VectorGame("coins", 2, **SHORT), 5, 500))
+    assert not alike(first, trajectory(env, 6, 500))
 
 
 def test_common_rewards_are_sums_of_an_environment() -> None:

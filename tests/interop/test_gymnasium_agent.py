@@ -76,7 +76,7 @@ def test_a_step_is_the_games_own() -> None:
 
 
 def test_seeds() -> None:
-    def course(env: AgentGame, seed: int | None) -> list[Any]:
+    def trajectory(env: AgentGame, seed: int | None) -> list[Any]:
         seen = [env.reset(seed=seed)[0]]
         for step in range(2 * LENGTH):
             observation, reward, _, over, _ = env.step((5 * step) % 7)
@@ -86,7 +86,7 @@ def test_seeds() -> None:
         return seen
 
     env = AgentGame("coins", **SHORT)
-    first, again, other, on = course(env, 3), course(AgentGame("coins", **SHORT), 3), course(env, 4), course(env, None)
+    first, again, other, on = trajectory(env, 3), trajectory(AgentGame("coins", **SHORT), 3), trajectory(env, 4), trajectory(env, None)
     assert all(map(np.array_equal, first, again))
     assert not all(map(np.array_equal, first, other))
     assert not all(map(np.array_equal, first, on))

@@ -21,7 +21,7 @@ def actions_of(env: ParallelGame, step: int) -> dict[str, int]:
     return {agent: (3 * step + index) % env.env.num_actions for index, agent in enumerate(env.agents)}
 
 
-def course(env: ParallelGame, seed: int, steps: int) -> list[tuple]:
+def trajectory(env: ParallelGame, seed: int, steps: int) -> list[tuple]:
     """Plays steps, over as many episodes as they take, and returns all that was returned."""
     seen: list[tuple] = [env.reset(seed=seed)]
     for step in range(steps):
@@ -50,14 +50,14 @@ def test_pettingzoos_own_tests() -> None:
 
 def test_bundled_games_are_registered() -> None:
     env = pettingzoo.make("parallel", "sjdsl/coins-v0", params={"length": 40})
-    assert_alike(course(env.unwrapped, 5, 60), course(coins(), 5, 60))
+    assert_alike(trajectory(env.unwrapped, 5, 60), trajectory(coins(), 5, 60))
 
 
 def test_a_seed_is_a_course_of_500_steps() -> None:
     """PettingZoo's own test compares a single step."""
-    assert_alike(course(coins(), 5, 500), course(coins(), 5, 500))
+    assert_alike(trajectory(coins(), 5, 500), trajectory(coins(), 5, 500))
     with pytest.raises(AssertionError):
-        assert_alike(course(coins(), 5, 500), course(coins(), 6, 500))
+        assert_alike(trajectory(coins(), 5, 500), trajectory(coins(), 6, 500))
 
 
 def test_resets_without_a_seed_go_on() -> None:

@@ -1,4 +1,4 @@
-"""Chances of 0 and of 1 beside the rules without them: the courses, number by number."""
+"""Chances of 0 and of 1 beside the rules without them: the same trajectories, number by number."""
 
 from dataclasses import replace
 from random import Random
@@ -6,7 +6,7 @@ from random import Random
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import default_params
 from tests.laws.chances import Site, sites, with_constant, with_param, without_branch, without_chance
-from tests.laws.course import course, parting, start_of
+from tests.laws.trajectory import parting, start_of, trajectory
 
 STEPS = 5
 
@@ -15,9 +15,9 @@ def parts(game: ir.Game, site: Site, probability: int, random: Random) -> str:
     """Returns where a chance of 0 or 1 differs from the rules without the branch, or without the chance; nothing where it does not."""
     start = start_of(game, random, STEPS)
     plain = (without_chance if probability else without_branch)(game, site)
-    wanted = course(plain, start)
+    wanted = trajectory(plain, start)
     for name, made in (("a number", with_constant(game, site, probability)), ("a parameter", with_param(game, site, probability))):
-        found = parting(wanted, course(made, start, replace(start.world, params=default_params(made))))
+        found = parting(wanted, trajectory(made, start, replace(start.world, params=default_params(made))))
         if found:
             return f"{probability} as {name} at {site}: {found}"
     return ""

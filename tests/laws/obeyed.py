@@ -1,4 +1,4 @@
-"""One course of a game beside the course of the game under a symmetry, step by step, on the interpreter and as compiled."""
+"""One trajectory of a game beside the trajectory of the game under a symmetry, step by step, on the interpreter and as compiled."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Tried:
 
 
 def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: bool) -> Tried:
-    """Plays a course and, after each step, the same step under the symmetry. `compiled`: as compiled, too."""
+    """Plays a trajectory and, after each step, the same step under the symmetry. `compiled`: as compiled, too."""
     changed = other_game(game, s)
     env = _environment(changed) if compiled else None
     tried = Tried()

@@ -1,6 +1,6 @@
-"""The luck of a step under a symmetry: each instance draws the word that it drew before; one chosen of several is the same one.
+"""The random draws of a step under a symmetry: each instance draws the same number, and one chosen of several is the same one.
 
-Which word that takes depends on the order in which there was to choose: cells in reading order, agents by number.
+Which number that takes depends on the order in which there was to choose: cells in reading order, agents by number.
 """
 
 from dataclasses import dataclass

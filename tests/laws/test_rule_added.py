@@ -17,20 +17,20 @@ from tests.fuzz.programs import program
 from tests.games.environments import NINE
 from tests.laws.added import with_rules
 from tests.laws.corpus import FEW, game_of, random_games
-from tests.laws.course import course, parting, start_of
 from tests.laws.streams import streams
+from tests.laws.trajectory import parting, start_of, trajectory
 
 STEPS = 6
 
 
 def parts(game: ir.Game, more: ir.Game, random: Random) -> str:
-    """Returns where the game with more rules leaves the game's course; nothing if it does not."""
+    """Returns where the game with more rules leaves the game's trajectory; nothing if it does not."""
     assert streams(game).keys() < streams(more).keys()
     start = start_of(game, random, STEPS)
     world = start.world
     fields = {**{f.name: 0 for f in more.fields if f.name == "law_tally"}, **world.fields}
     more_world = type(world)(**{**vars(world), "fields": fields, "params": default_params(more)})
-    return parting(course(game, start), course(more, start, more_world))
+    return parting(trajectory(game, start), trajectory(more, start, more_world))
 
 
 @pytest.mark.parametrize("name", NINE)

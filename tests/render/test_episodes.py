@@ -13,7 +13,7 @@ import pytest
 import sjdsl
 from sjdsl.cli import run
 from sjdsl.render import random_policy
-from sjdsl.replay import Course, Dataset, DatasetWriter, Episode, Header, RecordingError, load_recording, play_episodes, replayed
+from sjdsl.replay import Dataset, DatasetWriter, Episode, EpisodePlayer, Header, RecordingError, load_recording, play_episodes, replayed
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy
 from sjdsl.screen.compiled import Compiled
@@ -50,16 +50,16 @@ def test_each_episode_is_what_single_steps_give(recorded: Path) -> None:
     for number, episode in enumerate(dataset):
         assert episode.seed == 3 + number
         assert episode.observations is not None and episode.observations.shape == (31, *env.observation_shape)
-        course = Course(env, episode.seed)
-        np.testing.assert_array_equal(episode.observations[0], course.observation)
+        player = EpisodePlayer(env, episode.seed)
+        np.testing.assert_array_equal(episode.observations[0], player.observation)
         for step, actions in enumerate(episode.actions):
-            moment = course.step(actions)
-            np.testing.assert_array_equal(episode.observations[step + 1], course.observation)
+            moment = player.step(actions)
+            np.testing.assert_array_equal(episode.observations[step + 1], player.observation)
             np.testing.assert_array_equal(episode.rewards[step], moment.reward)
             for name, counts in episode.events.items():
                 np.testing.assert_array_equal(counts[step], moment.events.get(name, np.zeros(2)))
-        assert course.done and episode.truncated and not episode.terminated
-        np.testing.assert_allclose(dataset.returns[number], course.returns)
+        assert player.done and episode.truncated and not episode.terminated
+        np.testing.assert_allclose(dataset.returns[number], player.returns)
         paid += int(np.abs(episode.rewards).sum())
     assert paid > 0
     assert not np.array_equal(dataset[0].actions, dataset[1].actions)
@@ -73,8 +73,8 @@ def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> No
     env = sjdsl.make("coins", params={"length": 9})
     turns = MemoryPolicy(np.int32(0), lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7))
     (episode,) = play_episodes(env, turns, 11, 1)
-    course, choose = Compiled(env, {}, 11), policy_choice(env, turns, 11)
-    assert [choose(number, course) for number in range(9)] == episode.actions.tolist()
+    player, choose = Compiled(env, {}, 11), policy_choice(env, turns, 11)
+    assert [choose(number, player) for number in range(9)] == episode.actions.tolist()
 
 
 def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
@@ -86,10 +86,10 @@ def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
     lengths = set()
     for episode in play_episodes(env, random_policy(env), 0, 6, "none"):
         assert episode.observations is None
-        course = Course(env, episode.seed)
+        player = EpisodePlayer(env, episode.seed)
         for actions in episode.actions:
-            course.step(actions)
-        assert course.done and (episode.terminated, episode.truncated) == (len(episode.actions) < 20, len(episode.actions) == 20)
+            player.step(actions)
+        assert player.done and (episode.terminated, episode.truncated) == (len(episode.actions) < 20, len(episode.actions) == 20)
         lengths.add(len(episode.actions))
     assert len(lengths) > 1
 
@@ -130,11 +130,11 @@ def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
     path = tmp_path / "coins.npz"
     assert run(["record", "coins", "-o", str(path), "--episodes", "1", "--observation", "onehot", "--param", "length=3"]) == 0
     env = sjdsl.make("coins", observation="onehot", params={"length": 3})
-    episode, course = Dataset(path)[0], Course(env, 0)
+    episode, player = Dataset(path)[0], EpisodePlayer(env, 0)
     assert Dataset(path).header.planes == list(env.channel_names)
     for step, actions in enumerate(episode.actions):
-        course.step(actions)
-        np.testing.assert_array_equal(episode.observations[step + 1], course.observation)  # type: ignore[index]
+        player.step(actions)
+        np.testing.assert_array_equal(episode.observations[step + 1], player.observation)  # type: ignore[index]
 
 
 def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
@@ -145,11 +145,11 @@ def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
     stored, path = tmp_path / "policy.safetensors", tmp_path / "coins.npz"
     write_policy(stored, drawn, {"game": describe_game(env), "config": config.model_dump(mode="json"), "update": 0, "env_steps": 0})
     assert run(["record", "coins", "--policy", str(stored), "--episodes", "1", "--param", "length=4", "-o", str(path)]) == 0
-    dataset, course, act = Dataset(path), Course(env, 0), load_policy(stored, env)
+    dataset, player, act = Dataset(path), EpisodePlayer(env, 0), load_policy(stored, env)
     key = jax.random.fold_in(jax.random.key(0), 2**32 - 1)
     for number, actions in enumerate(dataset[0].actions):
-        assert act(jax.random.fold_in(key, number), course.observation).tolist() == actions.tolist()
-        course.step(actions)
+        assert act(jax.random.fold_in(key, number), player.observation).tolist() == actions.tolist()
+        player.step(actions)
     assert dataset.header.policy == str(stored)
     assert dataset.header.policy_digest == hashlib.sha256(stored.read_bytes()).hexdigest()
 

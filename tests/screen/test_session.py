@@ -8,7 +8,7 @@ import sjdsl
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import World, default_params
 from sjdsl.render import random_policy
-from sjdsl.replay import Course
+from sjdsl.replay import EpisodePlayer
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.compiled import Compiled
 from sjdsl.screen.session import policy_choice, random_choice
@@ -37,10 +37,10 @@ def test_keys_are_folded_as_jax_folds_them() -> None:
 
 
 def test_the_interpreter_plays_the_episode_of_the_compiled_game(begin: Begin, env: Environment) -> None:
-    session, course = begin(SEED, agent=None, at_random=True), Course(env, SEED)
+    session, player = begin(SEED, agent=None, at_random=True), EpisodePlayer(env, SEED)
     while not session.is_over:
         frame = session.step()
-        moment = course.step(session.actions[-1])
+        moment = player.step(session.actions[-1])
         assert frame.rewards == tuple(moment.reward.tolist())
         assert frame.returns == tuple(moment.snapshot.returns.tolist())
         assert [place or (-1, -1) for place in frame.world.position] == [*zip(moment.snapshot.row, moment.snapshot.col, strict=True)]

@@ -1,4 +1,4 @@
-"""A course of a compiled game on NumPy, from a crowded state and with lively luck, to be compared with that of changed rules."""
+"""A trajectory of a compiled game on NumPy, from a crowded state and with draws that make rare events frequent, to be compared with that of changed rules."""
 
 from dataclasses import dataclass
 from random import Random
@@ -18,7 +18,7 @@ from tests.laws.numpy_state import numpy_state
 
 @dataclass(frozen=True)
 class Start:
-    """Where a course begins, and what is done and drawn in it. `lively`: what is rare comes often."""
+    """Where a trajectory begins, and what is done and drawn in it. `lively`: what is rare comes often."""
 
     world: World
     keys: list[tuple[int, int]]
@@ -32,7 +32,7 @@ def start_of(game: ir.Game, random: Random, steps: int) -> Start:
     return Start(crowded(game, random), keys, [some_actions(game, random) for _ in keys], random.random() < 0.7)
 
 
-def course(game: ir.Game, start: Start, world: World | None = None) -> list[Any]:
+def trajectory(game: ir.Game, start: Start, world: World | None = None) -> list[Any]:
     """Returns what is seen, kept, given and allowed, step by step. `world`: the same beginning as this game has it."""
     env = on_numpy(game, optimise(game))
     if start.lively:
@@ -52,7 +52,7 @@ def course(game: ir.Game, start: Start, world: World | None = None) -> list[Any]
 
 
 def parting(mine: list[Any], theirs: list[Any]) -> str:
-    """Returns where one course leaves another, in what both have; the second may have more fields and planes."""
+    """Returns where one trajectory leaves another, in what both have; the second may have more fields and planes."""
     for number, (a, b) in enumerate(zip(mine, theirs, strict=True)):
         for name, wanted in a.items():
             other = b[name]

@@ -22,7 +22,7 @@ class Moment:
     done: bool
 
 
-class Course:
+class EpisodePlayer:
     """One episode of an environment.
 
     Attributes:
@@ -74,8 +74,8 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
       RecordingError: the environment has other rules, or the actions come to other returns than were recorded.
     """
     check_rules(recording, env.hash, env.name)
-    course = Course(env, recording.seed)
-    yield course.now()
+    player = EpisodePlayer(env, recording.seed)
+    yield player.now()
     for actions in recording.actions:
-        yield course.step(actions)
-    check_returns(recording, course.returns.tolist())
+        yield player.step(actions)
+    check_returns(recording, player.returns.tolist())
