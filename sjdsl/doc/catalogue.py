@@ -11,12 +11,12 @@ from sjdsl.doc.wording import code, codes, number, plain, table
 from sjdsl.doc.written import Written
 
 PICTURES = "pictures"
-INTRODUCTION = """The games that come with sjdsl, each a text of some eighty lines in [games/](../games). This page is made from them:
-`make docs` (or `sjdsl doc --all`). `sjdsl doc GAME` prints all the rules of a game in plain English, `sjdsl diff GAME --variants A B`
-what a variant changes.
+INTRODUCTION = """These games come with sjdsl. Each is a text of about eighty lines in [games/](../games), and this page is generated from them with
+`make docs` (or `sjdsl doc --all`). `sjdsl doc GAME` prints all the rules of a game in plain English, and `sjdsl diff GAME --variants A B`
+prints what a variant changes.
 
-Paradigm, long term impact, multi task and difficulty are those of the SocialJax paper (ICLR 2026), where it has the game. What begins with
-`our` is our own judgement; the comment beside its line in the game says what it rests on."""
+Paradigm, long term impact, multi task and difficulty are those of the SocialJax paper (ICLR 2026), for the games it has. Columns that begin
+with `our` are our own judgement. A comment beside the line in the game gives the reason."""
 OURS = "our_"
 
 
@@ -63,7 +63,7 @@ def _game(e: Entry) -> list[str]:
     lines = [f'<a id="{e.name}"></a>', "", f"## {plain(game.title)}", "", f"![{plain(game.title)}]({PICTURES}/{e.name}.png)", ""]
     lines += [plain(summary), ""] if summary else []
     lines += [*_facts(e), "", "Numbers:", "", *parameters(e.written)]
-    return [*lines, *(_figures(e.figures) if e.figures is not None else ["What a random policy comes to has not been measured.", ""])]
+    return [*lines, *(_figures(e.figures) if e.figures is not None else ["The returns of a random policy have not been measured.", ""])]
 
 
 def _facts(e: Entry) -> list[str]:

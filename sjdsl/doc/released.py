@@ -13,8 +13,8 @@ from sjdsl.runtime.planes import channel_names
 
 VARIANT = "socialjax"
 HEADINGS = ("agent: self", "agent: other same heading", "agent: other turned right", "agent: other opposite", "agent: other turned left")
-INTRODUCTION = """Each game of the paper has a variant `socialjax` with the rules of the released code, and with its observation: what
-is not told apart there is not told apart here. This is all that remains different; the first rows are found by comparing the channels."""
+INTRODUCTION = """Each game of the paper has a variant `socialjax` with the rules and the observation of the released code. Things that look alike
+to its agents look alike here too. This table lists all remaining differences. Its first rows are found by comparing the channels."""
 Row = tuple[str, str, str, str]
 
 
@@ -28,7 +28,7 @@ def released_section() -> list[str]:
     for theirs, *row in rows:
         together.setdefault((row[0], row[1], row[2]), []).append(theirs)
     found = [("all" if games == ["all"] else ", ".join(map(_ours, games)), *map(plain, row)) for row, games in together.items()]
-    heading = ['<a id="released"></a>', "", "## What the released suite shows otherwise", "", INTRODUCTION, ""]
+    heading = ['<a id="released"></a>', "", "## How observations in the released suite differ", "", INTRODUCTION, ""]
     return [*heading, *table(("game", "what", "released", "here"), found), ""]
 
 

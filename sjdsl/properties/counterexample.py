@@ -21,7 +21,7 @@ from sjdsl.trace.random_words import Heard
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_value
 
-_WORD = re.compile(r"  \(random word [0-9a-f]{8}: number \d+ of stream [0-9a-f]{8}\)")
+_BITS = re.compile(r"  \(random bits [0-9a-f]{8}: number \d+ of stream [0-9a-f]{8}\)")
 
 
 def describe_counterexample(family: GameFamily, counterexample: Counterexample) -> list[str]:
@@ -60,7 +60,7 @@ def describe_step(
 
 def in_short(line: str) -> str:
     """Returns a line of a trace without the source of its random number."""
-    return _WORD.sub("", line)
+    return _BITS.sub("", line)
 
 
 def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws) -> Moment:

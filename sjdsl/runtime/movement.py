@@ -13,7 +13,7 @@ def resolve(position: Array, target: Array, word: Array) -> Array:
     Args:
       position: `[N]` int32, different cells (agents that are nowhere share cell 0 and have target 0).
       target: `[N]` int32, the cell each agent wants; its own for a stayer.
-      word: `[N]` uint32, one random word an agent; the rank is the word with its low 8 bits replaced by the agent's id.
+      word: `[N]` uint32, one random number an agent; the rank is the number with its low 8 bits replaced by the agent's id.
     Returns:
       `[N]` int32.
     Source: the resolver of SocialJax 1.2, stated in the manual ("Movement").

@@ -97,7 +97,7 @@ def say_names(done: Done | Drawn, owner: int | Cell | None, turn_agents: frozens
 
 
 def say_draw(drawn: Drawn, rules: Rules) -> str:
-    """Returns a draw and what came of it: `chance growth: drew 0.010700, below 0.03125: happens  (random word …)`."""
+    """Returns a draw and what came of it: `chance growth: drew 0.010700, below 0.03125: happens  (random bits …)`."""
     share = (drawn.word >> 1) / WHOLE
     sentence = drawn.sentence
     match sentence:
@@ -126,4 +126,4 @@ def say_used(used: Used) -> str:
 
 
 def say_word(stream: int, number: int, word: int) -> str:
-    return f"(random word {word:08x}: number {number} of stream {stream:08x})"
+    return f"(random bits {word:08x}: number {number} of stream {stream:08x})"

@@ -123,7 +123,7 @@ def test_agents_who_are_nowhere_stop_nobody() -> None:
 
 @pytest.mark.parametrize("agents", [2, 3, 5])
 def test_a_contested_cell_is_won_by_each_equally_often(agents: int) -> None:
-    """Chi-square of the winners over random words; the bound is passed by chance with probability 1e-6."""
+    """Chi-square of the winners over random numbers; the bound is passed by chance with probability 1e-6."""
     draws = 60_000
     bound = {2: 23.93, 3: 27.63, 5: 33.38}[agents]  # quantile 1 - 1e-6 with agents - 1 degrees of freedom
     word = jax.random.bits(jax.random.key(agents), (draws, agents), jnp.uint32)
