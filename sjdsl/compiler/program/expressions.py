@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache
 from types import EllipsisType
 from typing import Literal as OneOf
 from typing import TypeAlias
@@ -259,14 +260,21 @@ def shape_of(sizes: tuple[Expression, ...]) -> Expression:
 
 
 def walk(node: object) -> Iterator[object]:
-    """Yields a node and all nodes below it."""
-    if is_dataclass(node):
-        yield node
-        for part in fields(node):
-            yield from walk(getattr(node, part.name))
-    elif isinstance(node, tuple):
-        for part in node:
-            yield from walk(part)
+    """Yields a node and all nodes below it, outermost first."""
+    waiting = [node]
+    while waiting:
+        following = waiting.pop()
+        if isinstance(following, tuple):
+            waiting += reversed(following)
+        elif (parts := _parts(type(following))) is not None:
+            yield following
+            waiting += [getattr(following, name) for name in reversed(parts)]
+
+
+@cache
+def _parts(kind: type) -> tuple[str, ...] | None:
+    """Returns the fields of a class of nodes that can hold nodes, None for what is no node."""
+    return tuple(f.name for f in fields(kind) if f.name != "origin") if is_dataclass(kind) else None
 
 
 def live(body: list[Statement]) -> tuple[Statement, ...]:
