@@ -39,8 +39,10 @@ ROLLOUT = 128  # steps
     type=click.IntRange(min=1),
     help="Steps of one timing; by default about 40,000 environment steps; of a rollout in training: 128.",
 )
-@click.option("--sweep", metavar="PARAM", help="Instead: many values of a parameter of one GAME, in one program and in one each.")
-@click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="How many of them.")
+@click.option(
+    "--sweep", metavar="PARAM", help="Instead: a sweep over a parameter of one GAME, in one program and in one program for each value."
+)
+@click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="Number of values.")
 @click.option("--training", "networks", type=Words(NETWORKS), metavar="NETWORKS", help="Instead: an update of IPPO: mlp, cnn or mlp,cnn.")
 @click.option(
     "--everything",
@@ -76,8 +78,8 @@ def command(
 ) -> None:
     """Measures environment steps a second under random actions: all bundled games, or the GAMEs named.
 
-    Beside each game runs the yardstick, a step of Commons Harvest written by hand. Machines drift; the ratio to the
-    yardstick, taken round by round, does not.
+    Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a machine
+    varies over time; the ratio to the yardstick, taken round by round, does not.
     """
     import jax
 

@@ -18,10 +18,10 @@ DEFAULT = "default"
 @click.option("--variants", nargs=2, metavar="A B", help="The variants to compare; `default` is the game without one.")
 @click.option("--json", "in_json", is_flag=True, help="Print the differences as JSON.")
 def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: bool) -> int:
-    """Says in words and numbers what differs between two variants of GAME, or between GAME and OTHER.
+    """Prints in words and numbers what differs between two variants of GAME, or between GAME and OTHER.
 
-    A game is a `.sj` file or the name of a bundled one. What is said in other words, or stands elsewhere in the file, is no
-    difference.
+    A game is a `.sj` file or the name of a bundled one. The same rule in other words, or at another
+    position in the file, is no difference.
     """
     if len(games) > 2 or (len(games) == 1 and variants is None):
         raise click.UsageError("name two games, or one game and two variants (--variants A B)", click.get_current_context())

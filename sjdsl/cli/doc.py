@@ -12,9 +12,9 @@ from sjdsl.cli.games_page import PAGE, make_page, page_problems, write_text
 @click.command("doc")
 @click.argument("game", required=False)
 @variant_option
-@click.option("-o", "output", metavar="FILE", help="Write there instead of printing; with --all instead of docs/games.md.")
+@click.option("-o", "output", metavar="FILE", help="Where to write, instead of printing; with --all, instead of docs/games.md.")
 @click.option("--all", "everything", is_flag=True, help="The page of all bundled games, with pictures and figures.")
-@click.option("--fresh", is_flag=True, help="With --all: measure and draw again where the rules have not changed, too.")
+@click.option("--fresh", is_flag=True, help="With --all: measure and draw again, also if the rules have not changed.")
 @click.option("--check", "only_check", is_flag=True, help="With --all: write nothing; exit with 1 if the page is not up to date.")
 def command(game: str | None, variant: str | None, output: str | None, everything: bool, fresh: bool, only_check: bool) -> int:
     """Prints the rule sheet of GAME, a `.sj` file or a bundled game: its rules in words, in the order of the ODD protocol."""

@@ -10,7 +10,7 @@ from sjdsl.compiler import STAGES, dump
 @click.argument("file")
 @click.option("--after", "stage", type=click.Choice(STAGES), required=True, help="The last stage to run.")
 @variant_option
-@click.option("--no-positions", is_flag=True, help="Leave out where in the file each part comes from.")
+@click.option("--no-positions", is_flag=True, help="Leave out the source positions.")
 def command(file: str, stage: str, variant: str | None, no_positions: bool) -> None:
     """Prints FILE as it is after one stage of the compiler; equal games give equal text."""
     for line in dump(open_game(file), stage, split_variants(variant), positions=not no_positions):

@@ -18,13 +18,13 @@ SEED = click.IntRange(0, 2**32 - 1)  # JAX makes a key of the lower 32 bits of a
 
 def environment_options(command: Command) -> Command:
     """Adds --variant, --map, --agents and --param to a command; they arrive as `variant`, `map_file`, `agents`, `params`."""
-    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="Instead of the game's number of agents.")
+    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="Number of agents, instead of the game's own.")
     params = click.option(
         "--param",
         "params",
         multiple=True,
         metavar="NAME=VALUE",
-        help="A number of the game, such as apple=2 or regrow[red]=0.1.",
+        help="A parameter of the game, such as apple=2 or regrow[red]=0.1.",
     )
     return variant_option(map_option(number(params(command))))
 

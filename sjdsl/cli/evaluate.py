@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 )
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4.")
 def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str | int | None, film: str | None) -> None:
-    """Plays the policy of RUN and a random one; the figures go to a file in RUN.
+    """Evaluates the policy of RUN and a random one, and writes the figures to a file in RUN.
 
     RUN is a folder that `sjdsl train` wrote, or one of its policies: RUN@best, RUN@UPDATE; of several seeds, each is evaluated.
     The file is evaluation.json for the last policy, evaluation_best.json or evaluation_UPDATE.json for another.
@@ -79,7 +79,7 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     shown = [("", "trained", "random"), *((name, _interval(figures[name]), _interval(chance[name])) for name in names)]
     widths = [max(len(row[column]) for row in shown) for column in range(3)]
     played = {"last": "", "best": ", the best policy"}.get(str(which), f", the policy of update {which}")
-    click.echo(f"\n{env.title or env.name}{played}: means of {episodes} episodes with their 95 % intervals")
+    click.echo(f"\n{env.title or env.name}{played}: means of {episodes} episodes with their 95 % confidence intervals")
     for row in shown:
         click.echo("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     earned, guessed = _interval(figures["collective return"]), _interval(chance["collective return"])

@@ -20,9 +20,9 @@ STDIN_NAME = "standard input"
 
 @click.command("fmt")
 @click.argument("paths", nargs=-1, required=True, metavar="FILE|FOLDER|-...")
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that would be laid out otherwise.")
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that would be reformatted.")
 def command(paths: tuple[str, ...], only_check: bool) -> int:
-    """Lays out `.sj` files: spaces, line ends and columns; comments stay, and so do line ends between sentences.
+    """Formats `.sj` files: spaces, line ends and columns. Comments stay, and so do line ends between statements.
 
     A FOLDER stands for all `.sj` files in it and below, hidden folders left out. `-` reads a game from standard input and writes it
     to standard output. A file with syntax errors is left as it is, and they are shown; the exit status is then 1.
@@ -45,10 +45,10 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
             continue
         changed += 1
         if only_check:
-            click.echo(f"{path} would be laid out otherwise")
+            click.echo(f"{path} would be reformatted")
         else:
             write_whole(path, text)
-            click.echo(f"{path} is laid out anew")
+            click.echo(f"{path} was reformatted")
     click.echo(_summary(changed, unchanged, problems, only_check))
     return int(problems > 0 or (only_check and changed > 0))
 
@@ -99,17 +99,17 @@ def _format_stdin(only_check: bool) -> int:
         click.echo(text, nl=False)
         return 0
     is_same = data == text.encode()
-    click.echo(f"{STDIN_NAME} {'is laid out as it should be' if is_same else 'would be laid out otherwise'}")
+    click.echo(f"{STDIN_NAME} {'is formatted' if is_same else 'would be reformatted'}")
     return int(not is_same)
 
 
 def _summary(changed: int, unchanged: int, problems: int, only_check: bool) -> str:
-    """Returns `5 files: 2 are laid out anew, 3 are unchanged`, without what there is none of."""
-    one = ("would be laid out otherwise", "is laid out as it should be") if only_check else ("is laid out anew", "is unchanged")
-    many = ("would be laid out otherwise", "are laid out as they should be") if only_check else ("are laid out anew", "are unchanged")
+    """Returns `5 files: 2 were reformatted, 3 are unchanged`, without counts of zero."""
+    one = ("would be reformatted", "is formatted") if only_check else ("was reformatted", "is unchanged")
+    many = ("would be reformatted", "are formatted") if only_check else ("were reformatted", "are unchanged")
     counts = (changed, unchanged, problems)
     words = [
-        o if count == 1 else m for count, o, m in zip(counts, (*one, "cannot be laid out"), (*many, "cannot be laid out"), strict=True)
+        o if count == 1 else m for count, o, m in zip(counts, (*one, "cannot be formatted"), (*many, "cannot be formatted"), strict=True)
     ]
     said = [f"{count} {what}" for count, what in zip(counts, words, strict=True) if count]
     return f"1 file {said[0][2:]}" if sum(counts) == 1 else f"{sum(counts)} files: {', '.join(said)}"

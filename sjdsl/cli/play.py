@@ -30,13 +30,13 @@ NO_TERMINAL = (
 
 @click.command("play")
 @click.argument("game")
-@click.option("--agent", type=click.IntRange(min=0), default=0, show_default=True, help="Whom to steer.")
-@click.option("--watch", is_flag=True, help="Steer nobody: all agents follow the policy.")
+@click.option("--agent", type=click.IntRange(min=0), default=0, show_default=True, help="The agent to control.")
+@click.option("--watch", is_flag=True, help="Control no agent: all agents follow the policy.")
 @click.option("--others", default="random", show_default=True, metavar="P", help=f"What the others do: {NAMES}")
-@click.option("--seed", type=SEED, default=0, show_default=True, help="Of the episode.")
-@click.option("--steps", type=click.IntRange(min=1), help="At most so many; by default the whole episode.")
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the episode.")
+@click.option("--steps", type=click.IntRange(min=1), help="Most steps to play; by default the whole episode.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=1000), default=8.0, show_default=True, help="Steps a second, with --watch.")
-@click.option("--record", metavar="FILE", help="Keep the episode for `sjdsl replay`.")
+@click.option("--record", metavar="FILE", help="Store the episode for `sjdsl replay`.")
 @environment_options
 def command(
     game: str, agent: int, watch: bool, others: str, seed: int, steps: int | None, speed: float, record: str | None, **described: Any

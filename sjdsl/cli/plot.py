@@ -17,7 +17,7 @@ from sjdsl.cli.folders import require_folder_of
     help="A column of metrics.jsonl; sums and a quotient of them too, as in event_own/event_own+event_other.",
 )
 def command(runs: tuple[str, ...], output: str, metric: str) -> None:
-    """Draws a metric of RUNs over environment steps: the mean over a run's seeds, and their range.
+    """Plots a metric of RUNs over environment steps: the mean over a run's seeds, and their range.
 
     RUN is a folder that `sjdsl train` wrote, or NAME=FOLDER to give it a name in the picture.
     """

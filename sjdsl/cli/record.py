@@ -24,21 +24,21 @@ SAID = 100  # after so many episodes it is said how far they are
 @click.argument("game")
 @click.option("-o", "output", metavar="FILE", help="A .npz; by default GAME.npz.")
 @policy_option
-@click.option("--episodes", type=click.IntRange(min=1), default=10, show_default=True, help="How many.")
-@click.option("--seed", type=SEED, default=0, show_default=True, help="Of the first; the next have the next numbers.")
+@click.option("--episodes", type=click.IntRange(min=1), default=10, show_default=True, help="Number of episodes.")
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the first episode; the next ones have the next numbers.")
 @click.option(
     "--observation",
     type=click.Choice(["tokens", "onehot", "none"]),
     default="tokens",
     show_default=True,
-    help="What is kept of the observations.",
+    help="Form of the stored observations.",
 )
 @click.option("--minari", "dataset_id", metavar="ID", help="Also make a Minari dataset, such as sjdsl/coins/random-v0, of the file.")
 @environment_options
 def command(
     game: str, output: str | None, policy: str, episodes: int, seed: int, observation: str, dataset_id: str | None, **described: Any
 ) -> None:
-    """Plays GAME and keeps observations, actions and rewards of whole episodes."""
+    """Plays GAME and stores observations, actions and rewards of whole episodes."""
     path = Path(output or f"{Path(game).stem}.npz")
     if path.suffix != ".npz":
         raise click.UsageError(f"`{path}` must end in .npz", click.get_current_context(silent=True))
@@ -95,7 +95,7 @@ def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path
                     say(f"{number} of {header.episodes} episodes are written")
     except KeyboardInterrupt:
         if writer.returns:
-            click.echo(f"interrupted; what was played is kept\n{_summary(env, path, writer)}")
+            click.echo(f"interrupted; the episodes played until now are stored\n{_summary(env, path, writer)}")
         raise
     return _summary(env, path, writer)
 

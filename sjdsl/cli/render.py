@@ -16,7 +16,7 @@ from sjdsl.cli.stages import LOADING, stages
 @click.argument("game")
 @click.option("-o", "output", metavar="FILE", help="A .gif or .mp4, or a .png of the last step; by default GAME.gif.")
 @click.option("--steps", type=click.IntRange(min=0), default=100, show_default=True, help="Steps to play.")
-@click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Show one step of so many.")
+@click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Draw one step of every N.")
 @policy_option
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second.")

@@ -27,7 +27,7 @@ STEPS = 10
 @click.option(
     "--actions", default="random", show_default=True, metavar="A", help="random, a file, or the actions: 'forward, stay; zap, stay'."
 )
-@click.option("--all", "everything", is_flag=True, help="Also what changed nothing: draws that failed, rules that did not happen.")
+@click.option("--all", "everything", is_flag=True, help="Also print failed draws and rules that did not happen.")
 @click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")
 @environment_options
 def command(
@@ -41,10 +41,10 @@ def command(
     params: tuple[str, ...],
     **described: Any,
 ) -> None:
-    """Plays GAME, a bundled one or a `.sj` file, on the reference interpreter and tells what each rule did.
+    """Plays GAME, a bundled one or a `.sj` file, on the reference interpreter and prints what each rule did.
 
-    Each step is told in the order of the schedule: under every rule (file and line) the cells and agents it changed, rewards and
-    events, and the draws that led to it. Then comes the map. In actions, a line of a file (or a part up to `;`) is a step, with an
+    Each step is printed in the order of the schedule: under every rule (file and line) the cells and agents it changed, rewards and
+    events, and the draws behind them. The map follows. In actions, a line of a file (or a part up to `;`) is a step, with an
     action for each agent or one for all; a single one counts for every step.
     """
     from sjdsl.interpreter.board import board_of

@@ -29,7 +29,7 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 @click.option(
     "--reward",
     metavar="R",
-    help=f"What an agent learns from: {', '.join(REWARDS)}, or FILE.py:FUNCTION; its own reward (individual) unless the preset has another, "
+    help=f"Reward to learn from: {', '.join(REWARDS)}, or FILE.py:FUNCTION; its own reward (individual) unless the preset has another, "
     "and common with vdn.",
 )
 @click.option("--preset", metavar="P", help="paper, released, two_cores, quick, or a .toml file, which may name the game.")
@@ -44,7 +44,7 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 @click.option("--seeds", type=click.IntRange(min=1), metavar="K", help="Train K seeds side by side: seed, seed + 1 and so on.")
 @click.option("--run", "run_dir", metavar="DIR", help="Where the run's files go; by default a new folder in runs/.")
 @click.option(
-    "--resume", "resumed", metavar="DIR", help="Go on with the run in DIR, which was stopped; with --set total_timesteps=… make it longer."
+    "--resume", "resumed", metavar="DIR", help="Continue the stopped run in DIR; with --set total_timesteps=…, extend a finished one."
 )
 @click.option(
     "--episodes",
@@ -67,7 +67,7 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
     metavar="AGENT=POLICY",
     help="Agents that act by a policy and do not learn, such as 1=random or 1,2=RUN@best.",
 )
-@click.option("--callback", metavar="FILE.py:NAME", help="A function of one's own, called after each update.")
+@click.option("--callback", metavar="FILE.py:NAME", help="Your own function, called after each update.")
 @click.option("--distributed", is_flag=True, help="One of several processes that train together; see docs/training.md.")
 @click.option("--keys", is_flag=True, help="List the configuration's keys with their values, and stop.")
 @environment_options

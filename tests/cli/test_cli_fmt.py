@@ -1,4 +1,4 @@
-"""`sjdsl fmt`: files laid out in place, or only looked at; what cannot be read stays as it is."""
+"""`sjdsl fmt`: formats files in place, or only reports; a file with syntax errors stays as it is."""
 
 import io
 import os
@@ -25,7 +25,7 @@ def test_a_file_is_laid_out_in_place(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "ugly.sj").write_text(UGLY)
     shown = sjdsl("fmt", "ugly.sj", "orchard.sj")
     assert shown.status == 0
-    assert shown.out == "ugly.sj is laid out anew\n2 files: 1 is laid out anew, 1 is unchanged\n"
+    assert shown.out == "ugly.sj was reformatted\n2 files: 1 was reformatted, 1 is unchanged\n"
     assert (folder / "ugly.sj").read_text() == (folder / "orchard.sj").read_text().replace("episode length", "episode length  # steps")
 
 
@@ -40,7 +40,7 @@ def test_check_writes_nothing_and_names_the_files(sjdsl: Sjdsl, folder: Path) ->
     (folder / "ugly.sj").write_text(UGLY)
     shown = sjdsl("fmt", "--check", ".")
     assert shown.status == 1
-    assert shown.out == "ugly.sj would be laid out otherwise\n2 files: 1 would be laid out otherwise, 1 is laid out as it should be\n"
+    assert shown.out == "ugly.sj would be reformatted\n2 files: 1 would be reformatted, 1 is formatted\n"
     assert (folder / "ugly.sj").read_text() == UGLY
     assert sjdsl("fmt", "--check", "orchard.sj").status == 0
 
@@ -52,8 +52,8 @@ def test_a_file_with_mistakes_is_left_alone_and_the_others_are_done(sjdsl: Sjdsl
     assert shown.status == 1
     assert "did you mean `schedule`?" in shown.err
     assert (folder / "a_wrong.sj").read_text() == WRONG
-    assert "ugly.sj is laid out anew" in shown.out
-    assert "3 files: 1 is laid out anew, 1 is unchanged, 1 cannot be laid out" in shown.out
+    assert "ugly.sj was reformatted" in shown.out
+    assert "3 files: 1 was reformatted, 1 is unchanged, 1 cannot be formatted" in shown.out
 
 
 def test_a_game_that_is_wrong_but_can_be_read_is_laid_out(sjdsl: Sjdsl, folder: Path) -> None:
@@ -66,7 +66,7 @@ def test_folders_are_searched_but_not_hidden_ones(sjdsl: Sjdsl, folder: Path) ->
         (folder / name).mkdir()
     (folder / "inner/one.sj").write_text(UGLY)
     (folder / ".hidden/two.sj").write_text(UGLY)
-    assert "inner/one.sj is laid out anew" in sjdsl("fmt", ".", "inner").out
+    assert "inner/one.sj was reformatted" in sjdsl("fmt", ".", "inner").out
     assert (folder / ".hidden/two.sj").read_text() == UGLY
     assert "no `.sj` files in the folder empty" in sjdsl("fmt", "empty").err
 
@@ -106,7 +106,7 @@ def test_standard_input(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch, text: str
     assert shown.status == status
     match text, option:
         case _, "--check":
-            assert shown.out == "standard input would be laid out otherwise\n"
+            assert shown.out == "standard input would be reformatted\n"
         case str(), None if text == WRONG:
             assert "standard input" in shown.err
             assert "did you mean `schedule`?" in shown.err
