@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import phases_of
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members
 from sjdsl.doc.sentences import chosen, drawn, paired, probability
@@ -24,7 +25,7 @@ class DrawRow:
 
 def draws(v: Vocabulary) -> list[str]:
     """Returns the section on random draws."""
-    found = [row for p in (v.game.start, *v.game.schedule) if isinstance(p, ir.Phase) for row in phase_draws(p, v)]
+    found = [row for phase in phases_of(v.game) for row in phase_draws(phase, v)]
     rows = [(code(row.phase), "; ".join(row.around) or "the game, once", row.text) for row in found]
     return [*table(HEAD, rows), ""] if rows else ["Nothing in this game is random.", ""]
 

@@ -1,6 +1,7 @@
 """The entities section of a rule sheet: agents and their actions, kinds of cell, the map, fields and timers."""
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import kind_named, starts_of
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.shapes import shapes
 from sjdsl.doc.vocabulary import Vocabulary
@@ -84,9 +85,8 @@ def kinds(v: Vocabulary) -> list[str]:
 
 def starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
     """Returns the fields that a glyph of the map stands for, each with its value at the start."""
-    fields = next(k.fields for k in game.kinds if k.name == glyph.kind)
-    own = dict(glyph.starts)
-    return ", ".join(f"{code(f.name)} = {start_text(own.get(f.name, f.start), f)}" for f in fields)
+    own = starts_of(game, glyph)
+    return ", ".join(f"{code(f.name)} = {start_text(own[f.name], f)}" for f in kind_named(game, glyph.kind).fields)
 
 
 def blocking(kind: ir.Kind, v: Vocabulary) -> list[Line]:

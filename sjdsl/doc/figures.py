@@ -9,6 +9,7 @@ from pathlib import Path
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.printer import game as ir_text
+from sjdsl.compiler.ir.queries import counts_of
 
 EPISODES = 200
 SEED = 0
@@ -54,7 +55,7 @@ def figure_names(game: ir.Game) -> dict[str, str]:
     """Returns the figures that a page shows: their names in an evaluation -> their names on the page."""
     names = {"collective return": "return, summed over agents", "equality": "equality of returns (1 - Gini)"}
     for event in game.events:
-        for name in [f"{event.name}[{word}]" for word in event.by] or [event.name]:
+        for _, name in counts_of(event):
             names[f"event {name}"] = f"`{name}`, in an episode" + (", all agents" if event.per_agent else "")
     for measured in game.measures:
         sort = "mean" if measured.mean else "final"

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import can_be_away, marking_phases
 from sjdsl.doc.conditions import condition
-from sjdsl.doc.reading import can_be_away
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
 
@@ -33,7 +33,7 @@ def window(v: Vocabulary) -> str:
     rows, columns = view.ahead + 1 + view.behind, view.left + 1 + view.right
     sides = f"{view.ahead} ahead, {view.behind} behind, {view.left} to the left, {view.right} to the right"
     size = f"{counted(rows, 'row')} of {counted(columns, 'cell')}"
-    away = " An agent that is away sees nothing." if can_be_away(v) else ""
+    away = " An agent that is away sees nothing." if can_be_away(v.game) else ""
     return f"After each step every agent sees a window of {size} around it ({sides}), turned so that the agent looks up.{away}"
 
 
@@ -60,7 +60,7 @@ def _look(s: ir.Sight, v: Vocabulary) -> Line:
 
 def _marks(v: Vocabulary) -> list[Line]:
     game = v.game
-    phases = [p.label for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and any(isinstance(n, ir.Mark) for n in ir.walk(p))]
+    phases = [phase.label for phase in marking_phases(game)]
     hidden = [h for h in game.hidden if h.what == "marks"]
     if not phases or any(h.on == "map" for h in hidden):
         return [Line(f"no marks{'' if not phases else f' of {codes(phases)}'}")] if hidden else []

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import can_be_away
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets
 
@@ -72,15 +73,10 @@ def _notes(v: Vocabulary) -> Iterator[Line]:
     sends = [node for node in v.nodes if isinstance(node, ir.Send)]
     if sends:
         yield _sending(sends)
-    if can_be_away(v):
+    if can_be_away(v.game):
         yield _away(sends)
     if v.has(ir.Move):
         yield MOVEMENT
-
-
-def can_be_away(v: Vocabulary) -> bool:
-    """Returns whether an agent can be off the map for a time or for ever."""
-    return v.waits or v.has(ir.Remove)
 
 
 def _sending(sends: list[ir.Send]) -> Line:

@@ -1,6 +1,7 @@
 """The process section of a rule sheet: the order of events in a step, and what each phase can change."""
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import written_field
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import capital, code, codes, joined
 
@@ -40,8 +41,6 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
 
 
 def _written(target: ir.Expr, v: Vocabulary) -> str:
-    if isinstance(target, ir.At):
-        return _written(target.row, v)
-    assert isinstance(target, ir.FieldRead)
-    owner = f"{v.kinds(target.kinds)} cells" if target.place == "cell" else {"agent": "agents", "world": "the world"}[target.place]
-    return f"{code(target.name)} of {owner}"
+    read = written_field(target)
+    owner = f"{v.kinds(read.kinds)} cells" if read.place == "cell" else {"agent": "agents", "world": "the world"}[read.place]
+    return f"{code(read.name)} of {owner}"

@@ -3,6 +3,7 @@
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import written_field
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members, nearest, shape_of
 from sjdsl.doc.expressions import operand, side, value
@@ -131,7 +132,7 @@ def _add(s: ir.Add, v: Vocabulary) -> str:
     target = value(s.target, v)
     if s.target.type.kind == "agents":
         return f"{value(s.value, v)} joins {target}"
-    field = v.field(_read(s.target))
+    field = v.field(written_field(s.target))
     limits = ""
     if field.capped:
         limits = (
@@ -142,10 +143,6 @@ def _add(s: ir.Add, v: Vocabulary) -> str:
     if isinstance(s.value, ir.Number) and s.value.value < 0:
         return f"{number(-s.value.value)} is taken from {target}{limits}"
     return f"{value(s.value, v)} is added to {target}{limits}"
-
-
-def _read(target: ir.Expr) -> ir.FieldRead:
-    return _read(target.row) if isinstance(target, ir.At) else target  # type: ignore[return-value]
 
 
 def _receivers(s: ir.Give, v: Vocabulary) -> str:

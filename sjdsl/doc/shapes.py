@@ -1,6 +1,7 @@
 """The English of shapes: pictures, and what blocks their lanes."""
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import blocks_always
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, counted, fenced
 
@@ -44,7 +45,7 @@ def _direction(shape: ir.Shape) -> str:
 def _blocking(shape: ir.Shape, v: Vocabulary) -> str:
     if shape.see_through:
         return ""
-    always = [k.name for k in v.game.kinds for b in k.blocks if b.what == shape.name and b.condition is None]
+    always = [k.name for k in v.game.kinds if blocks_always(k, shape.name)]
     sometimes = [k.name for k in v.game.kinds for b in k.blocks if b.what == shape.name and b.condition is not None]
     found = []
     if always:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import declared_field
 from sjdsl.doc.wording import article, code, joined, variable
 
 
@@ -81,14 +82,7 @@ class Vocabulary:
 
     def field(self, read: ir.FieldRead) -> ir.VarField:
         """Returns the declaration of the field that is read or written."""
-        match read.place:
-            case "agent":
-                fields = self.game.agents.fields
-            case "world":
-                fields = self.game.fields
-            case "cell":
-                fields = next(k.fields for k in self.game.kinds if k.name == read.kinds[0])
-        return next(f for f in fields if f.name == read.name)
+        return declared_field(self.game, read)
 
     def action(self, number: int) -> str:
         return code(self.game.agents.actions[number])

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir import printer
+from sjdsl.compiler.ir.queries import contains, kinds_by_glyph, phases_of
 from sjdsl.interpreter.state import Cell, Pool, Value, World, field_value
 
 
@@ -58,7 +59,7 @@ def board_of(game: ir.Game) -> Board:
 
 
 def _build(game: ir.Game) -> Board:
-    meaning = _glyph_kinds(game)
+    meaning = kinds_by_glyph(game)
     kind_of = {Cell(r, c): meaning[glyph] for r, row in enumerate(game.rows) for c, glyph in enumerate(row)}
     cells = {k.name: tuple(cell for cell in kind_of if kind_of[cell] == k.name) for k in game.kinds}
     return Board(
@@ -72,17 +73,13 @@ def _build(game: ir.Game) -> Board:
         world_fields={f.name: f for f in game.fields},
         cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},
         pools=_pools(game),
-        moving=frozenset(id(turn) for turn in (game.start, *game.schedule) if any(isinstance(node, ir.Move) for node in ir.walk(turn))),
+        moving=frozenset(id(turn) for turn in (game.start, *game.schedule) if contains(turn, ir.Move)),
     )
-
-
-def _glyph_kinds(game: ir.Game) -> dict[str, str]:
-    return {k.glyph: k.name for k in game.kinds} | {g.glyph: g.kind for g in game.glyphs}
 
 
 def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
     pools: dict[Pool, ir.Send] = {}
-    for phase in (turn for turn in (game.start, *game.schedule) if isinstance(turn, ir.Phase)):
+    for phase in phases_of(game):
         for node in ir.walk(phase):
             if isinstance(node, ir.Send):
                 pool = Pool(phase.name, node.pool)

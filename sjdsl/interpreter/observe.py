@@ -6,6 +6,7 @@ from typing import assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import marking_phases
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.evaluate import evaluate
@@ -105,7 +106,7 @@ def _content_codes(board: Board) -> dict[str, int]:
 
 @lru_cache(maxsize=4)
 def _marking_names(board: Board) -> tuple[str, ...]:
-    return tuple(phase.name for phase in planes.marking(board.game))
+    return tuple(phase.name for phase in marking_phases(board.game))
 
 
 def _agent(cell: Cell, agent: int, here: Instance) -> int:

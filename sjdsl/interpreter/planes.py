@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import marking_phases
 
 HIDDEN = "hidden"
 OUTSIDE = "outside"
@@ -34,18 +35,12 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
         Plane("content", "word", content_labels(game), "content"),
         Plane("agent", "word", _agent_labels(game), "agent"),
     ]
-    if marking(game) and not any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden):
-        result.append(Plane("marks", "bits", tuple(phase.label for phase in marking(game)), "marks"))
+    if marking_phases(game) and not any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden):
+        result.append(Plane("marks", "bits", tuple(phase.label for phase in marking_phases(game)), "marks"))
     for what in ("other", "everyone", "own", "world"):
         agents = range(game.agents.number) if what == "everyone" else (None,)
         result += [_field_plane(sight, agent) for sight in game.sights if sight.what == what for agent in agents]
     return tuple(result)
-
-
-def marking(game: ir.Game) -> tuple[ir.Phase, ...]:
-    """Returns the phases that mark cells, `start` first, then as scheduled."""
-    phases = {t.name: t for t in (game.start, *game.schedule) if isinstance(t, ir.Phase)}
-    return tuple(p for p in phases.values() if any(isinstance(node, ir.Mark) for node in ir.walk(p)))
 
 
 def sight_words(sight: ir.Sight) -> tuple[str, ...]:

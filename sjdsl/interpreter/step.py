@@ -6,6 +6,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
@@ -161,7 +162,7 @@ def _nothing_yet(board: Board) -> Outcome:
 
 
 def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
-    event = next(e for e in board.game.events if e.name == counted.event)
+    event = event_named(board.game, counted.event)
     path: list[int | str] = [event.name]
     if event.per_agent:
         assert counted.agent is not None, event.name

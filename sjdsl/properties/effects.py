@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import all_fields, written_field
 
 Part = tuple[str, ...]  # ("agent", field), ("cell", kind, field), ("world", field), or one of those below
 PLACE, HEADING, MOVED, AWAY, STEP = ("place",), ("heading",), ("moved",), ("away",), ("step",)
@@ -41,8 +42,7 @@ def writes(game: ir.Game) -> Iterator[Part]:
     """Yields what the schedule can write. Agents can be away only if a `send` takes time or an agent is removed."""
     yield STEP
     if any(isinstance(turn, ir.Tick) for turn in game.schedule):
-        fields = [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
-        yield from (_part(f.place, f.kind, f.name) for f in fields if f.timer)
+        yield from (_part(f.place, f.kind, f.name) for f in all_fields(game) if f.timer)
     for n in (node for turn in game.schedule for node in ir.walk(turn)):
         yield from written_by(n)
 
@@ -51,7 +51,7 @@ def written_by(n: ir.Node) -> Iterator[Part]:
     """Yields what one statement can write; nothing for a compound statement."""
     match n:
         case ir.Set() | ir.Add():
-            yield from _target(n.target)
+            yield from _field(written_field(n.target))
         case ir.Tally():
             yield ("event", n.event)
         case ir.Move():
@@ -64,13 +64,6 @@ def written_by(n: ir.Node) -> Iterator[Part]:
             yield from (PLACE, AWAY)
         case _:
             pass
-
-
-def _target(target: ir.Expr) -> Iterator[Part]:
-    while isinstance(target, ir.At):
-        target = target.row
-    assert isinstance(target, ir.FieldRead), target
-    yield from _field(target)
 
 
 def _field(read: ir.FieldRead) -> Iterator[Part]:

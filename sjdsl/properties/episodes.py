@@ -10,6 +10,7 @@ import numpy as np
 from jax import Array
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.properties.biased_draws import POLICY, RESET, STEP
 from sjdsl.properties.compiled_values import Lowered, lower_checks, with_totals
 from sjdsl.properties.scripted_policies import WANDERS, allowed_by
@@ -88,7 +89,7 @@ class Player:
 
     def _episode(self, key: Array, script: tuple[Array, Array, Array]) -> Any:
         env, lowered = self.env, self._lowered
-        names = [(e.name, w, f"{e.name}[{w}]" if w else e.name) for e in env.game.events for w in e.by or (None,)]
+        names = [(event.name, *count) for event in env.game.events for count in counts_of(event)]
 
         def read(state: Any, totals: dict[str, Array]) -> Any:
             return lowered.values(state, with_totals(env.params, _read_totals(lowered, totals, env.game)))

@@ -10,6 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
+from sjdsl.compiler.ir.queries import blocks_always, glyphs_of, kinds_by_glyph
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -80,8 +81,8 @@ class GameFamily:
     @cached_property
     def open_glyphs(self) -> tuple[str, ...]:
         """The glyphs of cells that agents may always enter."""
-        closed = {k.name for k in self.own.kinds if any(b.what == "agents" and b.condition is None for b in k.blocks)}
-        kind_of = {g.glyph: g.kind for g in self.own.glyphs}
+        closed = {kind.name for kind in self.own.kinds if blocks_always(kind)}
+        kind_of = kinds_by_glyph(self.own)
         return tuple(glyph for glyph in self.glyphs if kind_of[glyph] not in closed)
 
     @cached_property
@@ -98,15 +99,15 @@ class GameFamily:
     def _free_glyphs(self, domain: ir.Domain) -> tuple[str, ...]:
         game = self.own
         here = Instance(board_of(game), declared_world(board_of(game), default_params(game)))
-        glyphs = [g.glyph for g in game.glyphs if g.kind in domain.var.kinds]
+        glyphs = tuple(glyphs_of(game, domain.var.kinds))
         if domain.where is None:
-            return tuple(glyphs)
+            return glyphs
         fitting = []
         for cell, kind in here.board.kind_of.items():
             glyph = game.rows[cell.row][cell.col]
             if kind in domain.var.kinds and glyph not in fitting and evaluate(domain.where, here.only({domain.var.name: cell})):
                 fitting.append(glyph)
-        return tuple(fitting or glyphs)
+        return tuple(fitting) or glyphs
 
     @cached_property
     def environment(self) -> "Environment":

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of
 
 Totals = Mapping[tuple[str, str | None], int]  # (event, its word or None) -> its count so far, over all agents
 REAL = 1e-6  # reals closer than this, relative, are equal
@@ -72,6 +73,6 @@ def add_totals(before: Totals, events: Mapping[str, Any], game: ir.Game) -> dict
     for event in game.events:
         counts = events[event.name]
         rows = counts if event.per_agent else [counts]
-        for i, word in enumerate(event.by or (None,)):
+        for i, (word, _) in enumerate(counts_of(event)):
             totals[event.name, word] = totals.get((event.name, word), 0) + sum(row[i] if event.by else row for row in rows)
     return totals

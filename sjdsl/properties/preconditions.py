@@ -7,6 +7,7 @@ from itertools import product
 from random import Random
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import all_fields, contains, written_field
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import board_of, cells_of
 from sjdsl.interpreter.evaluate import evaluate
@@ -253,15 +254,13 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precond
 
 def _owner(statement: ir.Stmt) -> str | None:
     """Returns the variable whose field a statement writes."""
-    target: ir.Node | None = statement.target if isinstance(statement, ir.Set | ir.Add) else None
-    while isinstance(target, ir.At):
-        target = target.row
-    return target.owner.name if isinstance(target, ir.FieldRead) and isinstance(target.owner, ir.Member) else None
+    owner = written_field(statement.target).owner if isinstance(statement, ir.Set | ir.Add) else None
+    return owner.name if isinstance(owner, ir.Member) else None
 
 
 def is_timed(test: ir.Expr, game: ir.Game) -> bool:
     """Returns whether a condition may come to hold by waiting: it reads a timer, who is away, or the number of the step."""
-    timers = {(f.place, f.kind, f.name) for f in (*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields) if f.timer}
+    timers = {(f.place, f.kind, f.name) for f in all_fields(game) if f.timer}
     read = set(reads(test))
     parts = {(owner, kind, name) if owner == "cell" else (owner, name) for owner, kind, name in timers}
     return bool(read & (parts | {STEP, AWAY}))
@@ -285,4 +284,4 @@ def _bound(e: ir.Node) -> frozenset[str]:
 
 def _is_open(e: ir.Node) -> bool:
     """Returns whether a condition reads what is not known between two steps: actions, and values bound by `let` or `draw`."""
-    return any(isinstance(n, ir.Chose | ir.Local) for n in ir.walk(e))
+    return contains(e, ir.Chose, ir.Local)

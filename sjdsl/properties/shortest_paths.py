@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import blocks_always, glyphs_of
 
 FAR = 65535  # no path
 STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
@@ -84,8 +85,7 @@ def shortest_paths_of(game: ir.Game) -> ShortestPaths:
 
 def _blocking(game: ir.Game) -> str:
     """Returns the glyphs of cells that agents can never enter."""
-    kinds = {k.name for k in game.kinds if any(b.what == "agents" and b.condition is None for b in k.blocks)}
-    return "".join(g.glyph for g in game.glyphs if g.kind in kinds)
+    return glyphs_of(game, tuple(kind.name for kind in game.kinds if blocks_always(kind)))
 
 
 def _after(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], moves: tuple[int, ...], relative: bool) -> np.ndarray:

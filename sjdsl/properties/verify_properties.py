@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of, event_named
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.properties.confidence import least_share, mean_and_half
 from sjdsl.properties.effects import is_untouched
@@ -173,7 +174,7 @@ def _figures(check: ir.Check, episodes: list[Episode], game: ir.Game) -> list[st
     found = []
     for total in dict.fromkeys((n.name, n.word) for n in ir.walk(check) if isinstance(n, ir.EventTotal)):
         name, word = total
-        words = [word] if word else next(e.by for e in game.events if e.name == name) or [None]
+        words = [word] if word else [word for word, _ in counts_of(event_named(game, name))]
         mean, half = mean_and_half([float(sum(e.totals[name, w] for w in words)) for e in episodes])
         found.append(f"{name}{f'[{word}]' if word else ''} {mean:.4g} ± {half:.2g}")
     return found

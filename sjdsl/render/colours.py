@@ -7,6 +7,7 @@ import re
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.elaborate.looks import COLOURS as NAMED
+from sjdsl.compiler.ir.queries import blocks_always
 
 Colour = tuple[int, int, int]
 
@@ -132,16 +133,11 @@ def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> 
     """
     colours: dict[str, Colour] = {}
     for kind in (k for k in game.kinds if k.name not in plain):
-        palette = SOLID_TILES if is_solid(kind) else TILES
+        palette = SOLID_TILES if blocks_always(kind) else TILES
         wanted = [KINDS[part] for part in reversed(kind.name.split("_")) if part in KINDS]
         free = [colour for colour in (*wanted, *palette) if colour not in colours.values()]
         colours[kind.name] = (free or palette)[0]
     return colours | dict.fromkeys(plain, colours.get(main, TILES[0]))
-
-
-def is_solid(kind: ir.Kind) -> bool:
-    """Returns whether no agent ever enters a cell of the kind by walking."""
-    return any(block.what == "agents" and block.condition is None for block in kind.blocks)
 
 
 def word_colours(words: tuple[str, ...]) -> tuple[Colour, ...]:

@@ -9,7 +9,8 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import expression
-from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, is_solid, kind_colours, mark_colours, read_colour
+from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, written_field
+from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds
 from sjdsl.render.usual import Picture, is_passing, is_taken, main_kind, spawn_kinds, usual_body, usual_words
@@ -116,7 +117,7 @@ def make_look(env: "Environment") -> Look:
     game = env.game
     height, width = len(game.rows), len(game.rows[0])
     tile = max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE))
-    phases = tuple(p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and _marks(p))
+    phases = marking_phases(game)
     colour_field = _colour_field(game)
     marks = zip(phases, mark_colours(tuple(p.label for p in phases)), strict=True)
     return Look(
@@ -139,15 +140,11 @@ def make_look(env: "Environment") -> Look:
     )
 
 
-def _marks(phase: ir.Phase) -> bool:
-    return any(isinstance(node, ir.Mark) for node in ir.walk(phase))
-
-
 def kind_looks(game: ir.Game) -> Iterator[KindLook]:
     """Yields the kinds on the map in the order of the file."""
     spawns = spawn_kinds(game)
     grounds = kind_colours(game, spawns, main_kind(game))
-    kind_of = {meaning.glyph: meaning.kind for meaning in game.glyphs}
+    kind_of = kinds_by_glyph(game)
     grid = np.array([[kind_of[glyph] for glyph in row] for row in game.rows])
     for kind in game.kinds:
         rows, cols = np.nonzero(grid == kind.name)
@@ -158,7 +155,7 @@ def kind_looks(game: ir.Game) -> Iterator[KindLook]:
             fields = tuple(_field(f, kind.name, game, sum(words[:place])) for place, f in enumerate(drawn))
             rules = tuple(_rule(look) for look in game.looks if kind.name in look.kinds)
             ground = grounds[kind.name]
-            yield KindLook(kind.name, ground, usual_body(kind, ground, spawns), is_solid(kind), fields, rules, rows, cols)
+            yield KindLook(kind.name, ground, usual_body(kind, ground, spawns), blocks_always(kind), fields, rules, rows, cols)
 
 
 def _rule(look: ir.Look) -> Rule:
@@ -236,9 +233,8 @@ def _carried(field: ir.VarField, shapes: int) -> FieldLook:
 
 def _is_written(name: str, kind: str, game: ir.Game) -> bool:
     """Returns whether some rule sets the field; one that no rule sets is part of the landscape."""
-    targets = (node.target for node in ir.walk(game) if isinstance(node, ir.Set | ir.Add))
-    reads = (target.row if isinstance(target, ir.At) else target for target in targets)
-    return any(isinstance(read, ir.FieldRead) and read.name == name and kind in read.kinds for read in reads)
+    written = (written_field(node.target) for node in ir.walk(game) if isinstance(node, ir.Set | ir.Add))
+    return any(field.name == name and kind in field.kinds for field in written)
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:
@@ -250,5 +246,5 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
 
 
 def _changes(name: str, game: ir.Game) -> bool:
-    targets = (node.target for phase in game.schedule for node in ir.walk(phase) if isinstance(node, ir.Set | ir.Add))
-    return any(isinstance(target, ir.FieldRead) and (target.place, target.name) == ("agent", name) for target in targets)
+    written = (written_field(node.target) for turn in game.schedule for node in ir.walk(turn) if isinstance(node, ir.Set | ir.Add))
+    return any((field.place, field.name) == ("agent", name) for field in written)

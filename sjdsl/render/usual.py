@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.render.colours import SPRITES, WORDS, Colour, is_solid, read_colour, word_colours
+from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, written_field
+from sjdsl.render.colours import SPRITES, WORDS, Colour, read_colour, word_colours
 from sjdsl.render.sprites import SHAPES
 
 EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
@@ -24,10 +25,10 @@ class Picture:
 
 def main_kind(game: ir.Game) -> str:
     """Returns the kind that most of the open map is made of: the ground that all other things stand on."""
-    kind_of = {meaning.glyph: meaning.kind for meaning in game.glyphs}
+    kind_of = kinds_by_glyph(game)
     names, counts = np.unique([kind_of[glyph] for row in game.rows for glyph in row], return_counts=True)
     cells = dict(zip(names.tolist(), counts.tolist(), strict=True))
-    return max((kind.name for kind in game.kinds if not is_solid(kind)), key=lambda name: cells.get(name, 0), default="")
+    return max((kind.name for kind in game.kinds if not blocks_always(kind)), key=lambda name: cells.get(name, 0), default="")
 
 
 def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
@@ -42,7 +43,7 @@ def usual_body(kind: ir.Kind, ground: Colour, spawns: tuple[str, ...]) -> Pictur
     named = named_sprite(kind.name)
     if named is not None and named != "floor":
         return Picture(named, ground if named in ("wall", "water") else SPRITES[named])
-    if is_solid(kind):
+    if blocks_always(kind):
         return Picture("wall", ground)
     return Picture("floor", SPAWNS[spawns.index(kind.name) % len(SPAWNS)]) if kind.name in spawns else None
 
@@ -98,10 +99,9 @@ def is_passing(field: ir.VarField, game: ir.Game) -> bool:
 def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> Iterator[tuple[ir.Set | ir.Add, tuple[ir.Node, ...]]]:
     """Yields the sentences that write a field, each with the sentences around it."""
     if isinstance(node, ir.Set | ir.Add):
-        target = node.target.row if isinstance(node.target, ir.At) else node.target
-        if isinstance(target, ir.FieldRead) and (target.place, target.name) == (field.place, field.name):
-            if field.place != "cell" or field.kind in target.kinds:
-                yield node, around
+        target = written_field(node.target)
+        if (target.place, target.name) == (field.place, field.name) and (field.place != "cell" or field.kind in target.kinds):
+            yield node, around
         return
     for child in ir.children(node):
         yield from _writes(child, field, (*around, node))

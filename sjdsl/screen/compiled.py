@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.compiler.lower.cell_appearance import marking_phases
+from sjdsl.compiler.ir.queries import marking_phases
 from sjdsl.interpreter.state import Value, World
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.replay.episode_player import EpisodePlayer, Moment

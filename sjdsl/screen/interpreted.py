@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.state import Value, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
@@ -40,7 +41,5 @@ def _totals(game: ir.Game, counted: Mapping[str, Any]) -> Iterator[tuple[str, in
     """Yields each count of a step summed over agents; an event with words gives `name[word]` for each."""
     for event in game.events:
         rows = counted[event.name] if event.per_agent else [counted[event.name]]
-        if event.by:
-            yield from ((f"{event.name}[{word}]", sum(row[number] for row in rows)) for number, word in enumerate(event.by))
-        else:
-            yield event.name, sum(rows)
+        for number, (word, name) in enumerate(counts_of(event)):
+            yield name, sum(row if word is None else row[number] for row in rows)

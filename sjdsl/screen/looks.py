@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import kind_named, marking_phases
 from sjdsl.interpreter.board import board_of
 from sjdsl.render.colours import Colour, agent_colour, mark_colours
 from sjdsl.render.drawings import cell_keys, draw_cell, main_colour
@@ -37,7 +38,7 @@ def make_screen_looks(game: ir.Game) -> ScreenLooks:
     letters = make_looks(game)
     on_map = set(board_of(game).kind_of.values())
     states = [key for key in letters.characters if key[0] in on_map]
-    phases = [p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and p.marks]
+    phases = marking_phases(game)
     kinds = {kind.name: kind for kind in kind_looks(game)}
     drawn = [_drawn(game, kinds, *state) for state in states]
     tiles = told_apart([colour for colour, _ in drawn], [OWN])
@@ -62,9 +63,8 @@ def letter_of(agent: int) -> str:
 
 def _drawn(game: ir.Game, kinds: Mapping[str, KindLook], kind: str, state: State) -> tuple[Colour, bool]:
     """Returns the colour that a picture would show most of in a state of a cell, and whether anything stands there."""
-    declared = next(k for k in game.kinds if k.name == kind)
     words = dict(state)
-    values = {f"{kind}_{f.name}": _one(f, words.get(f.name, f.start)) for f in declared.fields}
+    values = {f"{kind}_{f.name}": _one(f, words.get(f.name, f.start)) for f in kind_named(game, kind).fields}
     look = replace(kinds[kind], rows=np.zeros(1, int), cols=np.zeros(1, int))
     (key,), _ = cell_keys(look, values)
     return main_colour(draw_cell(look, key))

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.queries import all_fields, counts_of, marking_phases
 from sjdsl.interpreter import observe as interpreter_view
-from sjdsl.interpreter.planes import marking
 from sjdsl.interpreter.state import Outcome, World
 from sjdsl.interpreter.step import action_mask
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.states import fields_of, stored_values
+from sjdsl.testing.states import stored_values
 
 CLOSE = 1e-6  # relative and absolute
 MANY = 12  # of longer lists only the entries that differ are shown
@@ -31,12 +31,12 @@ def state_differences(env: Environment, state: Any, world: World, seen: Any, all
         pairs.append(("moved", np.asarray(state.moved).tolist(), world.moved))
     if hasattr(state, "away"):
         pairs.append(("away", np.asarray(state.away).tolist(), [a.ticks if a else 0 for a in world.away]))
-    for phase in marking(game):
+    for phase in marking_phases(game):
         cells = np.asarray(getattr(state, f"mark_{phase.name}", ())).tolist()
         marked = sorted({(cell // cols - pad, cell % cols - pad) for cell in cells if cell})
         pairs.append((f"marks of {phase.label}", marked, sorted({(r, c) for name, r, c in world.marks if name == phase.name})))
     found = [shown(name, mine, theirs) for name, mine, theirs in pairs if mine != theirs]
-    for declared in fields_of(game):
+    for declared in all_fields(game):
         stored, wanted = np.asarray(getattr(state, attribute_name(declared))), np.asarray(stored_values(declared, world))
         wanted = wanted if wanted.size else wanted.reshape(stored.shape)  # of no cells, a list does not tell the length of rows
         same = np.allclose(stored, wanted, rtol=close, atol=close) if declared.type.kind == "real" else stored.tolist() == wanted.tolist()
@@ -64,8 +64,8 @@ def outcome_differences(env: Environment, reward: Any, info: dict[str, Any], out
     pairs: list[tuple[str, Any, Any]] = [("reward", reward, outcome.reward)]
     for event in env.game.events:
         counts = np.asarray(outcome.events[event.name])
-        names = [f"{event.name}[{word}]" for word in event.by] or [event.name]
-        pairs += [(f"event {n}", info["events"][n], counts[..., i] if event.by else counts) for i, n in enumerate(names)]
+        names = counts_of(event)
+        pairs += [(f"event {n}", info["events"][n], counts if word is None else counts[..., i]) for i, (word, n) in enumerate(names)]
     pairs += [(f"metric {name}", info["metrics"][name], value) for name, value in outcome.measures.items()]
     pairs.append(("terminated", info["terminated"], outcome.terminated))
     pairs.append(("truncated", info["truncated"], outcome.truncated and not outcome.terminated))

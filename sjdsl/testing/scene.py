@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import jax
 import numpy as np
 
-from sjdsl.interpreter.planes import marking
+from sjdsl.compiler.ir.queries import marking_phases
 from sjdsl.interpreter.state import HEADINGS, World
 from sjdsl.near_names import meant
 from sjdsl.testing.engines import look_at, take_step
@@ -237,7 +237,7 @@ class Scene:
         return list(self.allowed[:, self._chosen(action)[0]].tolist())
 
     def _marks(self, phase: str) -> set[tuple[int, int]]:
-        names = {p.label: p.name for p in marking(self.env.game)}
+        names = {p.label: p.name for p in marking_phases(self.env.game)}
         if phase not in names:
             raise ValueError(f"no phase `{phase}` marks cells{meant(phase, names)}")
         return {(row, column) for name, row, column in self.world.marks if name == names[phase]}

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import kind_named
 from sjdsl.near_names import meant
 from sjdsl.testing.values import held
 
@@ -104,7 +105,7 @@ def _read(text: str, type_: ir.Type) -> Any:
 
 def _glyph(game: ir.Game, glyph: ir.GlyphMeaning, looks: Iterable[Sign]) -> Sign:
     """Returns a glyph of the map as a sign: it speaks of all fields by which signs of its kind differ."""
-    kind = next(k for k in game.kinds if k.name == glyph.kind)
+    kind = kind_named(game, glyph.kind)
     told = {name for g in game.glyphs if g.kind == kind.name for name, _ in g.starts}
     told |= {name for look in looks if look.kind == kind.name for name in look.values}
     starts = dict(glyph.starts)

@@ -6,6 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.queries import all_fields, contains, phases_of
 from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.state import Away, Facing, Pool, World
@@ -13,11 +14,6 @@ from sjdsl.runtime.env import Environment
 from sjdsl.testing.values import stored
 
 FACINGS: tuple[Facing | None, ...] = ("north", "east", "south", "west", None, "same")
-
-
-def fields_of(game: ir.Game) -> list[ir.VarField]:
-    """Returns all fields of a game."""
-    return [*(f for kind in game.kinds for f in kind.fields), *game.agents.fields, *game.fields]
 
 
 def held_values(declared: ir.VarField, world: World) -> Any:
@@ -57,7 +53,7 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
         changed["away"] = [a.ticks if a else 0 for a in world.away]
         changed["away_pool"] = [numbers[a.pool] if a and a.pool else 0 for a in world.away]
         changed["away_facing"] = [FACINGS.index(a.facing) if a else 0 for a in world.away]
-    for declared in fields_of(env.game):
+    for declared in all_fields(env.game):
         values, dtype = np.asarray(stored_values(declared, world)), getattr(state, attribute_name(declared)).dtype
         if declared.timer and values.max(initial=0) > np.iinfo(dtype).max:
             raise ValueError(f"the timer `{declared.name}` holds up to {np.iinfo(dtype).max} steps in this game, not {values.max()}")
@@ -75,7 +71,7 @@ def away_pools(game: ir.Game) -> dict[Pool, ir.Send]:
     """Returns the destinations one can be away before, each with a sentence that sends there."""
     known = pool_numbers(game)
     found: dict[Pool, ir.Send] = {}
-    for phase in (turn for turn in (game.start, *game.schedule) if isinstance(turn, ir.Phase)):
+    for phase in phases_of(game):
         for node in ir.walk(phase):
             if isinstance(node, ir.Send) and node.after is not None and Pool(phase.name, node.pool) in known:
                 found.setdefault(Pool(phase.name, node.pool), node)
@@ -85,10 +81,10 @@ def away_pools(game: ir.Game) -> dict[Pool, ir.Send]:
 def make_away(game: ir.Game, agent: int, ticks: int, phase: str | None) -> Away:
     """Returns how an agent is away: for good (0 ticks), or sent by the phase of that name, or by the only one that sends away."""
     if ticks == 0:
-        if not any(isinstance(node, ir.Remove) for node in ir.walk(game)):
+        if not contains(game, ir.Remove):
             raise ValueError(f"agent {agent}: nobody is removed for good in this game, so give the ticks until it returns")
         return Away(0, None, None)
-    pools, labels = away_pools(game), {p.name: p.label for p in (game.start, *game.schedule) if isinstance(p, ir.Phase)}
+    pools, labels = away_pools(game), {phase.name: phase.label for phase in phases_of(game)}
     fitting = {pool: send for pool, send in pools.items() if phase in (None, labels[pool.phase])}
     if len(fitting) != 1 or ticks < 0:
         phases = sorted({labels[pool.phase] for pool in pools})

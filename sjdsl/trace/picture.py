@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import starts_of
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import Value, World
 
@@ -37,9 +38,8 @@ def make_looks(game: ir.Game) -> Looks:
     characters: dict[tuple[str, State], str] = {}
     shown = {kind.name: _shown(kind) for kind in game.kinds}
     for meaning in game.glyphs:
-        kind = next(k for k in game.kinds if k.name == meaning.kind)
-        starts = {f.name: f.start for f in kind.fields} | dict(meaning.starts)
-        characters.setdefault((kind.name, tuple((name, starts[name]) for name in shown[kind.name])), meaning.glyph)
+        starts = starts_of(game, meaning)
+        characters.setdefault((meaning.kind, tuple((name, starts[name]) for name in shown[meaning.kind])), meaning.glyph)
     for kind in game.kinds:
         base = next((dict(state) for (name, state) in characters if name == kind.name), {})
         words = [[(f.name, word) for word in f.type.words] for f in kind.fields if f.name in shown[kind.name]]

@@ -119,7 +119,8 @@ def send(to: ir.Domain, who: ir.Expr | None = None, *, pool: int = 0, **facts: o
 
 
 def phase(*body: ir.Sentence, name: str = "act") -> ir.Phase:
-    return ir.Phase(label=name, name=name, body=body)
+    marks = tuple(dict.fromkeys(node.shape for part in body for node in ir.walk(part) if isinstance(node, ir.Mark)))
+    return ir.Phase(label=name, name=name, body=body, marks=marks)
 
 
 def line(length: int, name: str = "ray", see_through: bool = False) -> ir.Shape:

@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
+from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.games_folder import bundled
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.testing import Stage
 from sjdsl.testing.paths import find_field, read_field
-from sjdsl.testing.states import fields_of
 
 HERE = Path(__file__).parent
 GAMES = [*bundled(), HERE / "camp.sj", *sorted((HERE.parent / "differential" / "games").glob("*.sj"))]
@@ -34,7 +34,7 @@ def put_again(stage: Stage, world: World) -> World:
     picture = [f"{''.join(row)}  {told}" if told else "".join(row) for row, told in zip(rows, numbers, strict=True)]
     labels = {phase.name: phase.label for phase in stage.env.game.schedule if hasattr(phase, "name")}
     away = {i: (a.ticks, labels[a.pool.phase]) if a.pool else 0 for i, a in enumerate(world.away) if a is not None}
-    fields = {path_of(f): read_field(find_field(stage.env.game, path_of(f)), world) for f in fields_of(stage.env.game)}
+    fields = {path_of(f): read_field(find_field(stage.env.game, path_of(f)), world) for f in all_fields(stage.env.game)}
     return stage.put(*picture, fields=fields, away=away, step=world.step).world
 
 

@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import all_fields, marking_phases
 
 KERNELS = {
     "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
@@ -81,7 +82,5 @@ def attribute_name(field: ir.VarField) -> str:
 
 def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
     """Returns every attribute of State that comes from a name of the game, with its declaration."""
-    fields = [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
-    named: list[tuple[str, ir.Node]] = [(attribute_name(f), f) for f in fields]
-    phases = [p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase)]
-    return named + [(f"mark_{p.name}", p) for p in phases if any(isinstance(n, ir.Mark) for n in ir.walk(p))]
+    fields: list[tuple[str, ir.Node]] = [(attribute_name(field), field) for field in all_fields(game)]
+    return fields + [(f"mark_{phase.name}", phase) for phase in marking_phases(game)]

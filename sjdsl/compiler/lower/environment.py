@@ -4,6 +4,7 @@ from math import isfinite
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, param_attribute
+from sjdsl.compiler.ir.queries import all_fields, counts_of, written_field
 from sjdsl.runtime.fields import StateField
 
 ROLE = "role"  # a field of the agents by this name says who plays what
@@ -11,17 +12,16 @@ ROLE = "role"  # a field of the agents by this name says who plays what
 
 def events(game: ir.Game) -> tuple[tuple[str, str, int | None], ...]:
     """Returns each count of a step: its name, the attribute of the outcome, and which entry of its last axis."""
-    counts: list[tuple[str, str, int | None]] = []
-    for event in game.events:
-        attribute = f"event_{param_attribute(event.name)}"
-        counts += [(f"{event.name}[{word}]", attribute, i) for i, word in enumerate(event.by)] or [(event.name, attribute, None)]
-    return tuple(counts)
+    return tuple(
+        (name, f"event_{param_attribute(event.name)}", None if word is None else i)
+        for event in game.events
+        for i, (word, name) in enumerate(counts_of(event))
+    )
 
 
 def state_fields(game: ir.Game) -> tuple[StateField, ...]:
     """Returns every declared variable: those of cells, of agents and of the world."""
-    fields = (*(field for kind in game.kinds for field in kind.fields), *game.agents.fields, *game.fields)
-    return tuple(_state_field(attribute_name(field), field.type) for field in fields)
+    return tuple(_state_field(attribute_name(field), field.type) for field in all_fields(game))
 
 
 def _state_field(attribute: str, type_: ir.Type) -> StateField:
@@ -43,9 +43,6 @@ def role_attribute(game: ir.Game) -> str | None:
 
 
 def _writes_role(turn: ir.Node) -> bool:
-    """Whether a phase sets the field `role` of an agent."""
-    return any(isinstance(node, ir.Set) and any(_is_role(part) for part in ir.walk(node.target)) for node in ir.walk(turn))
-
-
-def _is_role(node: ir.Node) -> bool:
-    return isinstance(node, ir.FieldRead) and node.name == ROLE and node.place == "agent"
+    """Whether a turn sets the field `role` of an agent."""
+    written = (written_field(node.target) for node in ir.walk(turn) if isinstance(node, ir.Set))
+    return any((field.place, field.name) == ("agent", ROLE) for field in written)

@@ -1,0 +1,91 @@
+"""Questions that all readers of a typed game ask: declarations by name, characters of the map, what the rules contain.
+
+They say what a game declares and where, never what its rules mean: the interpreter may ask them and stays an oracle.
+"""
+
+from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Shape
+from sjdsl.compiler.ir.game import Event, Game, GlyphMeaning, Kind, Phase, VarField
+from sjdsl.compiler.ir.node import Node
+from sjdsl.compiler.ir.statements import Remove, Send
+from sjdsl.compiler.ir.traverse import walk
+
+Start = int | float | str | None
+
+
+def contains(node: Node, *sorts: type[Node]) -> bool:
+    """Returns whether a node of one of these sorts is in `node`, or is it."""
+    return any(isinstance(inner, sorts) for inner in walk(node))
+
+
+def all_fields(game: Game) -> tuple[VarField, ...]:
+    """Returns every declared variable: those of cells, kind by kind, then those of agents and of the world."""
+    return (*(field for kind in game.kinds for field in kind.fields), *game.agents.fields, *game.fields)
+
+
+def declared_field(game: Game, read: FieldRead, kind: str = "") -> VarField:
+    """Returns the declaration of the variable that is read or written. `kind`: which of the kinds it may be of, instead of the first."""
+    owner = {"cell": kind or next(iter(read.kinds), "")}.get(read.place, "")
+    return next(f for f in all_fields(game) if (f.place, f.kind, f.name) == (read.place, owner, read.name))
+
+
+def written_field(target: Expr) -> FieldRead:
+    """Returns the variable that a `set` or `add` writes: of an entry, the variable it is an entry of."""
+    while isinstance(target, At):
+        target = target.row
+    assert isinstance(target, FieldRead), target
+    return target
+
+
+def kind_named(game: Game, name: str) -> Kind:
+    """Returns the declaration of a kind of cell."""
+    return next(kind for kind in game.kinds if kind.name == name)
+
+
+def shape_named(game: Game, name: str) -> Shape:
+    """Returns the declaration of a shape."""
+    return next(shape for shape in game.shapes if shape.name == name)
+
+
+def event_named(game: Game, name: str) -> Event:
+    """Returns the declaration of an event."""
+    return next(event for event in game.events if event.name == name)
+
+
+def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
+    """Returns what is counted of an event, each with the name it is reported by: `(word, "eaten[red]")`, or `(None, "eaten")`."""
+    return tuple((word, f"{event.name}[{word}]") for word in event.by) or ((None, event.name),)
+
+
+def phases_of(game: Game) -> tuple[Phase, ...]:
+    """Returns `start` and the phases of the schedule, in order."""
+    return (game.start, *(turn for turn in game.schedule if isinstance(turn, Phase)))
+
+
+def marking_phases(game: Game) -> tuple[Phase, ...]:
+    """Returns the phases that mark cells."""
+    return tuple(phase for phase in phases_of(game) if phase.marks)
+
+
+def kinds_by_glyph(game: Game) -> dict[str, str]:
+    """Returns the kind that each character of a map stands for."""
+    return {meaning.glyph: meaning.kind for meaning in game.glyphs}
+
+
+def glyphs_of(game: Game, kinds: tuple[str, ...]) -> str:
+    """Returns the characters that stand for cells of these kinds."""
+    return "".join(meaning.glyph for meaning in game.glyphs if meaning.kind in kinds)
+
+
+def starts_of(game: Game, meaning: GlyphMeaning) -> dict[str, Start]:
+    """Returns the value at the start of each variable of the cells that a character stands for."""
+    return {field.name: field.start for field in kind_named(game, meaning.kind).fields} | dict(meaning.starts)
+
+
+def blocks_always(kind: Kind, what: str = "agents") -> bool:
+    """Returns whether cells of a kind stop agents, or the lanes of the shape `what`, whatever the state."""
+    return any(block.what == what and block.condition is None for block in kind.blocks)
+
+
+def can_be_away(game: Game) -> bool:
+    """Returns whether an agent can be off the map: sent away for some ticks, or removed."""
+    return any(isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None) for node in walk(game))
