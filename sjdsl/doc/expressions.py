@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, number, table_value, variable
 
@@ -63,30 +64,14 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(e.word)}")
         case ir.SumRow():
             return f"the sum of all entries of {value(e.row, v)}"
-        case ir.Count() | ir.Sum():
-            return _counted(e, v)
-        case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty() | ir.Chose():
-            return _whether(e, v)
-        case ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():
-            return _whether(e, v)
-        case _:
-            assert_never(e)
-
-
-def _whether(e: ir.Expr, v: Vocabulary) -> str:
-    from sjdsl.doc.conditions import condition
-
-    return f"whether {condition(e, v)}"
-
-
-def _counted(e: ir.Count | ir.Sum, v: Vocabulary) -> str:
-    from sjdsl.doc.domains import members
-
-    match e:
         case ir.Count():
-            return f"the number of {members(e.domain, v, plural=True)}"
+            return f"the number of {v.members(e.domain)}"
         case ir.Sum():
-            return f"the sum of {operand(e.value, v)} over all {members(e.domain, v, plural=True)}"
+            return f"the sum of {operand(e.value, v)} over all {v.members(e.domain)}"
+        case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty() | ir.Chose():
+            return f"whether {v.condition(e)}"
+        case ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():
+            return f"whether {v.condition(e)}"
         case _:
             assert_never(e)
 
@@ -161,10 +146,8 @@ def _arithmetic(e: ir.Arithmetic, v: Vocabulary) -> str:
 def case(e: ir.Case, v: Vocabulary, say: Callable[[ir.Expr, Vocabulary], str] = side) -> str:
     """Returns the arms of a `case` one after the other; `say` puts what stands in an arm into words."""
     if e.subject.type.kind == "condition":
-        from sjdsl.doc.conditions import condition
-
         arms = {word: say(arm.value, v) for arm in e.arms for word in arm.words}
-        return f"{arms['yes']} if {condition(e.subject, v)}; {arms['no']} if not"
+        return f"{arms['yes']} if {v.condition(e.subject)}; {arms['no']} if not"
     subject, alone = operand(e.subject, v), isinstance(e.subject, ATOMS)
     return "; ".join(f"{say(arm.value, v)} if {subject if alone or not i else 'it'} {_arm(arm)}" for i, arm in enumerate(e.arms))
 
@@ -180,11 +163,9 @@ def _arm(arm: ir.Arm) -> str:
 
 
 def _named(e: ir.Named, v: Vocabulary) -> str:
-    from sjdsl.doc.defines import free_names
-
     if e.name not in v.defined:
         return value(e.value, v)
-    about = free_names(e.value, v)
+    about = [v.refer(free) if isinstance(free, ir.Member) else variable(free.name) for free in free_variables(e.value)]
     return code(e.name) + (f" of {' and '.join(about)}" if about else "")
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members
 from sjdsl.interpreter.account import Drawn
-from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.evaluate import evaluate, members_of, nearest_members
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found
 from sjdsl.interpreter.state import Value
@@ -82,7 +82,7 @@ def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Draw
     rights = members.everybody(sentence.right, here.board)
     pairs_in_all = members.everybody(sentence.left, here.board) * rights
     ranked: list[tuple[int, int, int, Found, Found]] = []
-    for left in members.found(sentence.left, here):
+    for left in members_of(sentence.left, here):
         for right in _partners(sentence, left, here):
             mine, theirs = (members.own_number(d, m, here.board) for d, m in ((sentence.left, left), (sentence.right, right)))
             number = here.number * pairs_in_all + mine * rights + theirs
@@ -101,7 +101,7 @@ def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Draw
 def _partners(sentence: ir.Match, left: Found, here: Instance) -> list[Found]:
     inside = here.binding(left.names)
     if sentence.first:
-        found = [m for m in members.nearest(sentence.right, inside) if m is not None]
+        found = [m for m in nearest_members(sentence.right, inside) if m is not None]
     else:
-        found = members.found(sentence.right, inside)
+        found = members_of(sentence.right, inside)
     return list({m.member: m for m in found if m.member != left.member}.values())

@@ -1,13 +1,20 @@
-"""Evaluates expressions in one instance, reading the state before the phase (the snapshot)."""
+"""Evaluates expressions in one instance, reading the state before the phase (the snapshot).
+
+Who belongs to a domain and how far a shape reaches is found here too: a domain has conditions, a condition counts over domains, and
+lanes end where a condition holds, so that these three are one recursion.
+"""
 
 from collections.abc import Callable, Iterable
 from typing import Any, Literal, assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter import members, numbers
+from sjdsl.interpreter import numbers
+from sjdsl.interpreter.board import cells_of
 from sjdsl.interpreter.closed import is_closed
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import HEADINGS, Value
+from sjdsl.interpreter.members import Found, agent_on, is_here
+from sjdsl.interpreter.shapes import Seen, lanes_from
+from sjdsl.interpreter.state import HEADINGS, Cell, Value
 
 
 def evaluate(e: ir.Expr, here: Instance) -> Value:
@@ -44,7 +51,7 @@ def _arithmetic(e: ir.Arithmetic, here: Instance) -> Value:
 
 
 def _sum(e: ir.Sum, here: Instance) -> Value:
-    values = [evaluate(e.value, here.binding(m.names)) for m in members.found(e.domain, here)]
+    values = [evaluate(e.value, here.binding(m.names)) for m in members_of(e.domain, here)]
     return numbers.total(values, e.type.kind == "real")
 
 
@@ -99,7 +106,7 @@ def _attribute(e: ir.Attribute, here: Instance) -> Value:
         case "moved":
             return here.world.moved[owner]
         case "away":
-            return not members.is_here(owner, here)
+            return not is_here(owner, here.world)
         case "row" | "col":
             cell = here.world.position[owner] if isinstance(owner, int) else owner
             assert cell is not None, f"`{e.name}` of an agent that is away"
@@ -158,6 +165,109 @@ def _is_of_class(
             assert_never(name)
 
 
+def members_of(domain: ir.Domain, here: Instance) -> list[Found]:
+    """Returns the members in the order of their numbers."""
+    members = (_restricted(domain, member, number, here) for member, number in _candidates(domain, here))
+    return [m for m in members if m is not None]
+
+
+def nearest_members(domain: ir.Domain, here: Instance) -> list[Found | None]:
+    """Returns for each lane of the domain's shape its nearest member, None where there is none."""
+    assert isinstance(domain.place, ir.Near), "only a shape has lanes"
+    return [_first(domain, lane, here) for lane in lanes(domain.place, here)]
+
+
+def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
+    """Returns the lanes of a shape around its anchor, as far as they go."""
+    shape, anchor = here.board.shapes[near.shape], here.names[near.anchor.name]
+    agent = anchor if near.anchor.who == "agent" else None
+    place = here.world.position[anchor] if near.anchor.who == "agent" else anchor
+    heading = here.world.heading[agent] if shape.directed and agent is not None else 0
+    return lanes_from(shape, place, heading, here.board.kind_of.__contains__, lambda cell: is_blocked(cell, shape.name, agent, here))
+
+
+def cells_in(near: ir.Near, here: Instance) -> dict[Cell, int]:
+    """Returns the cells of the shape with their numbers; a cell of two lanes has the first one's."""
+    numbers: dict[Cell, int] = {}
+    for lane in lanes(near, here):
+        for cell, number in lane:
+            numbers.setdefault(cell, number)
+    return numbers
+
+
+def is_blocked(cell: Cell, what: str, agent: int | None, here: Instance) -> bool:
+    """Returns whether the cell's kind blocks `what`: agents, or the shape of that name. `agent` moves, or is the anchor."""
+    kind = here.board.kinds[here.board.kind_of[cell]]
+    names = {kind.name: cell} if agent is None else {kind.name: cell, "agent": agent}
+    return any(block.what == what and (block.condition is None or evaluate(block.condition, here.only(names))) for block in kind.blocks)
+
+
+def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:
+    for cell, number in lane:
+        if domain.var.who == "agent":
+            agent = agent_on(cell, here.world)
+            member = None if agent is None else _restricted(domain, agent, agent, here)
+        else:
+            is_kind = here.board.kind_of[cell] in domain.var.kinds
+            member = _restricted(domain, cell, number, here) if is_kind else None
+        if member is not None:
+            return member
+    return None
+
+
+def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
+    if domain.var.who == "agent":
+        return [(agent, agent) for agent in sorted(_agents(domain.place, here)) if is_here(agent, here.world)]
+    return _cells(domain, here)
+
+
+def _agents(place: ir.Place | None, here: Instance) -> set[int]:
+    match place:
+        case None:
+            return set(range(here.board.agents))
+        case ir.Near():
+            cells = cells_in(place, here)
+            return {agent for agent, cell in enumerate(here.world.position) if cell in cells}
+        case ir.InAgents():
+            return set(agents_in(evaluate(place.value, here)))
+        case ir.Among():
+            return {here.names[m.name] for m in place.members}
+        case _:
+            assert_never(place)
+
+
+def _cells(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
+    all_cells = cells_of(here.board, domain.var.kinds)
+    match domain.place:
+        case None:
+            return [(cell, number) for number, cell in enumerate(all_cells)]
+        case ir.Near():
+            near = cells_in(domain.place, here)
+            inside = [(cell, number) for cell, number in near.items() if here.board.kind_of[cell] in domain.var.kinds]
+            return sorted(inside, key=lambda pair: pair[1])
+        case ir.Among():
+            chosen = {here.names[m.name] for m in domain.place.members}
+            return [(cell, number) for number, cell in enumerate(all_cells) if cell in chosen]
+        case ir.InAgents():
+            raise AssertionError("cells are not members of a set of agents")
+        case _:
+            assert_never(domain.place)
+
+
+def _restricted(domain: ir.Domain, member: int | Cell, number: int, here: Instance) -> Found | None:
+    """Returns the member with what it binds if it passes `on` and `where`."""
+    names: dict[str, Value] = {domain.var.name: member}
+    if domain.on is not None:
+        assert isinstance(member, int), "only agents stand on something"
+        cell = here.world.position[member]
+        if cell is None or here.board.kind_of[cell] not in domain.on.kinds:
+            return None
+        names[domain.on.name] = cell
+    if domain.where is not None and not evaluate(domain.where, here.binding(names)):
+        return None
+    return Found(member, number, names)
+
+
 _ONCE = (ir.Named, ir.Count, ir.Sum)  # kept where they name nothing around them
 
 # The value of each class of expression, looked up: this is asked millions of times in the courses of `sjdsl test`.
@@ -174,7 +284,7 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.At: _entry,
     ir.Step: lambda _, here: here.world.step,
     ir.Arithmetic: _arithmetic,
-    ir.Count: lambda e, here: len(members.found(e.domain, here)),
+    ir.Count: lambda e, here: len(members_of(e.domain, here)),
     ir.Sum: _sum,
     ir.SumRow: lambda e, here: numbers.total(list(evaluate(e.row, here)), e.type.kind == "real"),
     ir.Case: _case,
@@ -191,7 +301,7 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.InSet: lambda e, here: evaluate(e.value, here) in agents_in(evaluate(e.container, here)),
     ir.IsEmpty: lambda e, here: not agents_in(evaluate(e.container, here)),
     ir.Chose: lambda e, here: here.actions[evaluate(e.agent, here)] == e.action,
-    ir.Unoccupied: lambda e, here: members.agent_on(evaluate(e.cell, here), here) is None,
+    ir.Unoccupied: lambda e, here: agent_on(evaluate(e.cell, here), here.world) is None,
     ir.StandsOn: _stands_on,
     ir.Not: lambda e, here: not evaluate(e.value, here),
     ir.Logic: _logic,

@@ -1,7 +1,8 @@
 """Interprets `move`: agents turn and step at the same time, may swap, and a collision on a cell is settled at random."""
 
+from sjdsl.interpreter.evaluate import is_blocked
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.shapes import FORWARD, is_blocked
+from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import Cell, World
 
 _TURNS = {"turn_left": -1, "turn_right": 1}

@@ -65,7 +65,7 @@ def _content(cell: Cell, here: Instance) -> int:
     kind = here.board.kind_of.get(cell)
     if kind is None:
         return 0
-    if agent_on(cell, here) is not None and any(hidden.what == "content" for hidden in here.board.game.hidden):
+    if agent_on(cell, here.world) is not None and any(hidden.what == "content" for hidden in here.board.game.hidden):
         return _content_labels(here.board).index(planes.COVERED)
     whole = planes.look_of(here.board.game, kind)
     if whole is not None:
@@ -81,7 +81,7 @@ def _content(cell: Cell, here: Instance) -> int:
 def _hides_marks(cell: Cell, here: Instance) -> bool:
     """Returns whether no marks are seen of a cell."""
     for hidden in here.board.game.hidden:
-        if hidden.what == "marks" and hidden.on == "agents" and agent_on(cell, here) is not None:
+        if hidden.what == "marks" and hidden.on == "agents" and agent_on(cell, here.world) is not None:
             return True
         if hidden.on == "cells" and here.board.kind_of.get(cell) in hidden.kinds:
             if hidden.when is None or evaluate(hidden.when, here.binding({hidden.name: cell})):
@@ -181,8 +181,8 @@ def _at_cell(cell: Cell, here: Instance) -> Instance:
 
 
 def _other(cell: Cell, agent: int, here: Instance) -> int | None:
-    other = agent_on(cell, here)
-    return None if other is None or other == agent or not is_here(other, here) else other
+    other = agent_on(cell, here.world)
+    return None if other is None or other == agent or not is_here(other, here.world) else other
 
 
 def _sight(plane: planes.Plane) -> ir.Sight:

@@ -5,9 +5,9 @@ from typing import assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter import chances, members, shapes
+from sjdsl.interpreter import chances, members
 from sjdsl.interpreter.account import Drawn
-from sjdsl.interpreter.evaluate import agents_in, evaluate
+from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of, nearest_members
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.writes import Counted, Sending, Writes, slots
@@ -45,7 +45,7 @@ def _sentence(
 ) -> None:
     match sentence:
         case ir.Each():
-            for member in members.found(sentence.domain, here):
+            for member in members_of(sentence.domain, here):
                 _inside(sentence.body, sentence.domain, member, here, writes)
         case ir.Pick():
             _pick(sentence, here, writes)
@@ -78,7 +78,7 @@ def _sentence(
             _move(sentence, here, writes)
         case ir.Mark():
             near = ir.Near(shape=sentence.shape, anchor=sentence.anchor)
-            writes.marks |= set(shapes.cells_in(near, here))
+            writes.marks |= set(cells_in(near, here))
         case ir.End():
             writes.end = True
         case _:
@@ -96,7 +96,7 @@ def _inside(body: tuple[ir.Stmt, ...], domain: ir.Domain, member: members.Found,
 
 
 def _pick(sentence: ir.Pick, here: Instance, writes: Writes) -> None:
-    all_members = members.found(sentence.domain, here)
+    all_members = members_of(sentence.domain, here)
     if not all_members:
         perform(sentence.otherwise, here, writes)
     for member, drawn in chances.picked(sentence, all_members, here):
@@ -104,7 +104,7 @@ def _pick(sentence: ir.Pick, here: Instance, writes: Writes) -> None:
 
 
 def _first(sentence: ir.First, here: Instance, writes: Writes) -> None:
-    by_lane = members.nearest(sentence.domain, here)
+    by_lane = nearest_members(sentence.domain, here)
     for lane, member in enumerate(by_lane):
         if member is None:
             perform(sentence.otherwise, here.inside({}, lane, len(by_lane)), writes)
@@ -148,6 +148,6 @@ def _move(sentence: ir.Move, here: Instance, writes: Writes) -> None:
     assert writes.movers is None, "two `move` in one phase"
     writes.movers = {}
     radix = members.radix(sentence.domain, here.board)
-    for member in members.found(sentence.domain, here):
+    for member in members_of(sentence.domain, here):
         word = here.word(sentence.stream, here.number * radix + member.number)
         writes.movers[member.number] = (word & ~0xFF) | member.number

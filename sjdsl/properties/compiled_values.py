@@ -13,12 +13,12 @@ import jax.numpy as jnp
 from sjdsl.compiler import ir
 from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.names import KERNELS, identifier
+from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.lower import new_module, state_reads
 from sjdsl.compiler.lower.axes import TRUE, as_dtype, iota, spread
 from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
-from sjdsl.compiler.optimise.rewrite import rewrite
 from sjdsl.compiler.program import Function
 from sjdsl.compiler.program.expressions import DTYPES, Attribute, Binary, Call, Expression, Literal, Sequence, call
 

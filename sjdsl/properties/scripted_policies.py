@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter import members
 from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.evaluate import members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
@@ -60,6 +60,6 @@ def towards(paths: ShortestPaths, node: int, cells: Sequence[int]) -> int | None
 def _cells_of(domain: ir.Domain, game: ir.Game, world: World, agent: int) -> list[Cell]:
     """Returns the cells of the members of a domain, for the agent that walks, in the order of their numbers."""
     here = Instance(board_of(game), world, names={"agent": agent})
-    found = [m.member for m in members.found(domain, here)]
+    found = [m.member for m in members_of(domain, here)]
     cells = [world.position[m] if isinstance(m, int) else m for m in found]
     return [cell for cell in cells if cell is not None]

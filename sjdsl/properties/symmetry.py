@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.optimise.rewrite import rewrite
+from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws

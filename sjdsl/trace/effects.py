@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter import shapes
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.evaluate import agents_in, evaluate
+from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Away, Cell, Value
 from sjdsl.interpreter.threefry import return_stream
@@ -168,7 +167,7 @@ def _said(account: Account, board: Board) -> Iterator[Effect]:
         match done.sentence:
             case ir.Mark():
                 near = ir.Near(shape=done.sentence.shape, anchor=done.sentence.anchor)
-                cells = sorted(shapes.cells_in(near, _instance(done, account, board)))
+                cells = sorted(cells_in(near, _instance(done, account, board)))
                 yield Effect("mark", None, "", None, tuple(cells), None, (done,))
             case ir.End():
                 yield Effect("end", None, "", None, True, None, (done,))

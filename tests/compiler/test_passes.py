@@ -15,13 +15,13 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.ir import printer
+from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.verify import verify
 from sjdsl.compiler.lower import lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.optimise.drop_impossible import drop_impossible
 from sjdsl.compiler.optimise.drop_unused import drop_unused
 from sjdsl.compiler.optimise.fold_constants import fold_constants
-from sjdsl.compiler.optimise.rewrite import rewrite
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.factory import load_module
 

@@ -8,8 +8,8 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.doc.conditions import condition
+from sjdsl.doc.defines import vocabulary
 from sjdsl.doc.expressions import value
-from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, number, table, table_value
 from sjdsl.doc.written import comments
 
@@ -17,7 +17,7 @@ from .corpus import small
 
 NUMBER = ir.Type(kind="int")
 ONE, A = ir.Number(type=NUMBER, value=1), ir.Local(type=NUMBER, name="a")
-SIMPLE = Vocabulary(small()["walking"].game)
+SIMPLE = vocabulary(small()["walking"].game)
 
 
 def arithmetic(fn: str, *args: ir.Expr) -> ir.Expr:

@@ -4,6 +4,7 @@ import pytest
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members, shapes
+from sjdsl.interpreter.evaluate import lanes, members_of, nearest_members
 from sjdsl.interpreter.state import Away, Cell
 
 from . import games as g
@@ -31,7 +32,7 @@ def here(*places, headings=(), **names):
 
 
 def found(domain, instance):
-    return [(m.member, m.number) for m in members.found(domain, instance)]
+    return [(m.member, m.number) for m in members_of(domain, instance)]
 
 
 PLACES = ((2, 0), (1, 0), (0, 0), (2, 3))
@@ -59,7 +60,7 @@ def test_all_agents_but_those_away():
 
 
 def test_agents_on_a_kind_bind_the_cell_as_well():
-    on = members.found(g.agents("one", on=g.cell("soil", "under")), here(*PLACES))
+    on = members_of(g.agents("one", on=g.cell("soil", "under")), here(*PLACES))
     assert [m.names for m in on] == [{"one": 1, "under": Cell(1, 0)}, {"one": 3, "under": Cell(2, 3)}]
     assert [m.number for m in on] == [1, 3]
 
@@ -86,23 +87,23 @@ def test_one_of_named_agents_is_one_even_if_named_twice():
 )
 def test_lanes_turn_with_the_agent_and_end_at_the_edge_and_at_what_blocks(heading, expected):
     i = here((1, 1), (2, 0), (0, 0), (0, 2), headings=(heading,), agent=0)
-    assert [s.cell for s in shapes.lanes(g.near("ray", g.agent()), i)[0]] == expected
+    assert [s.cell for s in lanes(g.near("ray", g.agent()), i)[0]] == expected
 
 
 def test_an_open_door_lets_the_lane_through():
     i = here((1, 1), (2, 0), (0, 0), (0, 2), headings=(1,), agent=0)
     i.world.cells["door", "state"] = ["open"]
-    assert [s.cell for s in shapes.lanes(g.near("ray", g.agent()), i)[0]] == [(1, 2), (1, 3)]
+    assert [s.cell for s in lanes(g.near("ray", g.agent()), i)[0]] == [(1, 2), (1, 3)]
 
 
 def test_nothing_blocks_a_see_through_shape():
     i = here((1, 1), (2, 0), (0, 0), (0, 2), headings=(1,), agent=0)
-    assert [s.cell for s in shapes.lanes(g.near("sight", g.agent()), i)[0]] == [(1, 2), (1, 3)]
+    assert [s.cell for s in lanes(g.near("sight", g.agent()), i)[0]] == [(1, 2), (1, 3)]
 
 
 def test_shape_cells_keep_their_numbers_when_others_are_off_the_map():
     i = here((0, 1), (2, 0), (1, 1), (0, 0), headings=(0,), agent=0)
-    assert shapes.lanes(g.near("fan", g.agent()), i) == [[], [(Cell(0, 0), 2)], [(Cell(0, 2), 4)]]
+    assert lanes(g.near("fan", g.agent()), i) == [[], [(Cell(0, 0), 2)], [(Cell(0, 2), 4)]]
     assert shapes.size(FAN) == 6
 
 
@@ -128,15 +129,15 @@ def test_agents_in_a_shape_keep_their_own_numbers():
 
 def test_the_nearest_of_each_lane():
     i = here((2, 1), (1, 1), (0, 1), (2, 2), headings=(0, 0, 0, 0), agent=0)
-    by_lane = members.nearest(g.agents("one", place=g.near("fan", g.agent())), i)
+    by_lane = nearest_members(g.agents("one", place=g.near("fan", g.agent())), i)
     assert [m and m.member for m in by_lane] == [1, None, 3]
     not_1 = ir.Not(value=g.is_agent(1, "one"))
-    by_lane = members.nearest(g.agents("one", place=g.near("fan", g.agent()), where=not_1), i)
+    by_lane = nearest_members(g.agents("one", place=g.near("fan", g.agent()), where=not_1), i)
     assert [m and m.member for m in by_lane] == [2, None, 3]
-    cells = members.nearest(g.cells("soil", place=g.near("fan", g.agent())), i)
+    cells = nearest_members(g.cells("soil", place=g.near("fan", g.agent())), i)
     assert [m and (m.member, m.number) for m in cells] == [(Cell(0, 1), 1), (Cell(1, 0), 3), None]
 
 
 def test_an_agent_without_a_place_has_nothing_around_it():
     i = here(None, (1, 1), (0, 1), (2, 2), agent=0)
-    assert shapes.lanes(g.near("fan", g.agent()), i) == [[], [], []]
+    assert lanes(g.near("fan", g.agent()), i) == [[], [], []]

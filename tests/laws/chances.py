@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.verify import verify
-from sjdsl.compiler.optimise.rewrite import rewrite
 
 PROBABILITY = ir.Type(kind="real", unit="probability", low=0, high=1)
 

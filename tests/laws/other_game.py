@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.verify import verify
-from sjdsl.compiler.optimise.rewrite import rewrite
 from sjdsl.interpreter.state import HEADINGS
 from tests.laws.symmetry import Symmetry
 

@@ -1,13 +1,15 @@
-"""Tree walking over the typed IR: the children of a node, and every node below it."""
+"""Walking and rewriting trees of the typed IR: the children of a node, every node below it, and the same tree with some replaced."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
-from typing import Annotated, Literal, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.node import Node
+
+N = TypeVar("N", bound=Node)
 
 
 def children(node: Node) -> list[Node]:
@@ -56,3 +58,32 @@ def _can_hold_nodes(annotation: object) -> bool:
         return _can_hold_nodes(get_args(annotation)[0])
     inside = [a for a in get_args(annotation) if a is not Ellipsis]
     return any(_can_hold_nodes(a) for a in inside) if inside else annotation not in (str, int, float, bool, type(None), Span)
+
+
+def rewrite(node: N, rule: Callable[[Any], Any]) -> N:
+    """Returns `node` with `rule` applied to every node below it, inner ones first, then to itself.
+
+    A rule returns a node, or for a sentence a tuple of sentences to stand in its place.
+    """
+    update: dict[str, Any] = {}
+    for name in inner_fields(type(node)):
+        value = getattr(node, name)
+        new = _rewritten(value, rule)
+        if new is not value:
+            update[name] = new
+    changed = node.model_copy(update=update) if update else node
+    return rule(changed)
+
+
+def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
+    if isinstance(value, Node):
+        return rewrite(value, rule)
+    if isinstance(value, tuple) and any(isinstance(v, Node) for v in value):
+        items: list[Any] = []
+        for item in value:
+            new = rewrite(item, rule) if isinstance(item, Node) else item
+            items.extend(new if isinstance(new, tuple) else (new,))
+        if len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True)):
+            return value
+        return tuple(items)
+    return value

@@ -6,7 +6,7 @@ chance 0 { … } otherwise { A }   ->   A          each wall { … } on a map wi
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.optimise.rewrite import rewrite
+from sjdsl.compiler.ir.traverse import rewrite
 
 
 def drop_impossible(game: ir.Game) -> ir.Game:

@@ -6,7 +6,7 @@ let near = count(…)  set soil.fruit = ripe   ->   set soil.fruit = ripe
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.optimise.rewrite import rewrite
+from sjdsl.compiler.ir.traverse import rewrite
 
 
 def drop_unused(game: ir.Game) -> ir.Game:

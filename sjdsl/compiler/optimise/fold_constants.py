@@ -7,7 +7,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.evaluate_constant import fold
-from sjdsl.compiler.optimise.rewrite import rewrite
+from sjdsl.compiler.ir.traverse import rewrite
 
 
 def fold_constants(game: ir.Game) -> ir.Game:

@@ -1,0 +1,43 @@
+"""Free variables of an expression: those it reads and does not bind itself; and the same expression with others."""
+
+from collections.abc import Iterator
+from typing import Any, TypeVar
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.traverse import rewrite
+
+N = TypeVar("N", bound=ir.Node)
+Variable = ir.Member | ir.Local
+
+
+def free_variables(e: ir.Node) -> list[Variable]:
+    """Returns the free variables, each once, in order of appearance."""
+    found: dict[str, Variable] = {}
+    for node in _free(e, frozenset()):
+        found.setdefault(node.name, node)
+    return list(found.values())
+
+
+def _free(node: ir.Node, bound: frozenset[str]) -> Iterator[Variable]:
+    if isinstance(node, ir.Count | ir.Sum):
+        inner = bound | {m.name for m in (node.domain.var, node.domain.on) if m is not None}
+        for child in ir.children(node.domain):
+            if child not in (node.domain.var, node.domain.on):
+                yield from _free(child, inner)
+        if isinstance(node, ir.Sum):
+            yield from _free(node.value, inner)
+    elif isinstance(node, Variable):
+        if node.name not in bound:
+            yield node
+    else:
+        for child in ir.children(node):
+            yield from _free(child, bound)
+
+
+def renamed(node: N, names: dict[str, str]) -> N:
+    """Returns a part of the rules with variables called differently."""
+
+    def rename(inner: Any) -> Any:
+        return inner.model_copy(update={"name": names[inner.name]}) if isinstance(inner, Variable) and inner.name in names else inner
+
+    return rewrite(node, rename)
