@@ -13,8 +13,10 @@ from sjdsl.cache import cached_text
 from sjdsl.compiler import Build, build_composition, compile_build
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.elaborate.world_map import parse_rows, row_spans
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
@@ -62,8 +64,6 @@ def environment_of(made: Build, source: Source, params: Mapping[str, Any], obser
 
 def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
     """Returns the rows of a map given by its file or by itself, and where they stand; the legend is asked later."""
-    from sjdsl.compiler.diagnostics.problems import Problems
-    from sjdsl.compiler.elaborate.world_map import parse_rows, row_spans
 
     if map is None:
         return None, ()

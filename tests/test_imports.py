@@ -17,29 +17,9 @@ HEAVY = {
     *("flax", "hypothesis", "jax", "jinja2", "matplotlib", "numpy", "orbax", "PIL", "psutil", "resvg_py", "rich", "textual"),
 }
 
-# Exceptions that still stand: modules that are in circles, or import inside functions.
+# Exceptions that still stand: modules that are in circles.
 CIRCLES = {
-    *("sjdsl.interop.jaxmarl", "sjdsl.interop.jaxmarl_registry", "sjdsl.cli.environment", "sjdsl.cli.trace"),
-    *("sjdsl.testing.scene", "sjdsl.testing.stage"),
     *(f"sjdsl.trainers.{name}" for name in ["actor_critics", "partners", "policies", "ppo", "program", "rollout", "teams", "vdn"]),
-}
-LOCAL = {
-    "sjdsl.bench.training",
-    "sjdsl.cli.bench",
-    "sjdsl.cli.check",
-    "sjdsl.cli.diagnostics",
-    "sjdsl.cli.doc",
-    "sjdsl.cli.environment",
-    "sjdsl.cli.evaluate",
-    "sjdsl.cli.games_page",
-    "sjdsl.cli.play",
-    "sjdsl.cli.policies",
-    "sjdsl.cli.record",
-    "sjdsl.cli.replay",
-    "sjdsl.cli.test",
-    "sjdsl.cli.trace",
-    "sjdsl.cli.train",
-    "sjdsl.factory",
 }
 
 
@@ -128,7 +108,7 @@ def test_no_imports_go_in_circles() -> None:
 
 def test_imports_inside_functions_save_loading_time() -> None:
     needless = []
-    for module in MODULES.keys() - LOCAL:
+    for module in MODULES:
         already = loaded(module) & HEAVY
         for name in {name for name, way in imports(module) if way == "local" and name in MODULES}:
             if not loaded(name) & HEAVY - already:

@@ -13,6 +13,7 @@ from jax import Array
 from sjdsl.bench.machine import describe_machine
 from sjdsl.bench.timing import race
 from sjdsl.runtime.env import Environment
+from sjdsl.trainers import PPOConfig
 
 Network = Literal["mlp", "cnn"]
 SIDE = 2048  # of the square matrices whose product shows what the machine can do
@@ -67,7 +68,7 @@ def measure_training(
 
 def measure_split(env: Environment, network: Network, num_envs: int, num_steps: int, repeats: int) -> Split:
     """Returns the parts of one update; all are timed in turn, round by round."""
-    from sjdsl.trainers import PPOConfig, make_train
+    from sjdsl.trainers import make_train
 
     config = PPOConfig(network=network, num_envs=num_envs, num_steps=num_steps, total_timesteps=num_envs * num_steps * 1000)
     program = make_train(env, config)

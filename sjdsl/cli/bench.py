@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.cli.bench_everything import Stored, measure_all, read_all, section_of
 from sjdsl.cli.bench_games import choose_tasks
 from sjdsl.cli.bench_options import NETWORKS, OBSERVATIONS, Agents, Counts, Quoting, Words
 from sjdsl.cli.game_file import variant_option
@@ -85,7 +86,6 @@ def command(
 
     from sjdsl.bench.loop import steps_for
     from sjdsl.bench.stored import write_found
-    from sjdsl.cli.bench_everything import Stored, measure_all, section_of
     from sjdsl.cli.bench_output import Outputs
 
     said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
@@ -121,8 +121,6 @@ def command(
 
 def _show_stored(path: Path, outputs: "Outputs", said: str) -> None:
     """Makes the tables of figures that were measured before."""
-    from sjdsl.cli.bench_everything import read_all
-
     kept = tuple(read_all(path, said))
     outputs.check(*(figures.section for figures in kept))
     for figures in kept:

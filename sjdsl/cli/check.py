@@ -9,6 +9,7 @@ from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.compiler import check
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.report import to_json
 from sjdsl.compiler.diagnostics.source import Source
 
 Found = dict[tuple[str, ...], list[Diagnostic]]
@@ -36,8 +37,6 @@ def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: 
         if not as_json:
             _print_problems(file, found)
     if as_json:
-        from sjdsl.compiler.diagnostics.report import to_json
-
         click.echo(json.dumps(to_json(everything, texts_of(everything)), indent=2))
     return int(any(strict or d.severity == "error" for d in everything))
 

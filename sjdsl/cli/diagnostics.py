@@ -9,6 +9,7 @@ import click
 
 from sjdsl.cli.pointer import remember
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.report import render
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
 
@@ -17,7 +18,6 @@ def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source]
     """Prints diagnostics as a person reads them; texts that `sources` lacks are read from their files."""
     if not found:
         return
-    from sjdsl.compiler.diagnostics.report import render
 
     remember((d.code for d in found), err)
     stream = sys.stderr if err else sys.stdout

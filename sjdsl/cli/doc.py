@@ -7,6 +7,7 @@ import click
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.cli.games_page import PAGE, make_page, page_problems, write_text
+from sjdsl.doc import read_written, rule_sheet
 
 
 @click.command("doc")
@@ -22,7 +23,6 @@ def command(game: str | None, variant: str | None, output: str | None, everythin
         raise click.UsageError("name one game, perhaps with a variant, or say --all", click.get_current_context())
     if everything:
         return _page(Path(output or PAGE), fresh, only_check)
-    from sjdsl.doc import read_written, rule_sheet
 
     if output is not None:
         require_folder_of(Path(output))

@@ -2,12 +2,18 @@
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.game_file import game_path, map_option, variant_option
+import sjdsl
+from sjdsl.cli.game_file import game_path, map_option, open_game, read_map, split_variants, variant_option
+from sjdsl.compiler import Build, build_composition
+from sjdsl.compiler.compose import compose
+from sjdsl.interpreter.numbers import real
+from sjdsl.parameters import param_values, split_sizes
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Encoding, Environment
@@ -69,10 +75,23 @@ def describe_environment(
     }
 
 
+def build_game(
+    game: str, given: dict[str, Any], variant: str | None, map_file: str | None, agents: int | None
+) -> tuple[Build, dict[str, Any]]:
+    """Returns a checked game and its run-time numbers. Raises CompileError, and ValueError for numbers that do not fit it."""
+    source = open_game(game)
+    composition = compose(source, split_variants(variant))
+    sizes, rest = split_sizes(*composition.number_names(), given)
+    made = build_composition(composition, replace(read_map(map_file, source), sizes=sizes, num_agents=agents))
+    if agents is not None and made.game.agents.number != agents:
+        raise ValueError(f"--agents {agents}, but a size in --param says {made.game.agents.number}")
+    types = {p.name: p.type for p in made.game.params}
+    values = param_values(made.game, rest)
+    return made, {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
+
+
 def check_environment(game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]) -> None:
     """Raises CompileError and ClickException for what is wrong with a game or its arguments: before JAX is imported, which takes seconds."""
-    from sjdsl.cli.trace import build_game
-
     try:
         build_game(game, dict(params), variant, map_file, agents)
     except ValueError as error:
@@ -81,8 +100,6 @@ def check_environment(game: str, variant: str | None, map_file: str | None, agen
 
 def make_environment(described: Mapping[str, Any], observation: "Encoding" = "tokens") -> "Environment":
     """Returns the environment. Raises CompileError, and ClickException for arguments that do not fit the game."""
-    import sjdsl
-
     try:
         return sjdsl.make(**described, observation=observation)
     except (ValueError, TypeError, FileNotFoundError) as error:

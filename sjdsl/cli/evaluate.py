@@ -12,6 +12,7 @@ from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.trainers.policy_names import split_name
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -37,7 +38,6 @@ def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str 
     RUN is a folder that `sjdsl train` wrote, or one of its policies: RUN@best, RUN@UPDATE; of several seeds, each is evaluated.
     The file is evaluation.json for the last policy, evaluation_best.json or evaluation_UPDATE.json for another.
     """
-    from sjdsl.trainers.policy_names import split_name
 
     path, named = split_name(run)
     if which is not None and named not in (which, "last"):

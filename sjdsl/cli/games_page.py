@@ -6,6 +6,10 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.game_file import open_game
+from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.doc import read_written
+from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
+from sjdsl.doc.figures import draw_picture, figures_text, is_picture_of, measure, read_figures
 from sjdsl.games_folder import bundled
 
 PAGE = Path("docs/games.md")
@@ -13,10 +17,6 @@ PAGE = Path("docs/games.md")
 
 def make_page(path: Path, fresh: bool) -> None:
     """Writes the page, its figures (`.json` beside it) and pictures; what belongs to unchanged rules is kept unless `fresh`."""
-    from sjdsl.compiler.ir.hash import game_hash
-    from sjdsl.doc import read_written
-    from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
-    from sjdsl.doc.figures import draw_picture, figures_text, is_picture_of, measure, read_figures
 
     kept = {} if fresh else read_figures(path.with_suffix(".json"))
     entries = []
@@ -39,10 +39,6 @@ def make_page(path: Path, fresh: bool) -> None:
 
 def page_problems(path: Path) -> list[str]:
     """Returns what is not up to date: the text, figures of other rules, pictures that are missing or belong to no game."""
-    from sjdsl.compiler.ir.hash import game_hash
-    from sjdsl.doc import read_written
-    from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
-    from sjdsl.doc.figures import is_picture_of, read_figures
 
     kept = read_figures(path.with_suffix(".json"))
     entries = [Entry(name, read_written(open_game(name)), kept.get(name)) for name in bundled()]

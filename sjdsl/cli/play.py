@@ -7,18 +7,24 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment import SEED, build_game, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import NAMES, check_policy, choose_policy
 from sjdsl.cli.stages import stages
 from sjdsl.cli.terminal import can_show_screen, run_screen
-from sjdsl.cli.trace import build_game
+from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.interpreter.board import board_of, declared_world
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.replay import save_recording
+from sjdsl.screen.interpreted import Interpreted
+from sjdsl.screen.session import Choose, Prepared, Session, policy_choice, random_choice, stay_choice
+from sjdsl.trainers.policy_names import UNTRAINED
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
     from sjdsl.runtime.env import Environment
     from sjdsl.screen.frame import Frame
-    from sjdsl.screen.session import Choose, Session
 
 LITTLE = 60_000  # cells times steps that the interpreter plays sooner than a game is compiled
 NO_TERMINAL = (
@@ -58,9 +64,6 @@ def command(
     session = begin_session(made.game, values, seed, choose, None if watch else agent, steps)
     play_on(session, made.game, values, environment, others, seed, speed)
 
-    from sjdsl.compiler.ir.hash import game_hash
-    from sjdsl.replay import save_recording
-
     if record is not None:
         save_recording(session.recording(environment, game_hash(made.game), seed), Path(record))
         click.echo(f"{record}  {len(session.actions)} steps of {made.game.title or made.game.name}")
@@ -72,11 +75,6 @@ def begin_session(
     game: "ir.Game", values: dict[str, Any], seed: int, choose: "Choose", agent: int | None, steps: int | None = None
 ) -> "Session":
     """Returns a session on the interpreter. `steps`: at most so many; None is the whole episode."""
-    from sjdsl.interpreter.board import board_of, declared_world
-    from sjdsl.interpreter.evaluate import evaluate
-    from sjdsl.interpreter.instance import Instance
-    from sjdsl.screen.interpreted import Interpreted
-    from sjdsl.screen.session import Session
 
     board = board_of(game)
     whole = int(evaluate(game.episode, Instance(board, declared_world(board, values))))
@@ -95,13 +93,10 @@ def play_on(
 ) -> None:
     """Plays a session to its end, or until the person stops: on the screen, or where there is none with each moment given to `show`."""
 
-    from sjdsl.trainers.policy_names import UNTRAINED
-
     trained = others not in UNTRAINED
 
     def compiled() -> Any:
         from sjdsl.screen.compiled import Compiled
-        from sjdsl.screen.session import Prepared
 
         env = make_environment(environment)
         choose = _trained_choice(others, env, seed) if trained else None
@@ -121,14 +116,12 @@ def play_on(
 
 def _choice_of(others: str, game: "ir.Game", seed: int) -> "Choose":
     """Returns what the others do as far as it is known without JAX. Raises ClickException for what is no policy."""
-    from sjdsl.screen.session import random_choice, stay_choice
 
     check_policy(others)
     return random_choice(game, seed) if others == "random" else stay_choice(game)
 
 
 def _trained_choice(others: str, env: "Environment", seed: int) -> "Choose":
-    from sjdsl.screen.session import policy_choice
 
     return policy_choice(env, choose_policy(others, env), seed)
 

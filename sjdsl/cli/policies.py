@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.trainers.policy_names import KNOWN, might_be_named
+
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
@@ -16,7 +18,6 @@ policy_option = click.option("--policy", default="random", show_default=True, me
 
 def check_policy(name: str) -> None:
     """Raises ClickException for what cannot be the name of a policy; needs no JAX."""
-    from sjdsl.trainers.policy_names import KNOWN, might_be_named
 
     if not might_be_named(name):
         raise click.ClickException(f"there is no policy `{name}`; a policy is {KNOWN}")

@@ -11,9 +11,10 @@ from sjdsl.cli.environment import SEED, check_environment, describe_environment,
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
+from sjdsl.replay import Dataset, DatasetWriter, Header
+from sjdsl.trainers.policy_names import UNTRAINED, split_name
 
 if TYPE_CHECKING:
-    from sjdsl.replay import DatasetWriter, Header
     from sjdsl.runtime.env import Environment
 
 PACKAGES = ("sjdsl", "jax", "numpy")
@@ -57,8 +58,6 @@ def command(
         env = make_environment(environment)
         chosen = choose_policy(policy, env)
 
-        from sjdsl.replay import Dataset, Header
-
         header = Header(
             game=env.name,
             environment=environment,
@@ -83,7 +82,7 @@ def command(
 
 def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path, say: Say) -> str:
     """Plays and writes what a header says; returns what there is to say about it, which is also said where it is interrupted."""
-    from sjdsl.replay import DatasetWriter, play_episodes
+    from sjdsl.replay import play_episodes
 
     writer = DatasetWriter(path, header)
     try:
@@ -130,7 +129,6 @@ def _planes(env: "Environment", observation: str) -> list[str]:
 
 def _digest(policy: str) -> str | None:
     """Returns the SHA-256 of the file that a policy is stored in, where it is."""
-    from sjdsl.trainers.policy_names import UNTRAINED, split_name
 
     if policy in UNTRAINED:
         return None

@@ -6,16 +6,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sjdsl.cli.environment import make_environment
+from sjdsl.cli.environment import build_game, make_environment
 from sjdsl.cli.film import SPEED, check_film, told, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.play import begin_session, describe_returns, play_on
 from sjdsl.cli.stages import LOADING, stages
-from sjdsl.cli.trace import build_game
+from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.replay import Recording, RecordingError, load_recording
+from sjdsl.replay.recording import check_returns, check_rules
+from sjdsl.screen.session import written_choice
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
-    from sjdsl.replay import Recording
     from sjdsl.screen.frame import Frame
 
 
@@ -29,8 +31,6 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
     if output is not None:
         check_film(Path(output))
         require_folder_of(Path(output))
-
-    from sjdsl.replay import RecordingError, load_recording
 
     try:
         recording = load_recording(Path(file), episode)
@@ -55,9 +55,6 @@ def show(recording: "Recording", speed: float) -> None:
 
     Raises RecordingError: the rules are others now, or the actions come to other returns than were recorded.
     """
-    from sjdsl.compiler.ir.hash import game_hash
-    from sjdsl.replay.recording import check_returns, check_rules
-    from sjdsl.screen.session import written_choice
 
     given = recording.environment
     try:

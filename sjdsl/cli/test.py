@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Iterator
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,9 +13,7 @@ from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.cli.stages import stages
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-
-if TYPE_CHECKING:
-    from sjdsl.properties import Effort, Report, Verdict
+from sjdsl.properties import Effort, GameFamily, Report, Verdict, verify_properties
 
 STATUS = {"passed": "passed", "untested": "untested", "failed": "FAILED", "not decided": "not decided"}
 
@@ -37,8 +35,6 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
     named. The exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
     """
     os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
-
-    from sjdsl.properties import Effort
 
     effort, documents, failed = Effort(examples, seed=seed), [], False
     for file in files:
@@ -62,7 +58,6 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
 
 def test_file(file: str, variant: str | None, effort: "Effort") -> "Report":
     """Returns the verdicts on the checks of a game. Raises CompileError for what is wrong with it."""
-    from sjdsl.properties import GameFamily, verify_properties
 
     return verify_properties(GameFamily(open_game(file), split_variants(variant)), effort)
 

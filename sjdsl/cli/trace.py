@@ -2,16 +2,19 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, environment_options, read_assignments
-from sjdsl.cli.game_file import open_game, read_map, split_variants
-from sjdsl.compiler import Build, build_composition
-from sjdsl.compiler.compose import compose
+from sjdsl.cli.environment import SEED, build_game, environment_options, read_assignments
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.near_names import meant
+from sjdsl.trace.actions import read_actions
+from sjdsl.trace.episode import play
+from sjdsl.trace.lines import make_teller, moment_lines
+from sjdsl.trace.report import moment_report
+from sjdsl.trace.rules import Rules
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -47,11 +50,6 @@ def command(
     events, and the draws behind them. The map follows. In actions, a line of a file (or a part up to `;`) is a step, with an
     action for each agent or one for all; a single one counts for every step.
     """
-    from sjdsl.interpreter.board import board_of
-    from sjdsl.interpreter.overflow import LeavesFloat32
-    from sjdsl.trace.lines import make_teller, moment_lines
-    from sjdsl.trace.report import moment_report
-    from sjdsl.trace.rules import Rules
 
     try:
         made, values = build_game(game, read_assignments(params), **described)
@@ -73,28 +71,8 @@ def command(
         raise click.ClickException(f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}") from None
 
 
-def build_game(
-    game: str, given: dict[str, Any], variant: str | None, map_file: str | None, agents: int | None
-) -> tuple[Build, dict[str, Any]]:
-    """Returns a checked game and its run-time numbers. Raises CompileError, and ValueError for numbers that do not fit it."""
-    from sjdsl.interpreter.numbers import real
-    from sjdsl.parameters import param_values, split_sizes
-
-    source = open_game(game)
-    composition = compose(source, split_variants(variant))
-    sizes, rest = split_sizes(*composition.number_names(), given)
-    made = build_composition(composition, replace(read_map(map_file, source), sizes=sizes, num_agents=agents))
-    if agents is not None and made.game.agents.number != agents:
-        raise ValueError(f"--agents {agents}, but a size in --param says {made.game.agents.number}")
-    types = {p.name: p.type for p in made.game.params}
-    values = param_values(made.game, rest)
-    return made, {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
-
-
 def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None, actions: str) -> Iterator[Any]:
     """Returns the start and the steps of a trace. Raises ValueError for actions that do not fit the game."""
-    from sjdsl.trace.actions import read_actions
-    from sjdsl.trace.episode import play
 
     choose, written = read_actions(actions, game, steps)
     return play(game, values, seed, STEPS if steps is None and written is None else steps or written or 0, choose)

@@ -12,6 +12,8 @@ from sjdsl.cli.environment import SEED, check_environment, describe_environment,
 from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.policies import check_policy
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.trainers import load_preset, make_config
+from sjdsl.trainers.extensions import find, lasting
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -165,7 +167,7 @@ def extent_of(config: "Config") -> str:
 
 
 def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] | None", callback: str | None, longer: str | None) -> None:
-    from sjdsl.trainers import make_config, resume
+    from sjdsl.trainers import resume
     from sjdsl.trainers.loggers import check_loggers
     from sjdsl.trainers.resuming import read_manifest
 
@@ -193,7 +195,6 @@ def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] |
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
     """Returns the callback of a name, and the name as it is kept in a manifest."""
-    from sjdsl.trainers.extensions import find, lasting
 
     return (None, {}) if name is None else (find("callback", name), {"callback": lasting("callback", name)})
 
@@ -257,7 +258,6 @@ def join_processes() -> None:
 
 def _choose(game: str | None, preset: str | None, changes: dict[str, Any], needed: bool) -> tuple[str, dict[str, Any], "Config"]:
     """Returns the game, the preset's other arguments of its environment, and the configuration."""
-    from sjdsl.trainers import load_preset, make_config
 
     if preset is None:
         if game is None and needed:

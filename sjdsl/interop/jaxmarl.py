@@ -1,7 +1,7 @@
 """JaxMARL adapter: a compiled game as a `MultiAgentEnv`."""
 
 from collections.abc import Mapping
-from functools import partial
+from functools import partial, wraps
 from typing import Any, Literal
 
 import jax
@@ -9,17 +9,19 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.factory import make
+from sjdsl.factory import make as make_environment
+from sjdsl.games_folder import bundled
 from sjdsl.interop.missing import needs
+from sjdsl.runtime.env import Encoding
 
 with needs("jaxmarl"):
+    import jaxmarl
+    from jaxmarl import registration
     from jaxmarl.environments import spaces
     from jaxmarl.environments.multi_agent_env import MultiAgentEnv, State
 
-from sjdsl.interop.jaxmarl_registry import register
-from sjdsl.runtime.env import Encoding
-
 ByAgent = dict[str, Array]
+PREFIX = "sjdsl/"  # of the names of our games in JaxMARL's registry
 
 
 @struct.dataclass
@@ -62,7 +64,7 @@ class JaxMARLGame(MultiAgentEnv):
         """
         if world_state not in (None, "observations", "state"):
             raise ValueError(f"world_state is None, `observations` or `state`, not {world_state!r}")
-        self.env = make(game, observation=observation, **arguments)
+        self.env = make_environment(game, observation=observation, **arguments)
         super().__init__(self.env.num_agents)
         self.max_steps = self.env.episode_length
         self._flat, self._world_state = flat, world_state
@@ -173,6 +175,28 @@ def _state(game: Any, done: Array) -> GameState:
 def _game(state: GameState) -> Any:
     """Returns the game's state at the step that JaxMARL's state says, which its users may set."""
     return state.game.replace(step=jnp.asarray(state.step).astype(state.game.step.dtype))
+
+
+def register() -> None:
+    """Lets `jaxmarl.make` make `sjdsl/NAME` with the arguments of `JaxMARLGame`; calling it again changes nothing.
+
+    NAME is a bundled game, as `jaxmarl.registered_envs` lists them, or the path of a `.sj` file.
+    """
+    known = registration.registered_envs
+    known.extend(name for name in (f"{PREFIX}{game}" for game in bundled()) if name not in known)
+    theirs = registration.make
+    if getattr(theirs, "makes_compiled_games", False):
+        return
+
+    @wraps(theirs)
+    def make(env_id: str, **env_kwargs: Any) -> Any:
+        if not env_id.startswith(PREFIX):
+            return theirs(env_id, **env_kwargs)
+        return JaxMARLGame(env_id.removeprefix(PREFIX), **env_kwargs)
+
+    make.makes_compiled_games = True  # type: ignore[attr-defined]
+    registration.make = make
+    jaxmarl.make = make
 
 
 register()

@@ -5,8 +5,9 @@ from functools import lru_cache
 import numpy as np
 
 from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.evaluate import is_blocked
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.shapes import cell_at, is_blocked
+from sjdsl.interpreter.shapes import cell_at
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.properties.shortest_paths import FAR, moves_of, moves_to
 

@@ -1,22 +1,36 @@
 """`Scene`: one state of a game on a stage, stepped by both engines together, and the questions a test can ask of it."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import jax
 import numpy as np
 
 from sjdsl.compiler.ir.queries import marking_phases
+from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import HEADINGS, World
 from sjdsl.near_names import meant
-from sjdsl.testing.engines import look_at, take_step
+from sjdsl.runtime.env import Environment
+from sjdsl.testing.engines import Compiled, Numbers, look_at, take_step
 from sjdsl.testing.paths import by_owner, find_field, owners_of, read_field
 from sjdsl.testing.pictures import Row, compare_pictures, draw_cells, draw_picture, read_picture
+from sjdsl.testing.signs import Signs
 from sjdsl.testing.states import compiled_state
 from sjdsl.testing.values import merged, same
 
-if TYPE_CHECKING:
-    from sjdsl.testing.stage import Stage
+
+class Setting(Protocol):
+    """What a scene needs of the `Stage` that it is put on."""
+
+    @property
+    def env(self) -> Environment: ...
+    @property
+    def signs(self) -> Signs: ...
+    @property
+    def compiled(self) -> Compiled: ...
+    @property
+    def board(self) -> Board: ...
+    def numbers(self, params: Mapping[str, Any]) -> Numbers: ...
 
 
 class Scene:
@@ -27,7 +41,7 @@ class Scene:
       state, params: of the compiled game; world: of the interpreter.
     """
 
-    def __init__(self, stage: "Stage", world: World, params: Mapping[str, Any], seed: int):
+    def __init__(self, stage: Setting, world: World, params: Mapping[str, Any], seed: int):
         self.stage, self.env, self.world = stage, stage.env, world
         self.seed, self._past = seed, ""
         self._seen: tuple[np.ndarray, np.ndarray] | None = None

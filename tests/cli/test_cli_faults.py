@@ -81,6 +81,15 @@ def test_help_lists_the_commands_without_importing_them() -> None:
         assert name in shown
 
 
+def test_no_help_and_no_check_waits_for_jax() -> None:
+    program = (
+        "import sys; from sjdsl.cli import COMMANDS, run\n"
+        "assert not any(run([name, '--help']) for name in COMMANDS); assert run(['check', 'coins']) == 0\n"
+        "assert not {'jax', 'flax', 'matplotlib', 'hypothesis', 'orbax', 'textual'} & set(sys.modules), set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+
+
 def test_the_package_runs_as_a_module() -> None:
     shown = subprocess.run([sys.executable, "-m", "sjdsl", "--version"], check=True, capture_output=True, text=True)
     assert shown.stdout.startswith("sjdsl ")

@@ -15,8 +15,7 @@ from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
 
 import sjdsl
 from sjdsl.interop.__main__ import main
-from sjdsl.interop.jaxmarl import JaxMARLGame
-from sjdsl.interop.jaxmarl_registry import register
+from sjdsl.interop.jaxmarl import JaxMARLGame, register
 from tests.packaging.installed import GAME
 
 LENGTH = 12
