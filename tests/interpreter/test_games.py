@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sjdsl.compiler import build, ir, read_source
+from sjdsl.compiler import build, ir
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import Cell, Outcome, World, default_params
