@@ -6,10 +6,10 @@ from jax import Array
 
 
 def successor_values(values: Array, last_value: Array, terminal_values: Array, done: Array, truncated: Array) -> Array:
-    """Returns the value of what follows each step.
+    """Returns the bootstrap value after each step.
 
-    Inside an episode it is the value of the next observation; after a time limit the value of the observation the
-    episode was cut at, for the stream of rewards would have gone on; after a true ending zero.
+    Inside an episode it is the value of the next observation. After a truncation it is the value of the observation at which
+    the episode was cut, because rewards would have continued. After a termination it is zero.
 
     Args:
       values: `[T, B, N]` value of the observation acted on.

@@ -1,7 +1,7 @@
 """Orthogonal weight initialisation without LAPACK, so that it runs inside any compiled program.
 
-JAX's own draw them by a QR decomposition, for which XLA's CPU client calls LAPACK; several at once, with OpenBLAS's threads, stop for
-ever (JAX 0.10, scipy 1.17: a program with five of them within sixty runs). Gram and Schmidt's procedure needs products alone.
+JAX's own initialiser uses a QR decomposition, for which XLA's CPU client calls LAPACK. Several at once, with OpenBLAS's threads, can
+deadlock (JAX 0.10, scipy 1.17: a program with five of them within sixty runs). The Gram-Schmidt procedure needs only products.
 """
 
 from collections.abc import Sequence

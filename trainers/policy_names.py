@@ -1,11 +1,11 @@
 """The names of policies, on the command line, in a configuration and in Python.
 
 random                        every action with equal probability
-stay                          nothing is done
+stay                          always the action `stay`
 RUN                           the last policy of a run, by its folder; of several seeds RUN/seed_2
 RUN@best, RUN@120             its best, or that of an update
 FILE.safetensors              a stored policy, with its .json beside it
-FILE.py:NAME                  a function of one's own; or a name that was registered
+FILE.py:NAME                  a user's function, also by a registered name
 """
 
 from pathlib import Path

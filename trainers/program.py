@@ -77,10 +77,10 @@ def starting_with(program: Train, parameters: Any) -> Train:
 
 
 def keep_if_finite(loss: Array, new: Any, old: Any, diverged: Array) -> tuple[Any, Array]:
-    """Returns `new` and the loss; or, where the loss or an entry of `new` is not finite, or was not before, `old` and NaN.
+    """Returns `new` and the loss; or `old` and NaN if the loss or an entry of `new` is not finite, or was not before.
 
-    So the last good parameters outlive a run that diverges, though the memory of `old` may be reused; and of several seeds side by
-    side the one that diverged stands still while the others go on.
+    So the last good parameters survive a run that diverges, even if the memory of `old` is reused. If one of several parallel seeds
+    diverges, it keeps its parameters while the others continue.
     """
     numbers = [leaf for leaf in jax.tree.leaves(new) if jnp.issubdtype(leaf.dtype, jnp.floating)]
     good = ~diverged & jnp.isfinite(loss) & jnp.stack([jnp.isfinite(leaf).all() for leaf in numbers]).all()

@@ -9,34 +9,34 @@ from jax import Array
 
 
 @flax.struct.dataclass
-class Replay:
-    """A ring of `capacity` entries."""
+class ReplayBuffer:
+    """A ring buffer of `capacity` transitions."""
 
     entries: Any  # leaves [capacity, ...]
     filled: Array  # [] int32, entries ever written, at most capacity
-    place: Array  # [] int32, where the next are written
+    cursor: Array  # [] int32, where the next are written
 
 
-def empty_replay(entry: Any, capacity: int) -> Replay:
+def empty_replay(entry: Any, capacity: int) -> ReplayBuffer:
     """Returns a buffer without entries; `entry` is a tree of shapes and dtypes of one."""
     entries = jax.tree.map(lambda leaf: jnp.zeros((capacity, *leaf.shape), leaf.dtype), entry)
-    return Replay(entries, jnp.int32(0), jnp.int32(0))
+    return ReplayBuffer(entries, jnp.int32(0), jnp.int32(0))
 
 
-def add_entries(replay: Replay, new: Any) -> Replay:
+def add_entries(replay: ReplayBuffer, new: Any) -> ReplayBuffer:
     """Returns the buffer with entries `[M, ...]` in place of its oldest; M must divide its capacity."""
     number = jax.tree.leaves(new)[0].shape[0]
     capacity = jax.tree.leaves(replay.entries)[0].shape[0]
 
-    def write(kept: Array, leaf: Array) -> Array:
-        return jax.lax.dynamic_update_slice_in_dim(kept, leaf, replay.place, axis=0)
+    def write(stored: Array, leaf: Array) -> Array:
+        return jax.lax.dynamic_update_slice_in_dim(stored, leaf, replay.cursor, axis=0)
 
     entries = jax.tree.map(write, replay.entries, new)
     filled = jnp.minimum(replay.filled + number, capacity)
-    return Replay(entries, filled, (replay.place + number) % capacity)
+    return ReplayBuffer(entries, filled, (replay.cursor + number) % capacity)
 
 
-def draw_entries(replay: Replay, key: Array, number: int) -> Any:
+def draw_entries(replay: ReplayBuffer, key: Array, number: int) -> Any:
     """Returns `number` entries `[number, ...]`, each drawn from all that are filled."""
     indices = jax.random.randint(key, (number,), 0, jnp.maximum(replay.filled, 1), jnp.int32)
     return jax.tree.map(lambda leaf: leaf[indices], replay.entries)

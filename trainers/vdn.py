@@ -22,7 +22,7 @@ from .networks import ActionValues
 from .packing import Packing
 from .partners import learning_agents, make_partners
 from .program import Metrics, Train, TrainState, keep_if_finite
-from .replay_buffer import Replay, add_entries, draw_entries, empty_replay
+from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
 from .rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
 from .shaping import make_shaping
 
@@ -35,7 +35,7 @@ class Transition:
     action: Array  # [N] int32
     reward: Array  # [] float32, the team's
     following: Array  # [N, bytes, V * V] uint8, packed, where the step led: before a reset
-    ended: Array  # [] bool, a true ending: nothing follows; a time limit is none
+    ended: Array  # [] bool, a termination, not a truncation
     allowed: Array | None = None  # [N, bytes] uint8, the actions allowed where the step led, packed; in a batch [N, A] bool; None: all
 
 
@@ -45,7 +45,7 @@ class ValueLearner:
 
     online: Learner  # parameters, optimiser state and `step`, the gradient steps taken
     target: Any  # parameters of the target network
-    replay: Replay
+    replay: ReplayBuffer
 
 
 def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
@@ -214,7 +214,7 @@ def make_optimiser(config: VDNConfig) -> optax.GradientTransformation:
 
 
 def take_gradient_steps(
-    network: ActionValues, packing: Packing, online: Learner, target: Any, replay: Replay, key: Array, config: VDNConfig
+    network: ActionValues, packing: Packing, online: Learner, target: Any, replay: ReplayBuffer, key: Array, config: VDNConfig
 ) -> tuple[Learner, Metrics]:
     """Takes `gradient_steps` steps, each on a batch of its own; losses are their means."""
 
@@ -237,8 +237,8 @@ def take_gradient_steps(
 def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transition, config: VDNConfig) -> tuple[Array, Metrics]:
     """Returns the mean squared error of the team's value, and its parts.
 
-    y = r + gamma * sum over i of max_a Q'_i(s', a) over the actions allowed in s', nothing beyond r after a true ending; with
-    `double_q` the action is the best of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
+    y = r + gamma * sum over i of max_a Q'_i(s', a), with the target network Q', over the actions allowed in s'. After a termination y = r.
+    With `double_q` the action is the best of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
     Sums are over the agents that learn.
     """
     values = cast(Array, network.apply(parameters, batch.observation))

@@ -1,10 +1,10 @@
 """The yardstick: a step of Commons Harvest (open) written by hand in JAX, with which compiled games are compared.
 
-It does the whole work of one environment step: turning, relative moves with conflict resolution, eating, regrowth by
-neighbour count, the zap beam, respawn, and the 11 x 11 egocentric window of each of seven agents. What makes it fast: one
-uint8 token a cell instead of one-hot floats; apples as a vector of 64 sites with a constant neighbour matrix; each window
-cut with one dynamic_slice and turned by selecting among four rotations; conflicts as N x N comparisons, unrolled; no sort
-anywhere. It resets nothing and uses threefry. Being a fixed measure it is not changed any more, not even to be faster.
+It does the whole work of one environment step: turns, relative moves with collisions, eating, regrowth by neighbour count,
+the zap beam, respawn, and the 11 x 11 egocentric windows of seven agents. It is fast because a cell is one uint8 token instead
+of one-hot floats, and apples are a vector of 64 sites with a constant neighbour matrix. Each window is cut with one
+dynamic_slice and turned by selecting among four rotations. Collisions are N x N comparisons, unrolled, and nothing is sorted.
+It has no resets, and uses threefry. As a fixed measure it is not changed any more, not even to be faster.
 """
 
 import jax

@@ -1,7 +1,7 @@
 """Random draws: a counter-based generator (threefry) with one stream a rule, and distributions made of its numbers.
 
-Word number i of a stream is output i mod 2 of threefry-2x32 with 13 rounds on the counter (stream, i div 2) under the step's
-key: independent of every other rule, of the order of evaluation and of how many others draw.
+Random number i of a stream is output i mod 2 of threefry-2x32 with 13 rounds on the counter (stream, i div 2) under the step's key.
+It does not depend on other rules, on the order of evaluation, or on how many others draw.
 Source: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011; 13 rounds are the fewest that pass BigCrush there (table 2).
 """
 
@@ -28,7 +28,7 @@ def key_words(key: Array) -> Array:
 
 
 def words_at(key: Array, stream: int, numbers: Array) -> Array:
-    """Returns the words of a stream with the given numbers.
+    """Returns the 32-bit random numbers of a stream with the given indices.
 
     Args:
       key: `[2]` uint32.

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sjdsl.trainers.replay_buffer import Replay, add_entries, draw_entries, empty_replay
+from sjdsl.trainers.replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
 
 CAPACITY, ADDED = 12, 4
 ENTRY = {"name": jax.ShapeDtypeStruct((), jnp.int32), "window": jax.ShapeDtypeStruct((2, 3), jnp.uint8)}
@@ -22,7 +22,7 @@ def entries(first: int) -> dict[str, Any]:
     return {"name": names, "window": jnp.broadcast_to(names[:, None, None], (ADDED, 2, 3)).astype(jnp.uint8)}
 
 
-def filled_with(rounds: int) -> Replay:
+def filled_with(rounds: int) -> ReplayBuffer:
     replay = empty_replay(ENTRY, CAPACITY)
     for number in range(rounds):
         replay = add(replay, entries(1 + number * ADDED))
