@@ -21,6 +21,29 @@ RETIRED = {  # a private word -> the field's
     r"random words?|words? of randomness|threefry words?": "random number, random bits",
     r"sentences? of (a|the) phase": "statement",
 }
+TERMS = {  # what a stranger searches for -> the file whose opening line has it
+    "precedence": "sjdsl/compiler/syntax/__init__.py",
+    "error recovery": "sjdsl/compiler/syntax/recovery/__init__.py",
+    "symbol table": "sjdsl/compiler/elaborate/scope.py",
+    "free variable": "sjdsl/compiler/ir/free_variables.py",
+    "write conflict": "sjdsl/compiler/checks/write_conflicts.py",
+    "constant folding": "sjdsl/compiler/optimise/fold_constants.py",
+    "dead code": "sjdsl/compiler/optimise/drop_unused.py",
+    "broadcast": "sjdsl/compiler/lower/axes.py",
+    "collision": "sjdsl/runtime/movement.py",
+    "egocentric": "sjdsl/runtime/view.py",
+    "respawn": "sjdsl/runtime/placing.py",
+    "line of sight": "sjdsl/runtime/geometry.py",
+    "beam": "sjdsl/interpreter/shapes.py",
+    "auto-reset": "sjdsl/runtime/auto_reset.py",
+    "replay buffer": "trainers/replay_buffer.py",
+    "bootstrap": "trainers/advantage.py",
+    "credit": "trainers/advantage.py",
+    "discount": "trainers/advantage.py",
+    "epsilon-greedy": "trainers/vdn.py",
+    "target network": "trainers/vdn.py",
+}
+MOST_FILES = 8  # that may share a term: more would be no answer
 FENCE = re.compile(r"^( *)(`{3,}).*?^\1\2 *$", re.DOTALL | re.MULTILINE)
 
 
@@ -74,6 +97,14 @@ def test_opening_lines_are_short_and_in_the_words_of_the_field() -> None:
     lines = {str(path.relative_to(ROOT)): opening(path) for path in MODULES}
     assert [name for name, line in lines.items() if not line] == []
     assert {name: found for name, line in lines.items() if (found := [*too_long(line), *retired(line)])} == {}
+
+
+def test_terms_of_the_field_lead_to_the_file_in_one_search() -> None:
+    lines = {str(path.relative_to(ROOT)): opening(path).lower() for path in MODULES}
+    for term, file in TERMS.items():
+        found = [name for name, line in lines.items() if term in line]
+        assert file in found, term
+        assert len(found) <= MOST_FILES, (term, found)
 
 
 def test_what_is_found() -> None:

@@ -1,4 +1,4 @@
-"""The English of episodes, metrics and checks in a fact sheet."""
+"""The English of episodes, metrics and checks in a rule sheet."""
 
 from typing import assert_never
 

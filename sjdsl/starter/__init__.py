@@ -1,4 +1,4 @@
-"""What `sjdsl new` starts a game with: a small dilemma with its map and its tests, to be changed bit by bit."""
+"""The files of a new game (`sjdsl new`): a small dilemma with its map and its tests."""
 
 import keyword
 import re

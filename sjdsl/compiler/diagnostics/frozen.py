@@ -1,4 +1,4 @@
-"""Frozen objects that are equal by content, cheap to declare: what nodes of the tree as written and diagnostics are."""
+"""Frozen classes, equal by content and cheap to declare, for AST nodes and diagnostics."""
 
 from dataclasses import FrozenInstanceError, dataclass
 from typing import Any, dataclass_transform

@@ -1,4 +1,4 @@
-"""Agents: how many there are, what they can do and what they have, and what they are forbidden to do."""
+"""Elaborates agents: their number, actions and fields, and what they are forbidden to do."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition

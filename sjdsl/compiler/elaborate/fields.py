@@ -1,4 +1,4 @@
-"""Fields and timers: the type of a variable, its range and its starting value."""
+"""Elaborates fields and timers: type, range and starting value."""
 
 from math import inf
 

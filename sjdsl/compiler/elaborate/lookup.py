@@ -1,4 +1,4 @@
-"""What names stand for and what is said of those that stand for nothing: kinds, actions, words, and names that may be given to a variable."""
+"""Name lookup: kinds, actions and words by name, the names a variable may have, and errors for unknown names."""
 
 import re
 from collections.abc import Iterable, Mapping

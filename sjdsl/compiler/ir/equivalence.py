@@ -1,4 +1,4 @@
-"""Equivalence of expressions: a form that two expressions share if and only if they differ in the names of bound variables alone.
+"""Alpha-equivalence of expressions: a normal form that two share if they differ only in the names of bound variables.
 
 Alpha-equivalence: positions, types, and the defines and guards an expression has come through do not matter either.
 """

@@ -1,4 +1,4 @@
-"""Free variables of an expression: those it reads and does not bind itself; and the same expression with others."""
+"""Free variables of an expression, which it reads but does not bind, and their substitution."""
 
 from collections.abc import Iterator
 from typing import Any, TypeVar

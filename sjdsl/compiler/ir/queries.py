@@ -1,4 +1,4 @@
-"""Questions that all readers of a typed game ask: declarations by name, characters of the map, what the rules contain.
+"""Queries over a typed game: declarations by name, characters of the map, what the rules contain.
 
 They say what a game declares and where, never what its rules mean: the interpreter may ask them and stays an oracle.
 """

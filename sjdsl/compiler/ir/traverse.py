@@ -1,4 +1,4 @@
-"""Walking and rewriting trees of the typed IR: the children of a node, every node below it, and the same tree with some replaced."""
+"""Tree walking and rewriting of the typed IR: children of a node, all nodes below it, and bottom-up replacement."""
 
 from __future__ import annotations
 

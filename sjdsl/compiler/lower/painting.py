@@ -1,4 +1,4 @@
-"""Painting: everything that is seen, as numbers in the cells of the map, packed into as few bytes a cell as possible."""
+"""Painting: lowers the map as an observer sees it to numbers in its cells, packed into as few bytes as possible."""
 
 from dataclasses import dataclass
 

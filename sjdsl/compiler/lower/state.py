@@ -1,4 +1,4 @@
-"""State, Params and Outcome of a game: how each field is kept, and what it is at the start."""
+"""Lowers the state: dtype, shape and starting value of each field, and the classes State, Params and Outcome."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, param_attribute

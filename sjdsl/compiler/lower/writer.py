@@ -1,4 +1,4 @@
-"""What lowering keeps while it writes a module and one function of it: names, statements, constants."""
+"""The writer: collects names, constants and statements while lowering builds a module, one function at a time."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""SJ1xx: names."""
+"""SJ1xx: names that are unknown, taken or misused."""
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near
 

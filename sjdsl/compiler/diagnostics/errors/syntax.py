@@ -1,4 +1,4 @@
-"""SJ0xx: the file and its syntax."""
+"""SJ0xx: syntax errors, and files that cannot be read."""
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.errors.names import NotKnown
