@@ -141,6 +141,7 @@ TOKEN_PLANES = (
 
 NUM_BUSH = 348  # cells of bush
 NUM_FLOOR = 522  # cells of floor
+NUM_BUSH_COLOUR = 3  # red, green, blue
 ACTION_SOW_RED = 8
 ACTION_SOW_GREEN = 9
 ACTION_SOW_BLUE = 10
@@ -167,10 +168,10 @@ MARK_SOW_SOW_BLUE_BLUE_BIT = 4
 MARK_FIRE_BIT = 8
 AGENT_SHIFT = 3
 NUM_VIEW_CELLS = 121  # cells of a window
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 31
 MARK_MASK = 15
@@ -200,7 +201,6 @@ SEEDS_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))))
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
 # cells of seeds not behind what blocks it: bits by cell and heading
 SEEDS_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))), (3,), "rgb"))
-LANES_OF_SEEDS = jnp.asarray([[0, 1, 2]], jnp.int32)  # cells of each lane of seeds, nearest first
 ZAP_OFFSETS = jnp.asarray(  # cells of zap from an agent's cell, for each heading
     shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0), (0, -1), (1, -1), (2, -1), (0, 1), (1, 1), (2, 1)))
 )
@@ -322,8 +322,8 @@ def no_outcome() -> Outcome:
     return Outcome(
         reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_eaten=jnp.zeros((NUM_AGENTS, 3), jnp.int32),
-        event_planted=jnp.zeros((NUM_AGENTS, 3), jnp.int32),
+        event_eaten=jnp.zeros((NUM_AGENTS, NUM_BUSH_COLOUR), jnp.int32),
+        event_planted=jnp.zeros((NUM_AGENTS, NUM_BUSH_COLOUR), jnp.int32),
         event_banished=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
@@ -380,14 +380,11 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one; agents whose time away is over return."""
-    bush_young = state.bush_young - (state.bush_young > 0).astype(state.bush_young.dtype)  # allelopathic_harvest.sj:27
-    # allelopathic_harvest.sj:38
-    agent_recovering = state.agent_recovering - (state.agent_recovering > 0).astype(state.agent_recovering.dtype)
-    # allelopathic_harvest.sj:39
-    agent_stunned = state.agent_stunned - (state.agent_stunned > 0).astype(state.agent_stunned.dtype)
-    agent_hot = state.agent_hot - (state.agent_hot > 0).astype(state.agent_hot.dtype)  # allelopathic_harvest.sj:39
-    # allelopathic_harvest.sj:40
-    agent_empty = state.agent_empty - (state.agent_empty > 0).astype(state.agent_empty.dtype)
+    bush_young = jnp.maximum(state.bush_young, 1) - 1  # allelopathic_harvest.sj:27
+    agent_recovering = jnp.maximum(state.agent_recovering, 1) - 1  # allelopathic_harvest.sj:38
+    agent_stunned = jnp.maximum(state.agent_stunned, 1) - 1  # allelopathic_harvest.sj:39
+    agent_hot = jnp.maximum(state.agent_hot, 1) - 1  # allelopathic_harvest.sj:39
+    agent_empty = jnp.maximum(state.agent_empty, 1) - 1  # allelopathic_harvest.sj:40
     state = state.replace(
         bush_young=bush_young,
         agent_recovering=agent_recovering,
@@ -413,15 +410,15 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `ripen`: for each bush (b), by chance, sets b.fruit to ripe."""
+    """Phase `ripen`: for each bush (b), by chance sets b.fruit to ripe."""
     bush_under = SITE_OF_BUSH[state.position]  # allelopathic_harvest.sj:56
     covered = occupied(bush_under, NUM_BUSH)  # allelopathic_harvest.sj:56
-    subject = state.bush_colour  # allelopathic_harvest.sj:56
     num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)  # allelopathic_harvest.sj:56
     num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)  # allelopathic_harvest.sj:56
     num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)  # allelopathic_harvest.sj:56
-    # allelopathic_harvest.sj:56
-    alike = jnp.where(subject == BUSH_RED, num_bush, jnp.where(subject == BUSH_GREEN, num_bush_2, num_bush_3))
+    alike = jnp.where(  # allelopathic_harvest.sj:56
+        state.bush_colour == BUSH_RED, num_bush, jnp.where(state.bush_colour == BUSH_GREEN, num_bush_2, num_bush_3)
+    )
     # allelopathic_harvest.sj:56
     happens = (words(key, STREAM_RIPEN, NUM_BUSH) >> 1) < threshold(params.growth * alike.astype(jnp.float32))
     bush_fruit = jnp.where(  # allelopathic_harvest.sj:56
@@ -454,7 +451,8 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     bush_fruit = state.bush_fruit.at[to_bush].set(BUSH_UNRIPE, mode="drop")  # allelopathic_harvest.sj:61
     bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")  # allelopathic_harvest.sj:61
     event_eaten = out.event_eaten + (  # allelopathic_harvest.sj:61
-        active[:, None] & (state.bush_colour[bush_under][:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :])
+        active[:, None]
+        & (state.bush_colour[bush_under][:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
     subject = state.bush_colour[bush_under] == state.agent_taste  # allelopathic_harvest.sj:62
     # allelopathic_harvest.sj:62
@@ -472,7 +470,7 @@ def sow_sow_red_red(state: State, out: Outcome, params: Params, actions: Array, 
     seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
     # allelopathic_harvest.sj:65
     seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
-    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, 0).reshape(-1)  # allelopathic_harvest.sj:65
+    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
     agent_bag = jnp.where(active, AGENT_RED, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
     return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_red_red=marked), out
@@ -489,7 +487,7 @@ def sow_sow_green_green(
     seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
     # allelopathic_harvest.sj:65
     seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
-    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, 0).reshape(-1)  # allelopathic_harvest.sj:65
+    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
     agent_bag = jnp.where(active, AGENT_GREEN, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
     return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_green_green=marked), out
@@ -503,7 +501,7 @@ def sow_sow_blue_blue(state: State, out: Outcome, params: Params, actions: Array
     seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
     # allelopathic_harvest.sj:65
     seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
-    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, 0).reshape(-1)  # allelopathic_harvest.sj:65
+    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
     agent_bag = jnp.where(active, AGENT_BLUE, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
     return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_blue_blue=marked), out
@@ -521,17 +519,16 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
     seeds_bush = SITE_OF_BUSH[seeds_cells]  # allelopathic_harvest.sj:67
     # allelopathic_harvest.sj:67
     sows = (actions == ACTION_SOW_RED) | (actions == ACTION_SOW_GREEN) | (actions == ACTION_SOW_BLUE)
-    ok = (  # allelopathic_harvest.sj:67
+    eligible = (  # allelopathic_harvest.sj:67
         (seeds_bush < NUM_BUSH)
         & seeds_reached
-        & (sows[:, None] & (state.bush_fruit[seeds_bush] == BUSH_UNRIPE))
+        & sows[:, None]
+        & (state.bush_fruit[seeds_bush] == BUSH_UNRIPE)
         & (state.bush_colour[seeds_bush] != state.agent_bag[:, None])
     )
-    in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_SEEDS]  # allelopathic_harvest.sj:67
-    nearest = jnp.argmax(in_lane, axis=-1)  # allelopathic_harvest.sj:67
-    found = jnp.any(in_lane, axis=-1)  # allelopathic_harvest.sj:67
-    cell_of_lane = LANES_OF_SEEDS[jnp.arange(1)[None, :], nearest]  # allelopathic_harvest.sj:67
-    bush = jnp.take_along_axis(seeds_bush, jnp.minimum(cell_of_lane, 2), axis=1)  # allelopathic_harvest.sj:67
+    found = jnp.any(eligible, axis=1, keepdims=True)  # allelopathic_harvest.sj:67
+    nearest = jnp.argmax(eligible, axis=1, keepdims=True)  # allelopathic_harvest.sj:67
+    bush = jnp.take_along_axis(seeds_bush, nearest, axis=1)  # allelopathic_harvest.sj:67
     pairs = present[:, None] & found  # allelopathic_harvest.sj:67
     # allelopathic_harvest.sj:67
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_BUSH + bush).astype(jnp.uint32)
@@ -543,7 +540,7 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
     bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")  # allelopathic_harvest.sj:68
     agent_coat = jnp.where(matched, state.agent_bag + 1, state.agent_coat)  # allelopathic_harvest.sj:68
     event_planted = out.event_planted + (  # allelopathic_harvest.sj:68
-        matched[:, None] & (state.agent_bag[:, None] == jnp.arange(3, dtype=jnp.uint8)[None, :])
+        matched[:, None] & (state.agent_bag[:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
     return (
         state.replace(bush_colour=bush_colour, bush_young=bush_young, agent_coat=agent_coat),
@@ -558,7 +555,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     present = state.position != NOWHERE  # allelopathic_harvest.sj:72
     active = present & (actions == ACTION_ZAP)  # allelopathic_harvest.sj:72
     zap_cells = state.position[:, None] + ZAP_OFFSETS[state.heading]  # allelopathic_harvest.sj:73
-    marked = jnp.where(active[:, None] & INSIDE[zap_cells], zap_cells, 0).reshape(-1)  # allelopathic_harvest.sj:73
+    # allelopathic_harvest.sj:73
+    marked = jnp.where(active[:, None] & INSIDE[zap_cells], zap_cells, NOWHERE).reshape(-1)
     agent_hot = jnp.where(active, params.cooling.astype(jnp.uint8), state.agent_hot)  # allelopathic_harvest.sj:73
     standing = zap_cells[:, :, None] == state.position[None, None, :]  # allelopathic_harvest.sj:74
     victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # allelopathic_harvest.sj:74
@@ -598,12 +596,11 @@ def judge(state: State, out: Outcome, params: Params, actions: Array, key: Array
     active = present & (state.agent_hits == 2)  # allelopathic_harvest.sj:78
     agent_hits = jnp.where(active, 0, state.agent_hits)  # allelopathic_harvest.sj:78
     reward = out.reward + jnp.where(active, params.penalty, 0.0)  # allelopathic_harvest.sj:78
-    delay = jnp.int32(25)  # allelopathic_harvest.sj:78
     event_banished = out.event_banished + active.astype(jnp.int32)  # allelopathic_harvest.sj:78
     # allelopathic_harvest.sj:79
     agent_hits = jnp.where(present & (state.agent_hits < 2) & (state.agent_recovering == 0), 0, agent_hits)
     position = jnp.where(active, NOWHERE, state.position)  # allelopathic_harvest.sj:78
-    away = jnp.where(active, delay, state.away)  # allelopathic_harvest.sj:78
+    away = jnp.where(active, 25, state.away)  # allelopathic_harvest.sj:78
     away_pool = jnp.where(active, 1, state.away_pool)  # allelopathic_harvest.sj:78
     away_facing = jnp.where(active, ANY_HEADING, state.away_facing)  # allelopathic_harvest.sj:78
     return (
@@ -652,22 +649,10 @@ def observe(state: State, params: Params) -> Array:
     # allelopathic_harvest.sj:32
     plane_0 = paint(plane_0, state.position, (jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1) << AGENT_SHIFT)
     seen_0 = windows(  # allelopathic_harvest.sj:90
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     seen_1 = windows(  # allelopathic_harvest.sj:90
-        plane_1.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     content = seen_0 & CONTENT_MASK  # allelopathic_harvest.sj:90
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # allelopathic_harvest.sj:90
@@ -679,10 +664,6 @@ def observe(state: State, params: Params) -> Array:
     ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]  # allelopathic_harvest.sj:90
     marks = seen_1 & MARK_MASK  # allelopathic_harvest.sj:90
-    shown_taste = state.agent_taste  # allelopathic_harvest.sj:91
-    shown_stunned = state.agent_stunned  # allelopathic_harvest.sj:91
-    shown_hot = state.agent_hot  # allelopathic_harvest.sj:91
-    shown_empty = state.agent_empty  # allelopathic_harvest.sj:91
     present = state.position != NOWHERE  # allelopathic_harvest.sj:91
     return planes_of(
         WINDOW,
@@ -692,8 +673,8 @@ def observe(state: State, params: Params) -> Array:
         marks,
         jnp.where(theirs, state.agent_coat[who] + 1, 0),
         jnp.where(theirs, state.agent_hits[who], 0),
-        jnp.broadcast_to(shown_taste[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
-        jnp.broadcast_to(shown_stunned[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
-        jnp.broadcast_to(shown_hot[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
-        jnp.broadcast_to(shown_empty[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_taste[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_stunned[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_hot[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_empty[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
     )

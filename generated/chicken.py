@@ -104,20 +104,22 @@ TOKEN_PLANES = (
 
 NUM_GATE = 64  # cells of gate
 NUM_PATCH = 12  # cells of patch
+NUM_PATCH_CLASS = 2  # dove, hawk
 ACTION_INTERACT = 7
 PATCH_NONE = 0
 PATCH_RIPE = 1
 PATCH_DOVE = 0
 PATCH_HAWK = 1
 NO_STEP = 4
+NOWHERE = 0  # the cell of agents that are not on the map
 PATCH_LOOK = 3  # as it is painted
 MARK_MEET_BIT = 64
 AGENT_SHIFT = 3
 NUM_VIEW_CELLS = 121  # cells of a window
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 MARK_MEET_SHIFT = 6
@@ -205,7 +207,7 @@ def initial_state() -> State:
         heading=jnp.zeros(NUM_AGENTS, jnp.int32),
         patch_class=PATCH_CLASS_START,
         patch_stock=jnp.full(NUM_PATCH, PATCH_RIPE, jnp.uint8),
-        agent_bag=jnp.full((NUM_AGENTS, 2), 0, jnp.uint8),
+        agent_bag=jnp.full((NUM_AGENTS, NUM_PATCH_CLASS), 0, jnp.uint8),
         agent_resting=jnp.full(NUM_AGENTS, 0, jnp.uint8),
         mark_meet=jnp.zeros(MARKS_OF_MEET, jnp.int32),
     )
@@ -216,7 +218,7 @@ def no_outcome() -> Outcome:
     return Outcome(
         reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_collected=jnp.zeros((NUM_AGENTS, 2), jnp.int32),
+        event_collected=jnp.zeros((NUM_AGENTS, NUM_PATCH_CLASS), jnp.int32),
         event_met=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
@@ -252,7 +254,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each patch, by chance, sets patch.stock to ripe."""
+    """Phase `grow`: for each patch, by chance sets patch.stock to ripe."""
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:46
     covered = occupied(patch_under, NUM_PATCH)  # pd_arena.sj:46
     happens = (words(key, STREAM_GROW, NUM_PATCH) >> 1) < threshold(params.regrow)  # pd_arena.sj:46
@@ -263,7 +265,7 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one."""
-    agent_resting = state.agent_resting - (state.agent_resting > 0).astype(state.agent_resting.dtype)  # pd_arena.sj:36
+    agent_resting = jnp.maximum(state.agent_resting, 1) - 1  # pd_arena.sj:36
     return state.replace(agent_resting=agent_resting), out
 
 
@@ -286,12 +288,13 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     to_patch = jnp.where(active, patch_under, NUM_PATCH)  # pd_arena.sj:50
     patch_stock = state.patch_stock.at[to_patch].set(PATCH_NONE, mode="drop")  # pd_arena.sj:50
     agent_bag_added = jnp.where(  # pd_arena.sj:51
-        state.patch_class[patch_under][..., None] == jnp.arange(2, dtype=jnp.uint8)[None, :],
+        state.patch_class[patch_under][..., None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :],
         active.astype(jnp.int32)[..., None],
         jnp.int32(0),
     )
     event_collected = out.event_collected + (  # pd_arena.sj:51
-        active[:, None] & (state.patch_class[patch_under][:, None] == jnp.arange(2, dtype=jnp.uint8)[None, :])
+        active[:, None]
+        & (state.patch_class[patch_under][:, None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 100).astype(jnp.uint8)
     return state.replace(patch_stock=patch_stock, agent_bag=agent_bag), out.replace(event_collected=event_collected)
@@ -304,7 +307,7 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     reach_cells = state.position[:, None] + REACH_OFFSETS[state.heading]  # pd_arena.sj:55
     # pd_arena.sj:55
-    marked = jnp.where((actions == ACTION_INTERACT)[:, None] & INSIDE[reach_cells], reach_cells, 0).reshape(-1)
+    marked = jnp.where((actions == ACTION_INTERACT)[:, None] & INSIDE[reach_cells], reach_cells, NOWHERE).reshape(-1)
     in_reach = jnp.any(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
     ready = (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)  # pd_arena.sj:56
     pairs = (  # pd_arena.sj:56
@@ -389,13 +392,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = paint(plane_0, state.mark_meet, MARK_MEET_BIT)  # pd_arena.sj:54
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # pd_arena.sj:32
     seen_0 = windows(  # pd_arena.sj:74
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     content = seen_0 & CONTENT_MASK  # pd_arena.sj:74
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # pd_arena.sj:74

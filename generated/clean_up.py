@@ -100,16 +100,16 @@ WATER_DIRTY = 1
 ORCHARD_RIPE = 1
 WATER_CLEAN = 0
 NO_STEP = 4
-NUM_BEAM_CELLS = 4  # cells of the shape
+NOWHERE = 0  # the cell of agents that are not on the map
 WATER_LOOK = 2  # as it is painted
 ORCHARD_LOOK = 5  # as it is painted
 MARK_SCRUB_BIT = 64
 MARK_FIRE_BIT = 128
 AGENT_SHIFT = 3
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 MARK_SHIFT = 6
@@ -255,7 +255,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each orchard, by chance, sets orchard.fruit to ripe."""
+    """Phase `grow`: for each orchard, by chance sets orchard.fruit to ripe."""
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:50
     covered = occupied(orchard_under, NUM_ORCHARD)  # clean_up.sj:50
     num_water = jnp.sum(state.water_state == WATER_DIRTY, dtype=jnp.int32)  # clean_up.sj:50
@@ -269,7 +269,7 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `pollute`: by chance, picks 1 water, sets water.state to dirty."""
+    """Phase `pollute`: by chance picks 1 water, sets water.state to dirty."""
     happens = (words(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # clean_up.sj:54
     active = (state.step >= params.grace) & happens  # clean_up.sj:54
     water, found = pick(state.water_state == WATER_CLEAN, words(key, STREAM_POLLUTE_2, 1)[0])  # clean_up.sj:54
@@ -304,7 +304,7 @@ def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     active = actions == ACTION_CLEAN  # clean_up.sj:62
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:63
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:63
+    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)  # clean_up.sj:63
     beam_water = SITE_OF_WATER[beam_cells]  # clean_up.sj:64
     to_water = jnp.where(  # clean_up.sj:64
         active[:, None] & (beam_water < NUM_WATER) & (state.water_state[beam_water] == WATER_DIRTY),
@@ -312,7 +312,7 @@ def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array
         NUM_WATER,
     )
     members = jnp.zeros((NUM_WATER, NUM_AGENTS), bool).at[  # clean_up.sj:64
-        to_water, jnp.broadcast_to(jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None], (NUM_AGENTS, NUM_BEAM_CELLS))
+        to_water, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
     ].set(True, mode="drop")
     water_cleaners_joined = as_bits(members, jnp.uint8)  # clean_up.sj:64
     water_cleaners = state.water_cleaners | water_cleaners_joined
@@ -343,7 +343,7 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     active = actions == ACTION_ZAP  # clean_up.sj:74
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:75
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # clean_up.sj:75
+    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)  # clean_up.sj:75
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:76
     active_2 = active[:, None] & in_beam  # clean_up.sj:76
     sent = jnp.any(active_2, axis=0)  # clean_up.sj:76
@@ -383,13 +383,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = paint(plane_0, state.mark_fire, MARK_FIRE_BIT)  # clean_up.sj:73
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # clean_up.sj:35
     seen_0 = windows(  # clean_up.sj:83
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK  # clean_up.sj:83
     content = raw + (raw >= WATER_LOOK).astype(jnp.uint8)  # clean_up.sj:83

@@ -73,10 +73,10 @@ AGENT_RED = 0
 NO_STEP = 4
 TILE_LOOK = 1  # as it is painted
 AGENT_SHIFT = 3
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 STREAM_START = 0x98bd07c2  # coins.sj:31
@@ -187,7 +187,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each tile, by chance, sets tile.coin to colour."""
+    """Phase `grow`: for each tile, by chance sets tile.coin to colour."""
     tile_under = SITE_OF_TILE[state.position]  # coins.sj:39
     covered = occupied(tile_under, NUM_TILE)  # coins.sj:39
     happens = (words(key, STREAM_GROW, NUM_TILE) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:40
@@ -221,9 +221,8 @@ def take(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     active_2 = active & ~holds  # coins.sj:51
     event_other_coins = out.event_other_coins + active_2.astype(jnp.int32)  # coins.sj:53
     times = jnp.sum(  # coins.sj:54
-        active_2[:, None] & (
-            state.agent_colour[None, :] == jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]][:, None]
-        ),
+        active_2[:, None]
+        & (state.agent_colour[None, :] == jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]][:, None]),
         axis=0,
         dtype=jnp.int32,
     )
@@ -255,13 +254,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_TILE, state.tile_coin + TILE_LOOK)  # coins.sj:19
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # coins.sj:23
     seen_0 = windows(  # coins.sj:60
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK  # coins.sj:60
     is_tile = (raw >= TILE_LOOK) & (raw < 4)  # coins.sj:60

@@ -91,13 +91,14 @@ ROCK_GOLD = 2
 ROCK_PARTIAL = 3
 NO_STEP = 4
 NUM_RAY_CELLS = 3  # cells of the shape
+NOWHERE = 0  # the cell of agents that are not on the map
 ROCK_LOOK = 1  # as it is painted
 MARK_MINE_BIT = 64
 AGENT_SHIFT = 3
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 MARK_MINE_SHIFT = 6
@@ -120,7 +121,6 @@ RAY_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))))
 RAY_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0))), (3,), "#"))
 # number of each cell among rock; past the end: none
 SITE_OF_ROCK = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "O")))
-LANES_OF_RAY = jnp.asarray([[0, 1, 2]], jnp.int32)  # cells of each lane of ray, nearest first
 BASE = jnp.asarray(painted(MAP, PAD, {"O": 1, "#": 5, "P": 6}))  # looks of the cells of the frame, fields aside
 CELLS_ROCK = jnp.asarray(cells_of(MAP, PAD, "O"))  # cells of rock
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
@@ -248,14 +248,12 @@ def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     ray_bits = RAY_REACH[state.position * 4 + state.heading]  # coop_mining.sj:46
     # coop_mining.sj:46
     ray_reached = ((ray_bits[:, None] >> jnp.arange(NUM_RAY_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
-    marked = jnp.where(active[:, None] & ray_reached, ray_cells, 0).reshape(-1)  # coop_mining.sj:46
+    marked = jnp.where(active[:, None] & ray_reached, ray_cells, NOWHERE).reshape(-1)  # coop_mining.sj:46
     ray_rock = SITE_OF_ROCK[ray_cells]  # coop_mining.sj:47
-    ok = (ray_rock < NUM_ROCK) & ray_reached & (state.rock_ore[ray_rock] != ROCK_NONE)  # coop_mining.sj:47
-    in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_RAY]  # coop_mining.sj:47
-    nearest = jnp.argmax(in_lane, axis=-1)  # coop_mining.sj:47
-    found = jnp.any(in_lane, axis=-1)  # coop_mining.sj:47
-    cell_of_lane = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # coop_mining.sj:47
-    rock = jnp.take_along_axis(ray_rock, jnp.minimum(cell_of_lane, 2), axis=1)  # coop_mining.sj:47
+    eligible = (ray_rock < NUM_ROCK) & ray_reached & (state.rock_ore[ray_rock] != ROCK_NONE)  # coop_mining.sj:47
+    found = jnp.any(eligible, axis=1, keepdims=True)  # coop_mining.sj:47
+    nearest = jnp.argmax(eligible, axis=1, keepdims=True)  # coop_mining.sj:47
+    rock = jnp.take_along_axis(ray_rock, nearest, axis=1)  # coop_mining.sj:47
     to_rock = jnp.where(active[:, None] & found, rock, NUM_ROCK)  # coop_mining.sj:47
     rock_miners_joined = jnp.zeros(NUM_ROCK, jnp.uint8).at[to_rock].add(  # coop_mining.sj:47
         (jnp.uint8(1) << jnp.arange(NUM_AGENTS, dtype=jnp.uint8))[:, None],
@@ -314,7 +312,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one."""
-    rock_left = state.rock_left - (state.rock_left > 0).astype(state.rock_left.dtype)  # coop_mining.sj:27
+    rock_left = jnp.maximum(state.rock_left, 1) - 1  # coop_mining.sj:27
     return state.replace(rock_left=rock_left), out
 
 
@@ -327,7 +325,7 @@ def close(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each rock, by chance, sets rock.ore to iron, sets rock.ore to gold."""
+    """Phase `grow`: for each rock, by chance sets rock.ore to iron or else sets rock.ore to gold."""
     rock_under = SITE_OF_ROCK[state.position]  # coop_mining.sj:75
     covered = occupied(rock_under, NUM_ROCK)  # coop_mining.sj:75
     word = words(key, STREAM_GROW, NUM_ROCK) >> 1  # coop_mining.sj:76
@@ -363,13 +361,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = paint(plane_0, state.mark_mine, MARK_MINE_BIT)  # coop_mining.sj:44
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # coop_mining.sj:33
     seen_0 = windows(  # coop_mining.sj:84
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     content = seen_0 & CONTENT_MASK  # coop_mining.sj:84
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # coop_mining.sj:84

@@ -88,6 +88,7 @@ TOKEN_PLANES = (
 
 NUM_CAMP = 18  # cells of camp
 NUM_GROUND = 538  # cells of ground
+NUM_AGENT_BAG = 3  # raw, cut, fine
 ACTION_CONSUME = 8
 ACTION_GIFT = 7
 GROUND_NONE = 0
@@ -96,14 +97,15 @@ AGENT_BAG_RAW = 0
 AGENT_BAG_CUT = 1
 AGENT_BAG_FINE = 2
 NO_STEP = 4
+NOWHERE = 0  # the cell of agents that are not on the map
 GROUND_LOOK = 1  # as it is painted
 MARK_OFFER_BIT = 64
 AGENT_SHIFT = 3
 NUM_VIEW_CELLS = 121  # cells of a window
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 MARK_OFFER_SHIFT = 6
@@ -123,7 +125,6 @@ STEP_BY = jnp.asarray([4, 4, 3, 1, 0, 2, 4, 4, 4], jnp.int32)  # direction of a 
 NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
 RAY_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0),)))  # cells of ray from an agent's cell, for each heading
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-LANES_OF_RAY = jnp.asarray([[0]], jnp.int32)  # cells of each lane of ray, nearest first
 BASE = jnp.asarray(painted(MAP, PAD, {"T": 1, "#": 3, "P": 4}))  # looks of the cells of the frame, fields aside
 CELLS_GROUND = jnp.asarray(cells_of(MAP, PAD, "T"))  # cells of ground
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own
@@ -182,8 +183,8 @@ def initial_state() -> State:
         position=jnp.zeros(NUM_AGENTS, jnp.int32),
         heading=jnp.zeros(NUM_AGENTS, jnp.int32),
         ground_token=jnp.full(NUM_GROUND, GROUND_NONE, jnp.uint8),
-        agent_bag=jnp.full((NUM_AGENTS, 3), 0, jnp.uint8),
-        agent_post=jnp.full((NUM_AGENTS, 3), 0, jnp.uint8),
+        agent_bag=jnp.full((NUM_AGENTS, NUM_AGENT_BAG), 0, jnp.uint8),
+        agent_post=jnp.full((NUM_AGENTS, NUM_AGENT_BAG), 0, jnp.uint8),
         mark_offer=jnp.zeros(MARKS_OF_OFFER, jnp.int32),
     )
 
@@ -195,7 +196,7 @@ def no_outcome() -> Outcome:
         ended=jnp.zeros((), bool),
         event_consumed=jnp.zeros(NUM_AGENTS, jnp.int32),
         event_given=jnp.zeros(NUM_AGENTS, jnp.int32),
-        event_received=jnp.zeros((NUM_AGENTS, 3), jnp.int32),
+        event_received=jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32),
     )
 
 
@@ -231,7 +232,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each ground, by chance, sets ground.token to raw."""
+    """Phase `grow`: for each ground, by chance sets ground.token to raw."""
     ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:40
     covered = occupied(ground_under, NUM_GROUND)  # gift_refinement.sj:40
     happens = (words(key, STREAM_GROW, NUM_GROUND) >> 1) < threshold(params.spawn)  # gift_refinement.sj:40
@@ -257,7 +258,9 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     to_ground = jnp.where(active, ground_under, NUM_GROUND)  # gift_refinement.sj:43
     ground_token = state.ground_token.at[to_ground].set(GROUND_NONE, mode="drop")  # gift_refinement.sj:43
     agent_bag_added = jnp.where(  # gift_refinement.sj:43
-        AGENT_BAG_RAW == jnp.arange(3, dtype=jnp.uint8)[None, :], active.astype(jnp.int32)[..., None], jnp.int32(0)
+        AGENT_BAG_RAW == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
+        active.astype(jnp.int32)[..., None],
+        jnp.int32(0),
     )
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(ground_token=ground_token, agent_bag=agent_bag), out
@@ -281,34 +284,28 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # gift_refinement.sj:51
     # gift_refinement.sj:51
-    marked = jnp.where((actions == ACTION_GIFT)[:, None] & INSIDE[ray_cells], ray_cells, 0).reshape(-1)
+    marked = jnp.where((actions == ACTION_GIFT)[:, None] & INSIDE[ray_cells], ray_cells, NOWHERE).reshape(-1)
     # gift_refinement.sj:52
     active = (actions == ACTION_GIFT) & (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0)
     offered = lowest(state.agent_bag.astype(jnp.int32))  # gift_refinement.sj:53
     standing = ray_cells[:, :, None] == state.position[None, None, :]  # gift_refinement.sj:54
     friend = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # gift_refinement.sj:54
     anybody = jnp.any(standing, axis=-1)  # gift_refinement.sj:54
-    # gift_refinement.sj:54
-    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_RAY]
-    nearest = jnp.argmax(in_lane, axis=-1)  # gift_refinement.sj:54
-    found = jnp.any(in_lane, axis=-1)  # gift_refinement.sj:54
-    cell_of_lane = LANES_OF_RAY[jnp.arange(1)[None, :], nearest]  # gift_refinement.sj:54
-    friend_2 = jnp.take_along_axis(friend, jnp.minimum(cell_of_lane, 0), axis=1)  # gift_refinement.sj:54
-    active_2 = active[:, None] & found & (  # gift_refinement.sj:55
-        entry(state.agent_bag[friend_2].astype(jnp.int32), params.becomes[offered][:, None]) < 15
+    active_2 = active[:, None] & anybody & (  # gift_refinement.sj:55
+        entry(state.agent_bag[friend].astype(jnp.int32), params.becomes[offered][:, None]) < 15
     )
     agent_bag_added = jnp.sum(  # gift_refinement.sj:56
         jnp.where(
-            offered[:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :],
+            offered[:, None][..., None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
             jnp.where(active_2, jnp.int32(-1), jnp.int32(0))[..., None],
             jnp.int32(0),
         ),
         axis=1,
         dtype=jnp.int32,
     )
-    agent_post_added = jnp.zeros((NUM_AGENTS, 3), jnp.int32).at[friend_2].add(  # gift_refinement.sj:57
+    agent_post_added = jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32).at[friend].add(  # gift_refinement.sj:57
         jnp.where(
-            params.becomes[offered][:, None][..., None] == jnp.arange(3, dtype=jnp.uint8)[None, None, :],
+            params.becomes[offered][:, None][..., None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
             jnp.where(active_2, params.yields[offered][:, None], 0)[..., None],
             jnp.int32(0),
         ),
@@ -330,7 +327,7 @@ def receive_cut(state: State, out: Outcome, params: Params, actions: Array, key:
     """
     active = state.agent_post[:, AGENT_BAG_CUT] > 0  # gift_refinement.sj:64
     agent_bag_added = jnp.where(  # gift_refinement.sj:65
-        AGENT_BAG_CUT == jnp.arange(3, dtype=jnp.uint8)[None, :],
+        AGENT_BAG_CUT == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
         jnp.where(active, state.agent_post[:, AGENT_BAG_CUT].astype(jnp.int32), 0)[..., None],
         jnp.int32(0),
     )
@@ -356,7 +353,7 @@ def receive_fine(state: State, out: Outcome, params: Params, actions: Array, key
     """
     active = state.agent_post[:, AGENT_BAG_FINE] > 0  # gift_refinement.sj:64
     agent_bag_added = jnp.where(  # gift_refinement.sj:65
-        AGENT_BAG_FINE == jnp.arange(3, dtype=jnp.uint8)[None, :],
+        AGENT_BAG_FINE == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
         jnp.where(active, state.agent_post[:, AGENT_BAG_FINE].astype(jnp.int32), 0)[..., None],
         jnp.int32(0),
     )
@@ -403,13 +400,7 @@ def observe(state: State, params: Params) -> Array:
     # gift_refinement.sj:27
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)
     seen_0 = windows(  # gift_refinement.sj:76
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     content = seen_0 & CONTENT_MASK  # gift_refinement.sj:76
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # gift_refinement.sj:76

@@ -81,13 +81,14 @@ SOIL_NONE = 0
 SOIL_RIPE = 1
 NO_STEP = 4
 NUM_BEAM_CELLS = 4  # cells of the shape
+NOWHERE = 0  # the cell of agents that are not on the map
 SOIL_LOOK = 3  # as it is painted
 MARK_FIRE_BIT = 64
 AGENT_SHIFT = 3
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 MARK_FIRE_SHIFT = 6
@@ -247,7 +248,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def regrow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `regrow`: for each soil, by chance, sets soil.fruit to ripe."""
+    """Phase `regrow`: for each soil, by chance sets soil.fruit to ripe."""
     soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:46
     covered = occupied(soil_under, NUM_SOIL)  # harvest_open.sj:46
     active = (state.soil_fruit == SOIL_NONE) & ~covered  # harvest_open.sj:46
@@ -292,7 +293,7 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     beam_bits = BEAM_REACH[state.position * 4 + state.heading]  # harvest_open.sj:61
     # harvest_open.sj:61
     beam_reached = ((beam_bits[:, None] >> jnp.arange(NUM_BEAM_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
-    marked = jnp.where(active[:, None] & beam_reached, beam_cells, 0).reshape(-1)  # harvest_open.sj:61
+    marked = jnp.where(active[:, None] & beam_reached, beam_cells, NOWHERE).reshape(-1)  # harvest_open.sj:61
     # harvest_open.sj:62
     in_beam = jnp.any((beam_cells[:, :, None] == state.position[None, None, :]) & beam_reached[:, :, None], axis=1)
     active_2 = active[:, None] & in_beam  # harvest_open.sj:62
@@ -331,13 +332,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = paint(plane_0, state.mark_fire, MARK_FIRE_BIT)  # harvest_open.sj:59
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # harvest_open.sj:28
     seen_0 = windows(  # harvest_open.sj:69
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     content = seen_0 & CONTENT_MASK  # harvest_open.sj:69
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # harvest_open.sj:69

@@ -87,6 +87,7 @@ TOKEN_PLANES = (
 )
 
 NUM_GROUND = 276  # cells of ground
+NUM_WORLD_TRIALS = 4  # red, green, blue, orange
 ACTION_ZAP = 7
 GROUND_NONE = 0
 GROUND_RED = 1
@@ -98,14 +99,15 @@ WORLD_TRIALS_BLUE = 2
 GROUND_ORANGE = 4
 WORLD_TRIALS_ORANGE = 3
 NO_STEP = 4
+NOWHERE = 0  # the cell of agents that are not on the map
 GROUND_LOOK = 1  # as it is painted
 MARK_FIRE_BIT = 64
 AGENT_SHIFT = 3
 NUM_VIEW_CELLS = 121  # cells of a window
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 MARK_FIRE_SHIFT = 6
@@ -202,7 +204,7 @@ def initial_state() -> State:
         heading=jnp.zeros(NUM_AGENTS, jnp.int32),
         ground_grows=GROUND_GROWS_START,
         agent_digesting=jnp.full(NUM_AGENTS, 0, jnp.uint8),
-        world_trials=jnp.full(4, 0, jnp.uint8),
+        world_trials=jnp.full(NUM_WORLD_TRIALS, 0, jnp.uint8),
         mark_fire=jnp.zeros(MARKS_OF_FIRE, jnp.int32),
     )
 
@@ -212,7 +214,7 @@ def no_outcome() -> Outcome:
     return Outcome(
         reward=jnp.zeros(NUM_AGENTS, jnp.float32),
         ended=jnp.zeros((), bool),
-        event_eaten=jnp.zeros((NUM_AGENTS, 4), jnp.int32),
+        event_eaten=jnp.zeros((NUM_AGENTS, NUM_WORLD_TRIALS), jnp.int32),
         event_hits=jnp.zeros(NUM_AGENTS, jnp.int32),
     )
 
@@ -252,8 +254,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one."""
-    # mushrooms.sj:42
-    agent_digesting = state.agent_digesting - (state.agent_digesting > 0).astype(state.agent_digesting.dtype)
+    agent_digesting = jnp.maximum(state.agent_digesting, 1) - 1  # mushrooms.sj:42
     return state.replace(agent_digesting=agent_digesting), out
 
 
@@ -279,7 +280,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     # mushrooms.sj:58
     agent_digesting = jnp.where(active, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)
     event_eaten = out.event_eaten + (  # mushrooms.sj:59
-        active[:, None] & (meal[:, None] == jnp.arange(4, dtype=jnp.uint8)[None, :])
+        active[:, None] & (meal[:, None] == jnp.arange(NUM_WORLD_TRIALS, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
     # mushrooms.sj:60
     world_trials_added = jnp.sum(jnp.where(active[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32)
@@ -287,9 +288,8 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     reward = reward + jnp.sum(jnp.where(active, params.everyone[meal], 0.0), dtype=jnp.float32)  # mushrooms.sj:61
     reward = reward + jnp.sum(  # mushrooms.sj:61
         jnp.where(
-            active[:, None] & (
-                jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]
-            ),
+            active[:, None]
+            & (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
             params.others[meal][:, None],
             0.0,
         ),
@@ -304,7 +304,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
 
 
 def sprout_red(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(red)`: picks some ground, by chance, sets ground.grows to red; sets trials[red] to 0."""
+    """Phase `sprout(red)`: picks some ground, by chance sets ground.grows to red; sets trials[red] to 0."""
     num_ground = jnp.sum(state.ground_grows == GROUND_RED, dtype=jnp.int32)  # mushrooms.sj:65
     active = num_ground <= params.crowd[WORLD_TRIALS_RED]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
@@ -320,7 +320,7 @@ def sprout_red(state: State, out: Outcome, params: Params, actions: Array, key: 
 
 
 def sprout_green(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(green)`: picks some ground, by chance, sets ground.grows to green; sets trials[green] to 0."""
+    """Phase `sprout(green)`: picks some ground, by chance sets ground.grows to green; sets trials[green] to 0."""
     num_ground = jnp.sum(state.ground_grows == GROUND_GREEN, dtype=jnp.int32)  # mushrooms.sj:65
     active = num_ground <= params.crowd[WORLD_TRIALS_GREEN]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
@@ -337,7 +337,7 @@ def sprout_green(state: State, out: Outcome, params: Params, actions: Array, key
 
 
 def sprout_blue(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(blue)`: picks some ground, by chance, sets ground.grows to blue; sets trials[blue] to 0."""
+    """Phase `sprout(blue)`: picks some ground, by chance sets ground.grows to blue; sets trials[blue] to 0."""
     num_ground = jnp.sum(state.ground_grows == GROUND_BLUE, dtype=jnp.int32)  # mushrooms.sj:65
     active = num_ground <= params.crowd[WORLD_TRIALS_BLUE]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
@@ -353,7 +353,7 @@ def sprout_blue(state: State, out: Outcome, params: Params, actions: Array, key:
 
 
 def sprout_orange(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(orange)`: picks some ground, by chance, sets ground.grows to orange; sets trials[orange] to 0."""
+    """Phase `sprout(orange)`: picks some ground, by chance sets ground.grows to orange; sets trials[orange] to 0."""
     num_ground = jnp.sum(state.ground_grows == GROUND_ORANGE, dtype=jnp.int32)  # mushrooms.sj:65
     active = num_ground <= params.crowd[WORLD_TRIALS_ORANGE]  # mushrooms.sj:65
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
@@ -375,7 +375,7 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     active = actions == ACTION_ZAP  # mushrooms.sj:73
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # mushrooms.sj:74
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, 0).reshape(-1)  # mushrooms.sj:74
+    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)  # mushrooms.sj:74
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
     active_2 = active[:, None] & in_beam  # mushrooms.sj:75
     sent = jnp.any(active_2, axis=0)  # mushrooms.sj:76
@@ -413,20 +413,18 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = paint(plane_0, state.mark_fire, MARK_FIRE_BIT)  # mushrooms.sj:72
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # mushrooms.sj:39
     seen_0 = windows(  # mushrooms.sj:88
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     content = seen_0 & CONTENT_MASK  # mushrooms.sj:88
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # mushrooms.sj:88
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # mushrooms.sj:88
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # mushrooms.sj:88
     marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK  # mushrooms.sj:88
-    shown_digesting = state.agent_digesting  # mushrooms.sj:89
     return planes_of(
-        WINDOW, None, content, agents, marks, jnp.broadcast_to(shown_digesting[:, None], (NUM_AGENTS, NUM_VIEW_CELLS))
+        WINDOW,
+        None,
+        content,
+        agents,
+        marks,
+        jnp.broadcast_to(state.agent_digesting[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
     )

@@ -118,10 +118,10 @@ OAK_LOOK = 8  # as it is painted
 MARK_HUNT_BIT = 1
 AGENT_SHIFT = 4
 NUM_VIEW_CELLS = 121  # cells of a window
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 15
 AGENT_MASK = 15
 MARKS_OF_HUNT = 13  # cells that hunt can mark
@@ -156,7 +156,7 @@ NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
 SITE_OF_GRASS = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "g")))
 JAWS_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0),)))  # cells of jaws from an agent's cell, for each heading
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-DISC_3__CENTRE_OFFSETS = jnp.asarray(  # cells of disc(3, centre) from an agent's cell, for each heading
+DISC_3_CENTRE_OFFSETS = jnp.asarray(  # cells of disc(3, centre) from an agent's cell, for each heading
     shape_offsets(
         MAP,
         PAD,
@@ -193,7 +193,6 @@ DISC_3__CENTRE_OFFSETS = jnp.asarray(  # cells of disc(3, centre) from an agent'
         ),
     )
 )
-LANES_OF_JAWS = jnp.asarray([[0]], jnp.int32)  # cells of each lane of jaws, nearest first
 FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
 # looks of the cells of the frame, fields aside
 BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "g": 3, "P": 4, "X": 5, "a": 6, "n": 8}))
@@ -334,7 +333,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each tree, by chance, sets tree.fruit to ripe; for each oak, by chance, sets oak.fruit to ripe.
+    """Phase `grow`: for each tree, by chance sets tree.fruit to ripe; for each oak, by chance sets oak.fruit to ripe.
     """
     tree_under = SITE_OF_TREE[state.position]  # predator_prey.sj:53
     covered = occupied(tree_under, NUM_TREE)  # predator_prey.sj:53
@@ -351,9 +350,8 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one; agents whose time away is over return."""
-    agent_chews = state.agent_chews - (state.agent_chews > 0).astype(state.agent_chews.dtype)  # predator_prey.sj:38
-    # predator_prey.sj:39
-    agent_resting = state.agent_resting - (state.agent_resting > 0).astype(state.agent_resting.dtype)
+    agent_chews = jnp.maximum(state.agent_chews, 1) - 1  # predator_prey.sj:38
+    agent_resting = jnp.maximum(state.agent_resting, 1) - 1  # predator_prey.sj:39
     state = state.replace(agent_chews=agent_chews, agent_resting=agent_resting)
     due = (state.position == NOWHERE) & (state.away == 1)
     state = state.replace(away=state.away - ((state.position == NOWHERE) & (state.away > 1)).astype(jnp.int32))
@@ -426,7 +424,8 @@ def gather(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     active_2 = (  # predator_prey.sj:61
         present
         & (oak_under < NUM_OAK)
-        & ((state.agent_role == AGENT_PREY) & (state.agent_mouth == AGENT_EMPTY))
+        & (state.agent_role == AGENT_PREY)
+        & (state.agent_mouth == AGENT_EMPTY)
         & (state.oak_fruit[oak_under] == OAK_RIPE)
     )
     to_oak = jnp.where(active_2, oak_under, NUM_OAK)  # predator_prey.sj:62
@@ -466,68 +465,62 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     marked = jnp.where(  # predator_prey.sj:72
         (present & (state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None] & INSIDE[jaws_cells],
         jaws_cells,
-        0,
+        NOWHERE,
     ).reshape(-1)
     standing = jaws_cells[:, :, None] == state.position[None, None, :]  # predator_prey.sj:73
     target = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # predator_prey.sj:73
     anybody = jnp.any(standing, axis=-1)  # predator_prey.sj:73
     position = state.position[target]  # predator_prey.sj:73
-    disc_3__centre_cells = position[:, :, None] + DISC_3__CENTRE_OFFSETS[0][None, None, :]  # predator_prey.sj:73
+    disc_3_centre_cells = position[:, :, None] + DISC_3_CENTRE_OFFSETS[0][None, None, :]  # predator_prey.sj:73
     # predator_prey.sj:73
-    in_disc_3__centre = jnp.any(disc_3__centre_cells[:, :, :, None] == state.position[None, None, None, :], axis=2)
+    in_disc_3_centre = jnp.any(disc_3_centre_cells[:, :, :, None] == state.position[None, None, None, :], axis=2)
     num_a = jnp.sum(  # predator_prey.sj:73
-        present[None, None, :] & in_disc_3__centre & (
-            (state.agent_role == AGENT_PREY) & (state.agent_mouth != AGENT_EATING)
-        )[None, None, :],
+        present[None, None, :]
+        & in_disc_3_centre
+        & ((state.agent_role == AGENT_PREY) & (state.agent_mouth != AGENT_EATING))[None, None, :],
         axis=2,
         dtype=jnp.int32,
     )
     num_a_2 = jnp.sum(  # predator_prey.sj:73
-        present[None, None, :] & in_disc_3__centre & (state.agent_role == AGENT_PREDATOR)[None, None, :],
+        present[None, None, :] & in_disc_3_centre & (state.agent_role == AGENT_PREDATOR)[None, None, :],
         axis=2,
         dtype=jnp.int32,
     )
-    ok = (  # predator_prey.sj:73
+    eligible = (  # predator_prey.sj:73
         anybody
         & ((state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None]
         & ((state.agent_role[target] == AGENT_PREDATOR) | (num_a <= num_a_2))
     )
-    in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_JAWS]  # predator_prey.sj:73
-    nearest = jnp.argmax(in_lane, axis=-1)  # predator_prey.sj:73
-    found = jnp.any(in_lane, axis=-1)  # predator_prey.sj:73
-    cell_of_lane = LANES_OF_JAWS[jnp.arange(1)[None, :], nearest]  # predator_prey.sj:73
-    target_2 = jnp.take_along_axis(target, jnp.minimum(cell_of_lane, 0), axis=1)  # predator_prey.sj:73
     # predator_prey.sj:73
-    pairs = present[:, None] & found & (target_2 != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
+    pairs = present[:, None] & eligible & (target != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
     # predator_prey.sj:73
-    instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_AGENTS + target_2).astype(jnp.uint32)
+    instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_AGENTS + target).astype(jnp.uint32)
     order = ranks(words_at(key, STREAM_HUNT, instance), pairs)  # predator_prey.sj:73
-    target_3 = pair_reached(target_2, order, NUM_AGENTS, alike=True)  # predator_prey.sj:73
-    matched = target_3 < NUM_AGENTS  # predator_prey.sj:73
+    target_2 = pair_reached(target, order, NUM_AGENTS, alike=True)  # predator_prey.sj:73
+    matched = target_2 < NUM_AGENTS  # predator_prey.sj:73
     agent_resting = jnp.where(matched, params.rest, state.agent_resting)  # predator_prey.sj:75
-    to_agent = jnp.where(matched, target_3, NUM_AGENTS)  # predator_prey.sj:76
+    to_agent = jnp.where(matched, target_2, NUM_AGENTS)  # predator_prey.sj:76
     agent_mouth = state.agent_mouth.at[to_agent].set(AGENT_EMPTY, mode="drop")  # predator_prey.sj:76
-    holds = state.agent_role[target_3] == AGENT_PREDATOR  # predator_prey.sj:77
-    to_agent_2 = jnp.where(matched & holds, target_3, NUM_AGENTS)  # predator_prey.sj:77
+    holds = state.agent_role[target_2] == AGENT_PREDATOR  # predator_prey.sj:77
+    to_agent_2 = jnp.where(matched & holds, target_2, NUM_AGENTS)  # predator_prey.sj:77
     sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent_2].set(True, mode="drop")  # predator_prey.sj:77
-    delay = jnp.int32(200)  # predator_prey.sj:77
     active = matched & ~holds  # predator_prey.sj:77
-    to_agent_3 = jnp.where(active, target_3, NUM_AGENTS)  # predator_prey.sj:78
+    to_agent_3 = jnp.where(active, target_2, NUM_AGENTS)  # predator_prey.sj:78
     sent_2 = jnp.zeros(NUM_AGENTS, bool).at[to_agent_3].set(True, mode="drop")  # predator_prey.sj:78
     reward = out.reward + jnp.where(active, params.meal, 0.0)  # predator_prey.sj:78
     event_caught = out.event_caught + active.astype(jnp.int32)  # predator_prey.sj:78
     times = jnp.sum(  # predator_prey.sj:78
-        active[:, None] & (target_3[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
+        active[:, None] & (target_2[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
         axis=0,
         dtype=jnp.int32,
     )
     event_eaten = out.event_eaten + times  # predator_prey.sj:78
     position_2 = jnp.where(sent, NOWHERE, state.position)  # predator_prey.sj:77
-    away = jnp.where(sent, delay, state.away)  # predator_prey.sj:77
+    away = jnp.where(sent, 200, state.away)  # predator_prey.sj:77
     away_pool = jnp.where(sent, 2, state.away_pool)  # predator_prey.sj:77
     away_facing = jnp.where(sent, ANY_HEADING, state.away_facing)  # predator_prey.sj:77
     position_2 = jnp.where(sent_2, NOWHERE, position_2)  # predator_prey.sj:78
-    away = jnp.where(sent_2, delay, away)  # predator_prey.sj:78
+    away = jnp.where(sent_2, 200, away)  # predator_prey.sj:78
     away_pool = jnp.where(sent_2, 3, away_pool)  # predator_prey.sj:78
     away_facing = jnp.where(sent_2, ANY_HEADING, away_facing)  # predator_prey.sj:78
     return (
@@ -572,22 +565,10 @@ def observe(state: State, params: Params) -> Array:
     # predator_prey.sj:33
     plane_0 = paint(plane_0, state.position, (jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1) << AGENT_SHIFT)
     seen_0 = windows(  # predator_prey.sj:89
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     seen_1 = windows(  # predator_prey.sj:89
-        plane_1.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     content = seen_0 & CONTENT_MASK  # predator_prey.sj:89
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # predator_prey.sj:89
@@ -598,8 +579,6 @@ def observe(state: State, params: Params) -> Array:
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]  # predator_prey.sj:89
-    shown_role = state.agent_role  # predator_prey.sj:90
-    shown_mouth = state.agent_mouth  # predator_prey.sj:90
     present = state.position != NOWHERE  # predator_prey.sj:90
     return planes_of(
         WINDOW,
@@ -609,6 +588,6 @@ def observe(state: State, params: Params) -> Array:
         seen_1,
         jnp.where(theirs, state.agent_role[who] + 1, 0),
         jnp.where(theirs, state.agent_mouth[who] + 1, 0),
-        jnp.broadcast_to(shown_role[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
-        jnp.broadcast_to(shown_mouth[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_role[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_mouth[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
     )

@@ -144,10 +144,10 @@ BRICK_LOOK = 3  # as it is painted
 MARK_CLAIM_BIT = 128
 MARK_FIRE_BIT = 16
 NUM_VIEW_CELLS = 121  # cells of a window
-VIEW_AHEAD = 9  # cells seen
-VIEW_BEHIND = 1  # cells seen
-VIEW_LEFT = 5  # cells seen
-VIEW_RIGHT = 5  # cells seen
+AHEAD = 9  # cells of a window
+BEHIND = 1  # cells of a window
+LEFT = 5  # cells of a window
+RIGHT = 5  # cells of a window
 CONTENT_MASK = 127
 AGENT_MASK = 15
 MARK_CLAIM_SHIFT = 7
@@ -326,12 +326,11 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one."""
-    brick_wetness = state.brick_wetness - (state.brick_wetness > 0).astype(state.brick_wetness.dtype)  # territory.sj:27
-    brick_dust = state.brick_dust - (state.brick_dust > 0).astype(state.brick_dust.dtype)  # territory.sj:27
-    # territory.sj:36
-    agent_recovering = state.agent_recovering - (state.agent_recovering > 0).astype(state.agent_recovering.dtype)
-    agent_stunned = state.agent_stunned - (state.agent_stunned > 0).astype(state.agent_stunned.dtype)  # territory.sj:37
-    agent_hot = state.agent_hot - (state.agent_hot > 0).astype(state.agent_hot.dtype)  # territory.sj:37
+    brick_wetness = jnp.maximum(state.brick_wetness, 1) - 1  # territory.sj:27
+    brick_dust = jnp.maximum(state.brick_dust, 1) - 1  # territory.sj:27
+    agent_recovering = jnp.maximum(state.agent_recovering, 1) - 1  # territory.sj:36
+    agent_stunned = jnp.maximum(state.agent_stunned, 1) - 1  # territory.sj:37
+    agent_hot = jnp.maximum(state.agent_hot, 1) - 1  # territory.sj:37
     return (
         state.replace(
             brick_wetness=brick_wetness,
@@ -345,7 +344,7 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def age(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `age`: for each brick, sets brick.paint to dry; for each brick, by chance, adds -1 to brick.damage."""
+    """Phase `age`: for each brick, sets brick.paint to dry; for each brick, by chance adds -1 to brick.damage."""
     # territory.sj:46
     brick_paint = jnp.where((state.brick_paint == BRICK_WET) & (state.brick_wetness == 0), BRICK_DRY, state.brick_paint)
     happens = (words(key, STREAM_AGE, NUM_BRICK) >> 1) < threshold(params.mend)  # territory.sj:47
@@ -394,12 +393,12 @@ def claim(state: State, out: Outcome, params: Params, actions: Array, key: Array
     paint_bits = PAINT_REACH[state.position * 4 + state.heading]  # territory.sj:52
     # territory.sj:52
     paint_reached = ((paint_bits[:, None] >> jnp.arange(NUM_PAINT_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
-    marked = jnp.where(active[:, None] & paint_reached, paint_cells, 0).reshape(-1)  # territory.sj:52
+    marked = jnp.where(active[:, None] & paint_reached, paint_cells, NOWHERE).reshape(-1)  # territory.sj:52
     paint_brick = SITE_OF_BRICK[paint_cells]  # territory.sj:52
     # territory.sj:52
     to_brick_2 = jnp.where(active[:, None] & (paint_brick < NUM_BRICK) & paint_reached, paint_brick, NUM_BRICK)
     members = jnp.zeros((NUM_BRICK, NUM_AGENTS), bool).at[  # territory.sj:52
-        to_brick_2, jnp.broadcast_to(jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None], (NUM_AGENTS, NUM_PAINT_CELLS))
+        to_brick_2, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
     ].set(True, mode="drop")
     brick_rivals_joined_2 = as_bits(members, jnp.uint32)  # territory.sj:52
     brick_rivals = state.brick_rivals | brick_rivals_joined | brick_rivals_joined_2
@@ -413,9 +412,8 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     active = state.brick_rivals != 0  # territory.sj:55
     present = state.position != NOWHERE  # territory.sj:56
     winner, found = pick(  # territory.sj:56
-        present[None, :] & (
-            ((state.brick_rivals[:, None] >> jnp.arange(NUM_AGENTS, dtype=jnp.uint32)[None, :]) & 1) != 0
-        ),
+        present[None, :]
+        & (((state.brick_rivals[:, None] >> jnp.arange(NUM_AGENTS, dtype=jnp.uint32)[None, :]) & 1) != 0),
         words(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0],
     )
     active_2 = active & found & (winner != state.brick_owner) & (state.brick_damage < 2)  # territory.sj:57
@@ -445,13 +443,13 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         (SITE_OF_BRICK[zap_cells] < NUM_BRICK) & (state.brick_damage[SITE_OF_BRICK[zap_cells]] < 2)
     )
     zap_reached = reached(zap_blocked, INSIDE[zap_cells], ZAP_STARTS)  # territory.sj:66
-    marked = jnp.where(active[:, None] & zap_reached, zap_cells, 0).reshape(-1)  # territory.sj:66
+    marked = jnp.where(active[:, None] & zap_reached, zap_cells, NOWHERE).reshape(-1)  # territory.sj:66
     agent_hot = jnp.where(active, params.cooling.astype(jnp.uint8), state.agent_hot)  # territory.sj:66
     standing = zap_cells[:, :, None] == state.position[None, None, :]  # territory.sj:67
     victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # territory.sj:67
     anybody = jnp.any(standing, axis=-1)  # territory.sj:67
-    ok = anybody & zap_reached  # territory.sj:67
-    in_lane = jnp.concatenate([ok, jnp.zeros_like(ok[:, :1])], axis=1)[:, LANES_OF_ZAP]  # territory.sj:67
+    eligible = anybody & zap_reached  # territory.sj:67
+    in_lane = jnp.concatenate([eligible, jnp.zeros_like(eligible[:, :1])], axis=1)[:, LANES_OF_ZAP]  # territory.sj:67
     nearest = jnp.argmax(in_lane, axis=-1)  # territory.sj:67
     found = jnp.any(in_lane, axis=-1)  # territory.sj:67
     cell_of_lane = LANES_OF_ZAP[jnp.arange(3)[None, :], nearest]  # territory.sj:67
@@ -510,7 +508,7 @@ def fall(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def pay(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `pay`: for each brick (b), by chance, gives a reward to b.owner, counts paid."""
+    """Phase `pay`: for each brick (b), by chance gives a reward to b.owner, counts paid."""
     happens = (words(key, STREAM_PAY, NUM_BRICK) >> 1) < threshold(params.rate)  # territory.sj:78
     active = (state.brick_paint == BRICK_DRY) & (state.brick_owner != NOBODY) & happens  # territory.sj:78
     # territory.sj:78
@@ -553,22 +551,10 @@ def observe(state: State, params: Params) -> Array:
     plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # territory.sj:64
     plane_1 = paint(plane_1, state.position, jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1)  # territory.sj:33
     seen_0 = windows(  # territory.sj:89
-        plane_0.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     seen_1 = windows(  # territory.sj:89
-        plane_1.reshape(FRAME),
-        state.position,
-        state.heading,
-        ahead=VIEW_AHEAD,
-        behind=VIEW_BEHIND,
-        left=VIEW_LEFT,
-        right=VIEW_RIGHT,
+        plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK  # territory.sj:89
     is_brick = (raw >= BRICK_LOOK) & (raw < 93)  # territory.sj:89
@@ -599,8 +585,6 @@ def observe(state: State, params: Params) -> Array:
     theirs = (agent != 0) & ~MYSELF[None]  # territory.sj:89
     # territory.sj:89
     marks = ((seen_0 >> MARK_CLAIM_SHIFT) & MARK_CLAIM_MASK) | (((seen_1 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK) << 1)
-    shown_stunned = state.agent_stunned  # territory.sj:89
-    shown_hot = state.agent_hot  # territory.sj:89
     present = state.position != NOWHERE  # territory.sj:89
     return planes_of(
         WINDOW,
@@ -609,6 +593,6 @@ def observe(state: State, params: Params) -> Array:
         agents,
         marks,
         jnp.where(theirs, state.agent_hits[who], 0),
-        jnp.broadcast_to(shown_stunned[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
-        jnp.broadcast_to(shown_hot[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_stunned[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
+        jnp.broadcast_to(state.agent_hot[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
     )

@@ -129,7 +129,7 @@ def trees(draw: st.DrawFn, depth: int = 4) -> Any:
             return tuple(below() for _ in range(draw(st.integers(least, 3))))
 
         def keys() -> tuple[Any, ...]:
-            slices = [Slice(), Slice(None, below()), Slice(below(), None)]
+            slices = [Slice(), Slice(None, draw(LEAVES)), Slice(draw(LEAVES), None)]
             return tuple(draw(st.sampled_from([key, *slices])) for key in some(1))
 
         dtype, name = draw(st.sampled_from(list(DTYPES))), draw(NAMES)

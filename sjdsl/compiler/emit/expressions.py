@@ -7,29 +7,7 @@ readers know whether `a + b & c == d` is `((a + b) & c) == d`.
 from dataclasses import dataclass
 from typing import assert_never
 
-from sjdsl.compiler.program.expressions import (
-    DTYPES,
-    Arange,
-    Attribute,
-    Binary,
-    Broadcast,
-    Call,
-    Cast,
-    DType,
-    Expression,
-    Index,
-    Lambda,
-    Literal,
-    Mapping,
-    Name,
-    Reduce,
-    Sequence,
-    Slice,
-    Unary,
-    Update,
-    Where,
-    path,
-)
+from sjdsl.compiler.program import expressions as array
 
 COMPARISON, UNARY, ATOM = 0, 6, 7
 PRECEDENCE = {
@@ -74,7 +52,7 @@ class Operation:
 Piece = str | Chain | Operation
 
 
-def text(node: Expression) -> str:
+def text(node: array.Expression) -> str:
     """Returns an expression on one line."""
     return flat(pieces(node))
 
@@ -92,115 +70,124 @@ def flat(piece: "Piece | Bracketed") -> str:
             return flat(piece.first) + "".join(f" {op} {flat(operand)}" for op, operand in piece.rest)
 
 
-def pieces(node: Expression | Slice) -> Piece:
+def pieces(node: array.Expression | array.Slice) -> Piece:
     """Returns an expression as pieces that `layout` breaks into lines."""
     match node:
-        case Name():
+        case array.Name():
             return node.identifier
-        case Literal():
+        case array.Literal():
             return _literal(node)
-        case Slice():
+        case array.Slice():
             start, stop = ("" if part is None else flat(pieces(part)) for part in (node.start, node.stop))
             return f"{start}:{stop}"
-        case Unary():
+        case array.Unary():
             return _after(node.op, _operand(node.operand, UNARY))
-        case Binary():
+        case array.Binary():
             return _operation(node)
-        case Sequence(items=items, is_list=is_list):
+        case array.Sequence(items=items, is_list=is_list):
             inner = tuple(map(pieces, items))
             return Chain((Bracketed("[", inner, "]") if is_list else Bracketed("(", inner, ")", comma=len(items) == 1),))
-        case Mapping():
+        case array.Mapping():
             return Chain((Bracketed("{", tuple(_after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries), "}"),))
-        case Lambda():
+        case array.Lambda():
             return _after(f"lambda {', '.join(node.parameters)}: ", pieces(node.body))
         case _:
             return Chain(tuple(_trailers(node)))
 
 
-def _trailers(node: Expression | Slice) -> list["str | Bracketed"]:
+def _trailers(node: array.Expression | array.Slice) -> list["str | Bracketed"]:
     """Returns what is called, indexed or asked for an attribute as its base and what follows it."""
     match node:
-        case Attribute():
+        case array.Attribute():
             return [*_base(node.value), f".{node.name}"]
-        case Index():
+        case array.Index():
             return [*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")]
-        case Call():
+        case array.Call():
             return [*_base(node.function), _arguments(node.arguments, node.keywords)]
-        case Where():
+        case array.Where():
             return _of_jnp("where", node.condition, node.then, node.otherwise)
-        case Cast():
-            return [*_base(node.value), ".astype", _arguments((DTYPES[node.dtype],))]
-        case Reduce():
+        case array.Cast():
+            return [*_base(node.value), ".astype", _arguments((array.DTYPES[node.dtype],))]
+        case array.Reduce():
             axes = () if node.axes is None else (("axis", _axis(node.axes)),)
-            return _trailers(Call(path(f"jnp.{node.fn}"), (node.value,), (*axes, *_dtype(node.dtype))))
-        case Broadcast():
-            return _of_jnp("broadcast_to", node.value, Sequence(node.shape))
-        case Arange():
-            return _trailers(Call(path("jnp.arange"), (node.size,), _dtype(node.dtype)))
-        case Update():
-            at = Attribute(Index(Attribute(node.target, "at"), node.keys), node.fn)
-            return _trailers(Call(at, (node.value,), (("mode", Literal("drop")),) if node.drop else ()))
-        case Name() | Literal() | Slice() | Unary() | Binary() | Sequence() | Mapping() | Lambda():
+            return _trailers(array.Call(array.path(f"jnp.{node.fn}"), (node.value,), (*axes, *_dtype(node.dtype))))
+        case array.Broadcast():
+            return _of_jnp("broadcast_to", node.value, array.Sequence(node.shape))
+        case array.Arange():
+            return _trailers(array.Call(array.path("jnp.arange"), (node.size,), _dtype(node.dtype)))
+        case array.Update():
+            at = array.Attribute(array.Index(array.Attribute(node.target, "at"), node.keys), node.fn)
+            return _trailers(array.Call(at, (node.value,), (("mode", array.Literal("drop")),) if node.drop else ()))
+        case (
+            array.Name()
+            | array.Literal()
+            | array.Slice()
+            | array.Unary()
+            | array.Binary()
+            | array.Sequence()
+            | array.Mapping()
+            | array.Lambda()
+        ):
             raise AssertionError(node)
         case _:
             assert_never(node)
 
 
-def _dtype(dtype: DType | None) -> tuple[tuple[str, Expression], ...]:
-    return () if dtype is None else (("dtype", DTYPES[dtype]),)
+def _dtype(dtype: array.DType | None) -> tuple[tuple[str, array.Expression], ...]:
+    return () if dtype is None else (("dtype", array.DTYPES[dtype]),)
 
 
-def _axis(axes: tuple[int, ...]) -> Expression:
-    return Literal(axes[0]) if len(axes) == 1 else Sequence(tuple(map(Literal, axes)))
+def _axis(axes: tuple[int, ...]) -> array.Expression:
+    return array.Literal(axes[0]) if len(axes) == 1 else array.Sequence(tuple(map(array.Literal, axes)))
 
 
-def _of_jnp(function: str, *arguments: Expression) -> list["str | Bracketed"]:
-    return _trailers(Call(path(f"jnp.{function}"), arguments))
+def _of_jnp(function: str, *arguments: array.Expression) -> list["str | Bracketed"]:
+    return _trailers(array.Call(array.path(f"jnp.{function}"), arguments))
 
 
-def _arguments(arguments: tuple[Expression, ...], keywords: tuple[tuple[str, Expression], ...] = ()) -> Bracketed:
+def _arguments(arguments: tuple[array.Expression, ...], keywords: tuple[tuple[str, array.Expression], ...] = ()) -> Bracketed:
     named = tuple(_after(f"{name}=", pieces(value)) for name, value in keywords)
     return Bracketed("(", (*map(pieces, arguments), *named), ")")
 
 
-def _base(node: Expression) -> list["str | Bracketed"]:
+def _base(node: array.Expression) -> list["str | Bracketed"]:
     """Returns what a trailer follows, in brackets unless it binds as tightly."""
-    if _strength(node) < ATOM or (isinstance(node, Literal) and not isinstance(node.value, str) and not node.name):
+    if _strength(node) < ATOM or (isinstance(node, array.Literal) and not isinstance(node.value, str) and not node.name):
         return [Bracketed("(", (pieces(node),), ")")]
     found = pieces(node)
     return list(found.pieces) if isinstance(found, Chain) else [flat(found)]
 
 
-def _strength(node: Expression) -> int:
+def _strength(node: array.Expression) -> int:
     """Returns how tightly the outermost operation of an expression binds."""
     match node:
-        case Binary():
+        case array.Binary():
             return PRECEDENCE[node.op]
-        case Unary():
+        case array.Unary():
             return UNARY
-        case Literal(value=bool()):
+        case array.Literal(value=bool()):
             return ATOM
-        case Literal(value=int() | float() as value, name="") if str(value).startswith("-"):
+        case array.Literal(value=int() | float() as value, name="") if str(value).startswith("-"):
             return UNARY
-        case Lambda():
+        case array.Lambda():
             return -1
         case _:
             return ATOM
 
 
-def _operand(node: Expression, least: int) -> Piece:
+def _operand(node: array.Expression, least: int) -> Piece:
     """Returns an operand, in brackets if it binds less than it must."""
-    mixes_bits = least == COMPARISON + 1 and isinstance(node, Binary) and node.op in BITWISE
+    mixes_bits = least == COMPARISON + 1 and isinstance(node, array.Binary) and node.op in BITWISE
     return Chain((Bracketed("(", (pieces(node),), ")"),)) if _strength(node) < least or mixes_bits else pieces(node)
 
 
-def _operation(node: Binary) -> Operation:
+def _operation(node: array.Binary) -> Operation:
     """Returns an operation; `(a + b) + c` is one of three operands."""
     strength = PRECEDENCE[node.op]
     inner = UNARY if node.op in BITWISE else strength + 1
     right = _operand(node.right, inner)
     left = node.left
-    if isinstance(left, Binary) and strength != COMPARISON and PRECEDENCE[left.op] == strength:
+    if isinstance(left, array.Binary) and strength != COMPARISON and PRECEDENCE[left.op] == strength:
         if left.op == node.op or node.op not in BITWISE:
             before = _operation(left)
             return Operation(before.first, (*before.rest, (node.op, right)))
@@ -218,7 +205,7 @@ def _after(prefix: str, piece: Piece) -> Piece:
             return Operation(_after(prefix, piece.first), piece.rest)
 
 
-def _literal(node: Literal) -> str:
+def _literal(node: array.Literal) -> str:
     if node.name:
         return node.name
     if isinstance(node.value, str):

@@ -20,7 +20,8 @@ def layout(piece: Piece, column: int, indent: int, after: int, bracketed: bool =
         return whole
     if isinstance(piece, Chain):
         return _chain(piece, column, indent, after)
-    last = _last_broken(piece, column, indent, after)
+    fits_alone = indent + len(piece.rest[-1][0]) + 1 + len(flat(piece.rest[-1][1])) + after <= WIDTH
+    last = None if bracketed and fits_alone else _last_broken(piece, column, indent, after)
     if last is not None:
         return last
     if not bracketed:

@@ -29,36 +29,14 @@ from sjdsl.compiler.lower.state import outcome_fields, param_value, params_field
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.writer import Module, Writer, all_fields, replaced
 from sjdsl.compiler.program import Constant, Field, Function, Group, Number, Program
-from sjdsl.compiler.program.expressions import (
-    ALL,
-    DTYPES,
-    NEW_AXIS,
-    Attribute,
-    Binary,
-    Call,
-    Expression,
-    Index,
-    Literal,
-    Mapping,
-    Name,
-    Return,
-    Sequence,
-    Unary,
-    Where,
-    call,
-    constant,
-    live,
-    path,
-    scalar,
-    walk,
-)
+from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.fields import StateField
 
-STATE, OUT, PARAMS, ACTIONS, KEY = (Name(x) for x in ("state", "out", "params", "actions", "key"))
+STATE, OUT, PARAMS, ACTIONS, KEY = (array.Name(x) for x in ("state", "out", "params", "actions", "key"))
 PHASE = (("state", "State"), ("out", "Outcome"), ("params", "Params"), ("actions", "Array"), ("key", "Array"))
 READING = (("state", "State"), ("params", "Params"))
-NUM_ACTIONS = call("len", Name("ACTIONS"))
-STAY = Name("STAY")
+NUM_ACTIONS = array.call("len", array.Name("ACTIONS"))
+STAY = array.Name("STAY")
 
 
 def new_module(game: ir.Game) -> Module:
@@ -86,7 +64,7 @@ def _program(game: ir.Game, source: str, written: ir.Game, module: Module) -> Pr
     pools = all_pools(game)
     start = _phase(game.start, pools[game.start.name], module)
     turns = [_tick(pools, module) if isinstance(t, ir.Tick) else _phase(t, pools[t.name], module) for t in game.schedule]
-    turns = [turn for turn in turns if turn.body != (Return((STATE, OUT)),)]
+    turns = [turn for turn in turns if turn.body != (array.Return((STATE, OUT)),)]
     others = [_allowed(module), _measures(module), _episode(module), _observe(module)]
     w = Writer(module)
     state, params, outcome = state_fields(game, w), params_fields(game), outcome_fields(game, w)
@@ -115,7 +93,7 @@ def _program(game: ir.Game, source: str, written: ir.Game, module: Module) -> Pr
     )
 
 
-def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[tuple[str, Expression], ...]:
+def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[tuple[str, array.Expression], ...]:
     """Returns what the module says of itself."""
     actions = game.agents.actions
     facts: dict[str, object] = {
@@ -132,19 +110,19 @@ def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[tuple[str, Expres
         "ROLE": role_attribute(game),
         "EVENTS": events(game),  # counts of a step: name, attribute of Outcome, entry of its last axis
     }
-    known = tuple((name, constant(value)) for name, value in facts.items())
-    return (*known, ("FIELDS", Sequence(tuple(map(_described, described_fields(game))))))
+    known = tuple((name, array.constant(value)) for name, value in facts.items())
+    return (*known, ("FIELDS", array.Sequence(tuple(map(_described, described_fields(game))))))
 
 
-def _described(field: StateField) -> Expression:
+def _described(field: StateField) -> array.Expression:
     given = {f.name: getattr(field, f.name) for f in fields(field) if getattr(field, f.name) != f.default}
-    return call("StateField", **{name: constant(value) for name, value in given.items()})
+    return array.call("StateField", **{name: array.constant(value) for name, value in given.items()})
 
 
 def _used(functions: tuple[Function, ...], module: Module) -> tuple[tuple[Constant, ...], tuple[Number, ...]]:
     """Returns the constants and numbers of the module that its functions use, in the order in which they were met."""
-    nodes = [node for function in functions for node in walk(function.body)]
-    names = {n.identifier for n in nodes if isinstance(n, Name)} | {n.name for n in nodes if isinstance(n, Literal)}
+    nodes = [node for function in functions for node in array.walk(function.body)]
+    names = {n.identifier for n in nodes if isinstance(n, array.Name)} | {n.name for n in nodes if isinstance(n, array.Literal)}
     constants = tuple(c for c in module.constants.values() if c.name in names)
     groups = get_args(Group)
     numbers = sorted((n for n in module.numbers.values() if n.name in names), key=lambda n: groups.index(n.group))
@@ -153,38 +131,38 @@ def _used(functions: tuple[Function, ...], module: Module) -> tuple[tuple[Consta
 
 def _made(name: str, of: str, doc: str, fields: list[Field]) -> Function:
     """Returns the function that makes the first value of a class."""
-    made = Call(Name(of), (), tuple((field.name, field.default) for field in fields))
-    return Function(name, (), of, doc, (Return((made,)),))
+    made = array.Call(array.Name(of), (), tuple((field.name, field.default) for field in fields))
+    return Function(name, (), of, doc, (array.Return((made,)),))
 
 
 def _function(w: Writer, name: str, parameters: tuple[tuple[str, str], ...], returns: str, doc: str) -> Function:
-    return Function(name, parameters, returns, doc, live(w.body))
+    return Function(name, parameters, returns, doc, array.live(w.body))
 
 
 def _reset() -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
-    actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
-    first = call("start", call("initial_state"), call("no_outcome"), PARAMS, actions, KEY)
-    return Function("reset", parameters, "State", doc, (Return((Index(first, (Literal(0),)),)),))
+    actions = array.call("jnp.full", array.Name("NUM_AGENTS"), STAY, array.DTYPES["i32"])
+    first = array.call("start", array.call("initial_state"), array.call("no_outcome"), PARAMS, actions, KEY)
+    return Function("reset", parameters, "State", doc, (array.Return((array.Index(first, (array.Literal(0),)),)),))
 
 
 def _step(turns: list[Function], module: Module) -> Function:
     """Unknown and forbidden actions become `stay`, marks of the last step go, then the phases follow in schedule order."""
     w = Writer(module)
-    below, above = Binary("<", ACTIONS, Literal(0)), Binary(">=", ACTIONS, NUM_ACTIONS)
-    w.set(ACTIONS, Where(Binary("|", below, above), STAY, ACTIONS))
+    below, above = array.Binary("<", ACTIONS, array.Literal(0)), array.Binary(">=", ACTIONS, NUM_ACTIONS)
+    w.set(ACTIONS, array.Where(array.Binary("|", below, above), STAY, ACTIONS))
     if module.game.agents.forbids:
-        allowed = call("allowed_actions", STATE, PARAMS)
-        chosen = call("jnp.take_along_axis", allowed, Index(ACTIONS, (ALL, NEW_AXIS)), axis=Literal(1))
-        w.set(Name("allowed"), Index(chosen, (ALL, Literal(0))))
-        w.set(ACTIONS, Where(Name("allowed"), ACTIONS, STAY))
-    w.set(OUT, call("no_outcome"))
+        allowed = array.call("allowed_actions", STATE, PARAMS)
+        chosen = array.call("jnp.take_along_axis", allowed, array.Index(ACTIONS, (array.ALL, array.NEW_AXIS)), axis=array.Literal(1))
+        w.set(array.Name("allowed"), array.Index(chosen, (array.ALL, array.Literal(0))))
+        w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
+    w.set(OUT, array.call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]
     if marks:
-        w.set(STATE, replaced("state", {mark: call("jnp.zeros_like", path(f"state.{mark}")) for mark in marks}))
+        w.set(STATE, replaced("state", {mark: array.call("jnp.zeros_like", array.path(f"state.{mark}")) for mark in marks}))
     for turn in turns:
-        w.unpack((STATE, OUT), call(turn.name, STATE, OUT, PARAMS, ACTIONS, KEY))
+        w.unpack((STATE, OUT), array.call(turn.name, STATE, OUT, PARAMS, ACTIONS, KEY))
     w.give_back(STATE, OUT)
     doc = "Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."
     parameters = (("state", "State"), ("actions", "Array"), ("params", "Params"), ("key", "Array"))
@@ -204,21 +182,23 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
     return _function(w, phase.name, PHASE, "tuple[State, Outcome]", summary(phase, module.game))
 
 
-def _all_marks(marked: dict[Name, int], size: int) -> Expression:
+def _all_marks(marked: dict[array.Name, int], size: int) -> array.Expression:
     """Returns the cells of all marks of a phase; those of statements that never happen are missing, and none stand in their places."""
     missing = size - sum(marked.values())
-    parts: tuple[Expression, ...] = (*marked, *([call("jnp.zeros", Literal(missing), DTYPES["i32"])] if missing else []))
-    return parts[0] if len(parts) == 1 else call("jnp.concatenate", Sequence(parts, is_list=True))
+    parts: tuple[array.Expression, ...] = (
+        *marked,
+        *([array.call("jnp.zeros", array.Literal(missing), array.DTYPES["i32"])] if missing else []),
+    )
+    return parts[0] if len(parts) == 1 else array.call("jnp.concatenate", array.Sequence(parts, is_list=True))
 
 
 def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
     w = Writer(module, "tick")
     for field in all_fields(module.game):
         if field.timer:
-            old = path(f"state.{attribute_name(field)}")
+            old = array.path(f"state.{attribute_name(field)}")
             w.origin = field.origin
-            is_running = Call(Attribute(Binary(">", old, Literal(0)), "astype"), (Attribute(old, "dtype"),))
-            w.assign(attribute_name(field), Binary("-", old, is_running))
+            w.assign(attribute_name(field), array.Binary("-", array.call("jnp.maximum", old, array.Literal(1)), array.Literal(1)))
     w.origin = None
     if module.stores_away:
         if w.changed:
@@ -236,16 +216,18 @@ def _allowed(module: Module) -> Function:
     agents = module.game.agents
     axis = w.axis("agent", module.agents)
     scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
-    everything = call("jnp.ones", Sequence((module.agents, NUM_ACTIONS)), Name("bool"))
-    allowed: Expression = everything
+    everything = array.call("jnp.ones", array.Sequence((module.agents, NUM_ACTIONS)), array.Name("bool"))
+    allowed: array.Expression = everything
     for forbid in agents.forbids:
         w.origin = forbid.origin
         test = w.keep("forbidden", w.value(forbid.condition, scope))
         mask = np.isin(np.arange(len(agents.actions)), [a for a in forbid.actions if a != agents.actions.index("stay")])
         name = module.constant("forbids", mask, "actions a `forbid` is about")
-        condition = indexed(test.node, (ALL, NEW_AXIS)) if test.axes else test.node
-        closed = w.bind("closed", Binary("&", condition, Index(name, (NEW_AXIS,))))
-        allowed = Binary("&", allowed, Unary("~", closed)) if allowed != everything or not test.axes else Unary("~", closed)
+        condition = indexed(test.node, (array.ALL, array.NEW_AXIS)) if test.axes else test.node
+        closed = w.bind("closed", array.Binary("&", condition, array.Index(name, (array.NEW_AXIS,))))
+        allowed = (
+            array.Binary("&", allowed, array.Unary("~", closed)) if allowed != everything or not test.axes else array.Unary("~", closed)
+        )
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."
@@ -258,9 +240,9 @@ def _measures(module: Module) -> Function:
     for measure in module.game.measures:
         w.origin = measure.origin
         value = as_dtype(w.value(measure.value, IterationScope()), "f32")
-        values.append((measure.name, scalar(value.node, "f32") if value.literal else value.node))
+        values.append((measure.name, array.scalar(value.node, "f32") if value.literal else value.node))
     w.origin = None
-    w.give_back(Mapping(tuple(values)))
+    w.give_back(array.Mapping(tuple(values)))
     doc = "Returns the `mean` and `final` values at the end of a step: float32 scalars by name."
     return _function(w, "measures", READING, "dict[str, Array]", doc)
 
@@ -269,7 +251,7 @@ def _episode(module: Module) -> Function:
     w = Writer(module)
     w.origin = module.game.episode.origin
     value = w.value(module.game.episode, IterationScope())
-    w.give_back(call("jnp.asarray", value.node, DTYPES["i32"]))
+    w.give_back(array.call("jnp.asarray", value.node, array.DTYPES["i32"]))
     doc = "Returns the steps until truncation: int32 scalar."
     return _function(w, "episode_length", (("params", "Params"),), "Array", doc)
 

@@ -49,7 +49,7 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
         return None
     shape = w.module.shape(d.place.shape)
     masks = w.module.layout.near_table(anchor.kinds, shape, d.var.kinds)
-    name = shape_name(f"near_{d.place.shape}_{'_'.join(d.var.kinds)}").replace("__", "_")
+    name = f"near_{shape_name(d.place.shape)}_{'_'.join(d.var.kinds)}"
     constant = w.module.constant(name, masks, f"neighbours of each cell in {shape.name}, as bits")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     other = CellVar(iota(axis), d.var.kinds, axis)

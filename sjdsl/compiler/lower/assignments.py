@@ -24,26 +24,7 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer, all_fields
-from sjdsl.compiler.program.expressions import (
-    ALL,
-    DTYPES,
-    NEW_AXIS,
-    REST,
-    Attribute,
-    Binary,
-    Cast,
-    Expression,
-    Index,
-    Literal,
-    Name,
-    Sequence,
-    Slice,
-    Update,
-    Where,
-    call,
-    scalar,
-    shape_of,
-)
+from sjdsl.compiler.program import expressions as array
 
 
 @dataclass(frozen=True)
@@ -128,9 +109,9 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
         table = np.append(table, len(layout.cells((kind,)))).astype(np.int32)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
-        key = Slice(None, Literal(-1)) if who.axis is not None else who.site.node
+        key = array.Slice(None, array.Literal(-1)) if who.axis is not None else who.site.node
         axes = (who.axis,) if who.axis is not None else who.site.axes
-        cell = CellVar(Value(Index(name, (key,)), "i32", axes), (kind,))
+        cell = CellVar(Value(array.Index(name, (key,)), "i32", axes), (kind,))
         found.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return found
 
@@ -146,7 +127,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     mask = None if target.scope.mask is None else reduce("any", target.scope.mask, over)
     key = None if key is None else _of_the_one(key, over)
     before = Value(w.current(target.attribute), state_reads.storage(target.declared, w), own, target.levels)
-    after = _entries(before, mask, key, target, _of_the_one(value, over))
+    after = _entries(before, mask, key, target, _of_the_one(value, over), w)
     if after != before:
         w.assign(target.attribute, after.node)
 
@@ -162,10 +143,10 @@ def _of_the_one(value: Value, over: tuple[Axis, ...]) -> Value:
         return value
     assert all(a.size == 1 for a in gone), gone
     kept = tuple(a for a in value.axes if a not in gone)
-    return replace(value, node=Index(value.node, tuple(Literal(0) if a in gone else ALL for a in value.axes)), axes=kept)
+    return replace(value, node=array.Index(value.node, tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)), axes=kept)
 
 
-def _entries(before: Value, mask: Value | None, key: Value | None, target: Target, value: Value) -> Value:
+def _entries(before: Value, mask: Value | None, key: Value | None, target: Target, value: Value, w: Writer) -> Value:
     """Returns the field with the value in its place: the whole, or one entry of a row."""
     if mask == FALSE:
         return before
@@ -173,24 +154,24 @@ def _entries(before: Value, mask: Value | None, key: Value | None, target: Targe
         return _filled(before, value) if mask is None else select(mask, value, before)
     if key.literal:
         new = select(mask, value, taken(before, key.node))
-        keys = (*[ALL] * len(before.axes), key.node)
-        return replace(before, node=Update(before.node, keys, "set", new.node))
-    hit = _is_word(key, before.axes, target)
+        keys = (*[array.ALL] * len(before.axes), key.node)
+        return replace(before, node=array.Update(before.node, keys, "set", new.node))
+    hit = _is_word(key, before.axes, target, w)
     if mask is not None:
-        hit = Binary("&", hit, _for_each_word(mask, before.axes))
-    return replace(before, node=Where(hit, _for_each_word(value, before.axes), before.node))
+        hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
+    return replace(before, node=array.Where(hit, _for_each_word(value, before.axes), before.node))
 
 
-def _is_word(key: Value, axes: tuple[Axis, ...], target: Target) -> Expression:
+def _is_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> array.Expression:
     """Returns which entries of the rows are those of a word that is computed."""
-    words = iota(Axis("word", len(target.read.type.by[0]), 0), "u8").node
-    words = Index(words, (*[NEW_AXIS] * len(axes), ALL)) if axes else words
-    return Binary("==", _for_each_word(key, axes), words)
+    words: array.Expression = array.Arange(w.module.num_words(target.read.type.by[0]), "u8")
+    words = array.Index(words, (*[array.NEW_AXIS] * len(axes), array.ALL)) if axes else words
+    return array.Binary("==", _for_each_word(key, axes), words)
 
 
-def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> Expression:
+def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a value with one more axis, for the words of a row; what has no axes is the same for all."""
-    return Index(aligned(value, axes), (REST, NEW_AXIS)) if value.axes else value.node
+    return array.Index(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
 
 
 def _filled(before: Value, value: Value) -> Value:
@@ -198,9 +179,9 @@ def _filled(before: Value, value: Value) -> Value:
     if value.axes == before.axes and value.levels == before.levels and not value.literal:
         return value
     if not value.axes and not value.levels:
-        return replace(before, node=call("jnp.full_like", before.node, value.node))
+        return replace(before, node=array.call("jnp.full_like", before.node, value.node))
     rows = _for_each_word(value, before.axes) if value.levels < before.levels else aligned(value, before.axes)
-    return replace(before, node=call("jnp.broadcast_to", rows, Attribute(before.node, "shape")))
+    return replace(before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape")))
 
 
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
@@ -212,7 +193,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     keys = (at.node, *([] if key is None else [aligned(key, axes)]))
     levels = target.levels if key is None and value.axes else 0
     new = aligned(value, axes, levels) if value.axes else value.node
-    w.assign(target.attribute, Update(w.current(target.attribute), keys, "set", new, drop=True))
+    w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
 
 
 def _past_the_end(who: Variable, w: Writer) -> Value:
@@ -240,7 +221,7 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     masked = _masked(value, scope)
     key = target.key(w)
     if key is not None:
-        masked = _one_hot(masked, key, target)
+        masked = _one_hot(masked, key, target, w)
     sums = w.added.setdefault(target.attribute, [])
     own = target.own_axes
     if own is not None:
@@ -254,18 +235,18 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     axes = union(index.axes, masked.axes)
     total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
     extent = state_reads.total_extent(target.who, w)
-    zeros = call("jnp.zeros", shape_of((extent, *(Literal(len(by)) for by in target.read.type.by))), DTYPES[total.dtype])
+    zeros = array.call("jnp.zeros", array.shape_of((extent, *map(w.module.num_words, target.read.type.by))), array.DTYPES[total.dtype])
     amount = total.node if not total.axes else _row_aligned(total, axes)
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
-    sets = Update(zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True)
+    sets = array.Update(zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True)
     sums.append(w.keep(f"{target.attribute}_added", Value(sets, total.dtype, shape, target.levels)))
 
 
-def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> Expression:
+def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a value lined up with axes, its levels last."""
     if value.axes == axes:
         return value.node
-    return Index(value.node, (*(ALL if a in value.axes else NEW_AXIS for a in axes), *[ALL] * value.levels))
+    return array.Index(value.node, (*(array.ALL if a in value.axes else array.NEW_AXIS for a in axes), *[array.ALL] * value.levels))
 
 
 def _masked(value: Value, scope: IterationScope) -> Value:
@@ -273,14 +254,14 @@ def _masked(value: Value, scope: IterationScope) -> Value:
         return select(scope.mask, value, literal(0, value.dtype))
     axes = union(scope.mask.axes, value.axes)
     test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
-    return Value(Where(test, _row_aligned(value, axes), Literal(0)), value.dtype, axes, value.levels)
+    return Value(array.Where(test, _row_aligned(value, axes), array.Literal(0)), value.dtype, axes, value.levels)
 
 
-def _one_hot(value: Value, key: Value, target: Target) -> Value:
+def _one_hot(value: Value, key: Value, target: Target, w: Writer) -> Value:
     """Returns a row that has the value at the key's word and 0 elsewhere."""
     axes = union(value.axes, key.axes)
-    zero = scalar(literal(0, value.dtype).node, value.dtype)
-    return Value(Where(_is_word(key, axes, target), _for_each_word(value, axes), zero), value.dtype, axes, 1)
+    zero = array.scalar(literal(0, value.dtype).node, value.dtype)
+    return Value(array.Where(_is_word(key, axes, target, w), _for_each_word(value, axes), zero), value.dtype, axes, 1)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
@@ -298,20 +279,22 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     keys = [x for x in (target.key(w),) if x is not None]
     axes = union(who.number.axes, member.axes, *(k.axes for k in keys), () if scope.mask is None else scope.mask.axes)
     at = spread(select(scope.mask, who.number, _past_the_end(who, w)), axes)
-    places = [w.keep(_place(who), Value(at, "i32", axes)).node, *(spread(key, axes) for key in keys)]
-    sizes = (state_reads.total_extent(who, w), *(Literal(len(target.read.type.by[0])) for _ in keys))
+    places = [w.keep(_place(who), Value(at, "i32", axes)).node, *(aligned(key, axes) for key in keys)]
+    sizes = (state_reads.total_extent(who, w), *(w.module.num_words(target.read.type.by[0]) for _ in keys))
     name = f"{target.attribute}_joined"
     itself = joining.axis if isinstance(joining, AgentVar) else None
-    sets: Expression
+    sets: array.Expression
     if itself is not None and itself in axes and all(a.size == 1 or a == itself for a in axes):  # each agent joins once at most
-        bits = Value(Binary("<<", scalar(Literal(1), dtype), iota(itself, dtype).node), dtype, (itself,))
-        sets = Update(call("jnp.zeros", shape_of(sizes), DTYPES[dtype]), tuple(places), "add", aligned(bits, axes), drop=True)
+        bits = Value(array.Binary("<<", array.scalar(array.Literal(1), dtype), iota(itself, dtype).node), dtype, (itself,))
+        sets = array.Update(
+            array.call("jnp.zeros", array.shape_of(sizes), array.DTYPES[dtype]), tuple(places), "add", aligned(bits, axes), drop=True
+        )
     else:
-        empty = call("jnp.zeros", Sequence((*sizes, w.module.agents)), Name("bool"))
-        table = Update(empty, (*places, spread(member, axes)), "set", Literal(True), drop=True)
-        sets = call("as_bits", w.keep("members", Value(table, "bool")).node, DTYPES[dtype])
+        empty = array.call("jnp.zeros", array.Sequence((*sizes, w.module.agents)), array.Name("bool"))
+        table = array.Update(empty, (*places, aligned(member, axes)), "set", array.Literal(True), drop=True)
+        sets = array.call("as_bits", w.keep("members", Value(table, "bool")).node, array.DTYPES[dtype])
     if target.levels and not keys:  # to every entry of the row
-        sets = Index(sets, (ALL, NEW_AXIS))
+        sets = array.Index(sets, (array.ALL, array.NEW_AXIS))
     w.joined.setdefault(target.attribute, []).append(w.keep(name, Value(sets, dtype)).node)
 
 
@@ -322,14 +305,14 @@ def finish(w: Writer) -> None:
         dtype = state_reads.storage(declared, w)
         node = as_dtype(Value(w.current(attribute), dtype), "i32" if declared.type.kind == "int" else "f32").node
         for total in sums:
-            node = Binary("+", node, total.node)
+            node = array.Binary("+", node, total.node)
         if declared.capped:
-            node = call("jnp.clip", node, Literal(int(declared.type.low)), Literal(int(declared.type.high)))
+            node = array.call("jnp.clip", node, array.Literal(int(declared.type.low)), array.Literal(int(declared.type.high)))
         if dtype not in ("i32", "f32"):
-            node = Cast(node, dtype)
+            node = array.Cast(node, dtype)
         w.assign(attribute, node)
     for attribute, sets in w.joined.items():
         node = w.current(attribute)
         for joined in sets:
-            node = Binary("|", node, joined)
+            node = array.Binary("|", node, joined)
         w.assign(attribute, node)

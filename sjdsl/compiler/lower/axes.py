@@ -144,9 +144,14 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
     left, right = (aligned(x, axes, levels) for x in (a, b))
-    if op in "&|" and isinstance(right, Binary) and right.op == op:  # a & (b & c) is (a & b) & c
-        return Value(Binary(op, Binary(op, left, right.left), right.right), dtype, axes, levels)
-    return Value(Binary(op, left, right), dtype, axes, levels)
+    return Value(_joined(op, left, right), dtype, axes, levels)
+
+
+def _joined(op: str, left: Expression, right: Expression) -> Expression:
+    """Returns an operation; a & (b & c) is (a & b) & c."""
+    if op in "&|" and isinstance(right, Binary) and right.op == op:
+        return Binary(op, _joined(op, left, right.left), right.right)
+    return Binary(op, left, right)
 
 
 def _as_kept(value: Value, other: Value) -> Value:

@@ -155,7 +155,7 @@ def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
 
 def shape_name(shape: str) -> str:
     """Returns a shape as a part of names: `disc(2)` is `disc_2`."""
-    return "".join(c if c.isalnum() else "_" for c in shape).strip("_")
+    return "_".join("".join(c if c.isalnum() else " " for c in shape).split())
 
 
 def sweep(place: ir.Near, scope: IterationScope, w: Writer) -> Swept:

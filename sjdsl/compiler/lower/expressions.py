@@ -26,23 +26,7 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
-from sjdsl.compiler.program.expressions import (
-    ALL,
-    DTYPES,
-    NEW_AXIS,
-    Binary,
-    DType,
-    Expression,
-    Index,
-    Literal,
-    Name,
-    Reduce,
-    Sequence,
-    Unary,
-    call,
-    path,
-    walk,
-)
+from sjdsl.compiler.program import expressions as array
 
 LARGE = 8  # nodes of a defined condition from which on it keeps its name
 ABSENT = 255  # the number of a word in a set that does not have it
@@ -72,7 +56,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.At():
             return entry(e, scope, w)
         case ir.Step():
-            return Value(path("state.step"), "i32")
+            return Value(array.path("state.step"), "i32")
         case ir.Arithmetic():
             return arithmetic(e, scope, w)
         case ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
@@ -93,10 +77,10 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Ramp():
             parts = [real(x, scope, w) for x in (e.value, e.zero_at, e.one_at)]
             axes = union(*(p.axes for p in parts))
-            return Value(call("ramp", *(aligned(p, axes) for p in parts)), "f32", axes)
+            return Value(array.call("ramp", *(aligned(p, axes) for p in parts)), "f32", axes)
         case ir.Named():
             value = lower(e.value, scope, w)
-            return value if value.dtype == "bool" and len(list(walk(value.node))) < LARGE else w.keep(e.name, value)
+            return value if value.dtype == "bool" and len(list(array.walk(value.node))) < LARGE else w.keep(e.name, value)
         case ir.Narrowed():
             return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
         case ir.EventTotal() | ir.MatrixClass():
@@ -114,11 +98,11 @@ def of_row(e: ir.SumRow | ir.Lowest | ir.Mix, row: Value) -> Value:
     """Returns what is made of a whole row: its sum, the word of its lowest or highest entry, or the shares of its entries."""
     match e:
         case ir.SumRow():
-            return replace(row, node=Reduce("sum", summed(row.node, row.dtype), (-1,), row.dtype), levels=0)
+            return replace(row, node=array.Reduce("sum", summed(row.node, row.dtype), (-1,), row.dtype), levels=0)
         case ir.Lowest():
-            return replace(row, node=call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
+            return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
         case ir.Mix():
-            return Value(call("mix", row.node), "f32", row.axes, 1)
+            return Value(array.call("mix", row.node), "f32", row.axes, 1)
 
 
 def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -141,8 +125,8 @@ def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:
 
 
 def _param(e: ir.ParamRef) -> Value:
-    dtypes: dict[str, DType] = {"int": "i32", "real": "f32", "word": "u8"}
-    return Value(path(f"params.{param_attribute(e.name)}"), dtypes[e.type.kind], (), len(e.type.by))
+    dtypes: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8"}
+    return Value(array.path(f"params.{param_attribute(e.name)}"), dtypes[e.type.kind], (), len(e.type.by))
 
 
 def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
@@ -151,8 +135,8 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     if e.name in ("row", "col"):
         at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
         cols = w.module.number("frame_cols", w.module.layout.cols)
-        placed = Binary("//" if e.name == "row" else "%", at.node, cols)
-        return Value(Binary("-", placed, Literal(w.module.layout.pad, "PAD")), "i32", at.axes)
+        placed = array.Binary("//" if e.name == "row" else "%", at.node, cols)
+        return Value(array.Binary("-", placed, array.Literal(w.module.layout.pad, "PAD")), "i32", at.axes)
     assert isinstance(who, AgentVar)
     match e.name:
         case "index":
@@ -180,24 +164,25 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
         instead = "write one of the words out with `case`"
         raise NotSupported("a table of several levels by words that differ from member to member", e.origin, instead)
     axes = union(row.axes, key.axes)
-    return Value(call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
+    return Value(array.call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
 
 
-def aligned_row(row: Value, axes: tuple[Axis, ...]) -> Expression:
+def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a row lined up with axes, its levels last."""
     if row.axes == axes:
         return row.node
-    return Index(row.node, tuple(ALL if a in row.axes else NEW_AXIS for a in axes))
+    return array.Index(row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes))
 
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:
     axes = union(row.axes, shares.axes)
     left = aligned_row(shares, axes)
     if row.levels > 1:
-        left = Index(left, (*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.levels - 1)))
-    products = Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
+        left = array.Index(left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)))
+    products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
     return w.keep(
-        "expected" if row.levels == 1 else "expected_row", Value(Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1)
+        "expected" if row.levels == 1 else "expected_row",
+        Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1),
     )
 
 
@@ -212,20 +197,20 @@ def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: W
     shift = numbers[-1] - (len(numbers) - 1)
     if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
         return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
-    table = call("jnp.asarray", Sequence(tuple(map(Literal, numbers)), is_list=True), DTYPES["u8"])
-    return replace(value, node=Index(table, (value.node,)))
+    table = array.call("jnp.asarray", array.Sequence(tuple(map(array.Literal, numbers)), is_list=True), array.DTYPES["u8"])
+    return replace(value, node=array.Index(table, (value.node,)))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
-    dtype: DType = "i32" if e.type.kind == "int" else "f32"
+    dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
     args = [as_dtype(lower(a, scope, w), dtype) for a in e.args]
     if e.fn == "neg":
-        return literal(-args[0].number, dtype) if args[0].literal else replace(args[0], node=Unary("-", args[0].node))
+        return literal(-args[0].number, dtype) if args[0].literal else replace(args[0], node=array.Unary("-", args[0].node))
     if e.fn in ("min", "max"):
         result = args[0]
         for other in args[1:]:
             axes = union(result.axes, other.axes)
-            result = Value(call(f"jnp.{e.fn}imum", aligned(result, axes), aligned(other, axes)), dtype, axes)
+            result = Value(array.call(f"jnp.{e.fn}imum", aligned(result, axes), aligned(other, axes)), dtype, axes)
         return result
     return binary(e.fn, args[0], args[1], dtype)
 
@@ -284,9 +269,9 @@ def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, scope: IterationScope
         case ir.Chose():
             who = owner(e.agent, scope, w)
             assert isinstance(who, AgentVar)
-            actions = Value(Name("actions"), "i32", () if who.axis is None else (who.axis,))
+            actions = Value(array.Name("actions"), "i32", () if who.axis is None else (who.axis,))
             if who.axis is None:
-                actions = replace(actions, node=Index(actions.node, (who.index.node,)), axes=who.index.axes)
+                actions = replace(actions, node=array.Index(actions.node, (who.index.node,)), axes=who.index.axes)
             return binary("==", actions, Value(w.module.action(e.action), "i32"), "bool")
         case ir.Unoccupied():
             cell = owner(e.cell, scope, w)
@@ -303,7 +288,7 @@ def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, scope: IterationScope
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
     """Returns nested selections, the last arm for all that is left."""
     subject = w.keep("subject", lower(e.subject, scope, w))
-    dtypes: dict[str, DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
+    dtypes: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
     values = []
     for arm in e.arms:
         value = lower(arm.value, scope, w)

@@ -10,29 +10,13 @@ from sjdsl.compiler.lower.map_tables import Table
 from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, paint_planes, parts_of, shift_of
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import (
-    ALL,
-    NEW_AXIS,
-    Attribute,
-    Binary,
-    Call,
-    Cast,
-    Expression,
-    Index,
-    Literal,
-    Name,
-    Unary,
-    Where,
-    call,
-    constant,
-    scalar,
-)
+from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.geometry import own_cell
 
 OTHER_FACING, OTHER_HIDDEN = 2, 6  # numbers of the agent plane: the first heading of another, and one whose heading is hidden
 
 
-def observe(w: Writer) -> Expression:
+def observe(w: Writer) -> array.Expression:
     """Writes the statements of `observe`; returns the observation."""
     game = w.module.game
     by_id = any(s.what == "other" or (s.what == "heading" and s.hidden_when is not None) for s in game.sights)
@@ -51,8 +35,8 @@ def observe(w: Writer) -> Expression:
         columns.insert(2, w.keep("marks", _without_hidden(_marks(marks, planes, seen, w), planes, axes, w)))
     columns += [*_everyone(axes, w), *_own(axes, w)]
     away = state_reads.present(AgentVar(iota(axes[0]), axes[0]), w)
-    present = Literal(None) if away is None else away.node
-    return call("planes_of", Name("WINDOW"), present, *(_full(c, axes) for c in columns))
+    present = array.Literal(None) if away is None else away.node
+    return array.call("planes_of", array.Name("WINDOW"), present, *(_full(c, axes) for c in columns))
 
 
 def view_size(game: ir.Game) -> tuple[int, int]:
@@ -61,19 +45,19 @@ def view_size(game: ir.Game) -> tuple[int, int]:
     return window.ahead + 1 + window.behind, window.left + 1 + window.right
 
 
-def _cut(painted: list[Name], w: Writer) -> list[Name]:
+def _cut(painted: list[array.Name], w: Writer) -> list[array.Name]:
     """Writes the windows of each painted plane."""
     window = w.module.game.window
     sides = (("ahead", window.ahead), ("behind", window.behind), ("left", window.left), ("right", window.right))
-    cut = tuple((name, w.module.number(f"view_{name}", size, "cells seen")) for name, size in sides)
+    cut = tuple((name, w.module.number(name, size, "cells of a window")) for name, size in sides)
     seen = []
     for number, plane in enumerate(painted):
-        frame = Call(Attribute(plane, "reshape"), (Name("FRAME"),))
-        seen.append(w.bind(f"seen_{number}", Call(Name("windows"), (frame, POSITION, HEADING), cut)))
+        frame = array.Call(array.Attribute(plane, "reshape"), (array.Name("FRAME"),))
+        seen.append(w.bind(f"seen_{number}", array.Call(array.Name("windows"), (frame, POSITION, HEADING), cut)))
     return seen
 
 
-def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
+def _part_of(part: Part, parts: tuple[Part, ...], seen: array.Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
     """Returns a part of a byte that was painted."""
     whole = binary(">>", Value(seen, "u8", axes), shift_of(part, w), "u8")
     if sum(p.plane == part.plane for p in parts) == 1:
@@ -81,9 +65,9 @@ def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: tuple[
     return binary("&", whole, Value(w.module.number(f"{part.name}_mask", 2**part.bits - 1), "u8"), "u8")
 
 
-def _full(column: Value, axes: tuple[Axis, ...]) -> Expression:
+def _full(column: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a value spelt out over axes: a column over the window."""
-    return spread(replace(column, node=scalar(column.node, "u8")) if column.literal else column, axes)
+    return spread(replace(column, node=array.scalar(column.node, "u8")) if column.literal else column, axes)
 
 
 def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
@@ -136,7 +120,7 @@ def _values(look: Look, raw: Value, w: Writer) -> dict[str, Value]:
         is_first = field is look.painted[0][0]
         value = rest if is_first else binary("%", rest, literal(size, "u8"), "u8")
         values[field.name] = w.keep(f"{look.kind.name}_{field.name}", value)
-        rest = replace(rest, node=Binary("//", rest.node, Literal(size)))
+        rest = replace(rest, node=array.Binary("//", rest.node, array.Literal(size)))
     return values
 
 
@@ -169,31 +153,31 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     """Returns the plane of agents, then one for each thing shown of the others."""
     game, window = w.module.game, w.module.game.window
     size = (*view_size(game), window.ahead, window.left)
-    own = Table(own_cell(*size), call("own_cell", *map(constant, size)))
+    own = Table(own_cell(*size), array.call("own_cell", *map(array.constant, size)))
     myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
-    self_ = Index(myself, (NEW_AXIS,))
+    self_ = array.Index(myself, (array.NEW_AXIS,))
     agent = w.keep("agent", agent)
     heading = next((s for s in game.sights if s.what == "heading"), None)
     somebody = binary("!=", agent, literal(0, "u8"), "bool").node
     if not by_id:
-        other: Expression = scalar(Literal(OTHER_FACING), "u8")
+        other: array.Expression = array.scalar(array.Literal(OTHER_FACING), "u8")
         if heading is not None:
-            mine = Index(Cast(HEADING, "u8"), (ALL, NEW_AXIS))
-            difference = Binary("-", Binary("-", agent.node, Literal(1)), mine)
+            mine = array.Index(array.Cast(HEADING, "u8"), (array.ALL, array.NEW_AXIS))
+            difference = array.Binary("-", array.Binary("-", agent.node, array.Literal(1)), mine)
             other = w.keep("others", Value(_turned(difference), "u8", axes)).node
         return [_agent_plane(self_, somebody, other, axes, w)]
-    who = Binary("-", Cast(agent.node, "i32"), Literal(1))
-    who_value = w.keep("who", Value(call("jnp.maximum", who, Literal(0)), "i32", axes))
+    who = array.Binary("-", array.Cast(agent.node, "i32"), array.Literal(1))
+    who_value = w.keep("who", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes))
     other_var = AgentVar(who_value)
     place = IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), "other": other_var})
     facing: Value = literal(OTHER_FACING, "u8")
     if heading is not None:
-        turned = Binary("-", Index(HEADING, (who_value.node,)), Index(HEADING, (ALL, NEW_AXIS)))
-        facing = Value(Cast(_turned(turned), "u8"), "u8", axes)
+        turned = array.Binary("-", array.Index(HEADING, (who_value.node,)), array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
+        facing = Value(array.Cast(_turned(turned), "u8"), "u8", axes)
         if heading.hidden_when is not None:
             facing = select(w.value(heading.hidden_when, place), literal(OTHER_HIDDEN, "u8"), facing)
     columns = [_agent_plane(self_, somebody, facing.node, axes, w)]
-    theirs = w.keep("theirs", Value(Binary("&", somebody, Unary("~", self_)), "bool", axes))
+    theirs = w.keep("theirs", Value(array.Binary("&", somebody, array.Unary("~", self_)), "bool", axes))
     for sight in game.sights:
         if sight.what == "other":
             value = _field_sight(sight, other_var, place, w)
@@ -206,15 +190,15 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     return columns
 
 
-def _turned(difference: Expression) -> Expression:
+def _turned(difference: array.Expression) -> array.Expression:
     """Returns the number of another's heading relative to the observer's."""
-    return Binary("+", Literal(OTHER_FACING), Binary("&", difference, Literal(3)))
+    return array.Binary("+", array.Literal(OTHER_FACING), array.Binary("&", difference, array.Literal(3)))
 
 
-def _agent_plane(self_: Expression, somebody: Expression, other: Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
+def _agent_plane(self_: array.Expression, somebody: array.Expression, other: array.Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
     """Returns the plane of agents: 1 for the observer, 0 where nobody is, and numbers for others."""
-    seen = Where(self_, Literal(1), Where(somebody, other, Literal(0)))
-    return w.keep("agents", Value(Cast(seen, "u8"), "u8", axes))
+    seen = array.Where(self_, array.Literal(1), array.Where(somebody, other, array.Literal(0)))
+    return w.keep("agents", Value(array.Cast(seen, "u8"), "u8", axes))
 
 
 def _field_sight(sight: ir.Sight, who: AgentVar | None, place: IterationScope, w: Writer) -> Value:
@@ -232,13 +216,13 @@ def _field_sight(sight: ir.Sight, who: AgentVar | None, place: IterationScope, w
     if stored.dtype == "u8":
         return stored
     if state_reads.storage(declared, w) != "u8":
-        stored = replace(stored, node=call("jnp.minimum", stored.node, Literal(255)))
-    elif isinstance(stored.node, Cast) and stored.node.source == "u8":  # it was widened from the byte that is wanted
+        stored = replace(stored, node=array.call("jnp.minimum", stored.node, array.Literal(255)))
+    elif isinstance(stored.node, array.Cast) and stored.node.source == "u8":  # it was widened from the byte that is wanted
         return replace(stored, node=stored.node.value, dtype="u8")
-    return replace(stored, node=Cast(stored.node, "u8"), dtype="u8")
+    return replace(stored, node=array.Cast(stored.node, "u8"), dtype="u8")
 
 
-def _marks(marks: list[Part], planes: dict[str, Value], seen: list[Name], w: Writer) -> Value:
+def _marks(marks: list[Part], planes: dict[str, Value], seen: list[array.Name], w: Writer) -> Value:
     """Returns the marks of a cell as bits, one a phase."""
     first = planes[marks[0].name]
     if len(marks) == 1:
@@ -295,7 +279,7 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
             w.origin = sight.origin
             value = w.keep(f"everyone_{sight.field}", _field_sight(sight, who, place, w))
             planes = _full(value, (*pair, axes[1]))
-            columns.append(Value(Call(Attribute(planes, "reshape"), (axes[0].extent, Literal(-1))), "u8", axes))
+            columns.append(Value(array.Call(array.Attribute(planes, "reshape"), (axes[0].extent, array.Literal(-1))), "u8", axes))
     return columns
 
 

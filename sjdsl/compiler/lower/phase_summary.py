@@ -31,7 +31,8 @@ def _statement(s: ir.Stmt) -> str:
         case ir.When():
             return _block(tuple(inner for branch in s.branches for inner in branch.body) + s.otherwise)
         case ir.Chance():
-            return _inside("by chance", *(branch.body for branch in s.branches), s.otherwise)
+            outcomes = [text for text in map(_block, (*(branch.body for branch in s.branches), s.otherwise)) if text]
+            return f"by chance {' or else '.join(outcomes)}" if outcomes else ""
         case ir.Set():
             return f"sets {_value(s.target)}" + (f" to {_value(s.value)}" if _value(s.value) else "")
         case ir.Add():

@@ -43,7 +43,7 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         return
     agents = _one_each(s.receiver, scope)
     if agents is not None and s.receiver is not None:  # all columns at once: one sum instead of an update for each
-        word = w.axis("word", len(event.by))
+        word = w.axis("word", w.module.num_words(event.by))
         here = scope.when(binary("==", key, iota(word, "u8"), "bool"))
         got = per_agent(s.receiver, amount, here, w)
         deliver(attribute, (), replace(got, node=aligned(got, (agents, word))), w)  # the word may be the same for all agents

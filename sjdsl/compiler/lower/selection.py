@@ -27,25 +27,7 @@ from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, shap
 from sjdsl.compiler.lower.draws import KEY, need_no_state, words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import (
-    ALL,
-    NEW_AXIS,
-    REST,
-    Arange,
-    Cast,
-    Expression,
-    Index,
-    Lambda,
-    Literal,
-    Name,
-    Reduce,
-    Sequence,
-    Slice,
-    Where,
-    call,
-    path,
-    scalar,
-)
+from sjdsl.compiler.program import expressions as array
 
 MANY_SETS = 64  # from so many sets on it pays to draw words only if some set has several members
 
@@ -75,20 +57,20 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     outer_axes = union(word.axes[:-1], tuple(a for a in (inner.mask or TRUE).axes if a != axis))
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
-    found = w.keep("found", Value(Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes))
-    wanted = Value(scalar(number.node, "i32"), "i32") if number.literal else number
-    chosen = call("choose", mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes))
+    found = w.keep("found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes))
+    wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
+    chosen = array.call("choose", mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes))
     return replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))), invert(found)
 
 
 def _pick_one(
-    s: ir.Pick, scope: IterationScope, inner: IterationScope, turns: Axis, total: Literal, w: Writer
+    s: ir.Pick, scope: IterationScope, inner: IterationScope, turns: Axis, total: array.Literal, w: Writer
 ) -> tuple[IterationScope, Value]:
     """A `pick 1`: the number of the member instead of a mask over all."""
     axis, name = inner.axes[-1], s.domain.var.name
     member = inner.variables[name]
     word = words(s.stream, scope, w, turns)
-    single = Value(Index(word.node, (*[ALL] * (len(word.axes) - 1), Literal(0))), "u32", word.axes[:-1])
+    single = Value(array.Index(word.node, (*[array.ALL] * (len(word.axes) - 1), array.Literal(0))), "u32", word.axes[:-1])
     members = whole_set(s.domain, scope, w)
     around = (members or inner.mask or TRUE).axes
     axes = union(single.axes, tuple(a for a in around if a != axis))
@@ -96,13 +78,13 @@ def _pick_one(
     source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
     many = members is not None and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
     if many and need_no_state((*scope.digits, (iota(turns), turns.extent))):  # most steps need none of the random bits
-        source = source if scope.mask is None else Where(aligned(scope.mask, axes), source, Literal(0))
-        picked, found = Name(w.names.fresh("picked")), Name(w.names.fresh("found"))
-        w.unpack((picked, found), call("pick_of_sets", source, KEY, Lambda(("key",), drawn)))
-        best_one = w.keep(name, Value(Cast(picked, "i32", "u8"), "i32", axes))
+        source = source if scope.mask is None else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
+        picked, found = array.Name(w.names.fresh("picked")), array.Name(w.names.fresh("found"))
+        w.unpack((picked, found), array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn)))
+        best_one = w.keep(name, Value(array.Cast(picked, "i32", "u8"), "i32", axes))
     else:
-        best, found = Name(w.names.fresh(name)), Name(w.names.fresh("found"))
-        w.unpack((best, found), call("pick_of_set" if members else "pick", source, drawn))
+        best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
+        w.unpack((best, found), array.call("pick_of_set" if members else "pick", source, drawn))
         best_one = Value(best, "i32", axes)
     there = Value(found, "bool", axes)
     chosen = _chosen_variable(member, axis, best_one)
@@ -129,12 +111,18 @@ def _chosen_variable(member: Variable, axis: Axis, best: Value) -> Variable:
 def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
     if values.axes == (axis,):
-        return Value(Index(values.node, (best.node,)), values.dtype, best.axes)
+        return Value(array.Index(values.node, (best.node,)), values.dtype, best.axes)
     everything = union(values.axes, best.axes)  # what is picked may differ along more axes than what it is picked from
-    at = aligned(best, everything) if best.axes else call("jnp.full", Sequence((Literal(1),) * len(everything)), best.node)
-    along = call("jnp.take_along_axis", aligned(values, everything), at, axis=Literal(everything.index(axis)))
-    keys = (REST, Literal(0)) if everything[-1] == axis else tuple(Literal(0) if a == axis else ALL for a in everything)
-    return Value(Index(along, keys), values.dtype, tuple(a for a in everything if a != axis))
+    at = (
+        aligned(best, everything) if best.axes else array.call("jnp.full", array.Sequence((array.Literal(1),) * len(everything)), best.node)
+    )
+    along = array.call("jnp.take_along_axis", aligned(values, everything), at, axis=array.Literal(everything.index(axis)))
+    keys = (
+        (array.REST, array.Literal(0))
+        if everything[-1] == axis
+        else tuple(array.Literal(0) if a == axis else array.ALL for a in everything)
+    )
+    return Value(array.Index(along, keys), values.dtype, tuple(a for a in everything if a != axis))
 
 
 def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
@@ -176,26 +164,40 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
         ok = both(ok, w.value(d.where, place)) or ok
     rest = union(*(tuple(a for a in v.axes if a != axis) for v in (ok, candidate.number)))
     axes = (*rest, axis)
-    ok = w.keep("ok", Value(spread(ok, axes), "bool", axes))
+    ok = w.keep("eligible", Value(spread(ok, axes), "bool", axes))
     lanes = _lanes(d, w)
-    table = _lane_table(shape, axis.size)
-    comment = f"cells of each lane of {shape.name}, nearest first"
-    name = w.module.constant(f"lanes_of_{shape_name(shape.name)}", table, comment)
-    lead = [ALL] * len(rest)
-    nobody = call("jnp.zeros_like", Index(ok.node, (*lead, Slice(None, Literal(1)))))
-    padded = call("jnp.concatenate", Sequence((ok.node, nobody), is_list=True), axis=Literal(len(rest)))
-    in_lane = w.keep("in_lane", Value(Index(padded, (*lead, name)), "bool"))
-    at = w.keep("nearest", Value(call("jnp.argmax", in_lane.node, axis=Literal(-1)), "i32"))
-    found = w.keep("found", Value(Reduce("any", in_lane.node, (-1,)), "bool", (*rest, lanes)))
-    each_lane: Expression = Arange(lanes.extent)
-    each_lane = Index(each_lane, (*[NEW_AXIS] * len(rest), ALL)) if rest else each_lane
-    index = w.keep("cell_of_lane", Value(Index(name, (each_lane, at.node)), "i32", (*rest, lanes)))
-    last = call("jnp.minimum", index.node, Literal(axis.size - 1))
-    along = call("jnp.take_along_axis", spread(candidate.number, axes), last, axis=Literal(len(rest)))
-    chosen = w.keep(d.var.name, Value(along, "i32", (*rest, lanes)))
+    found, chosen = _nearest_in_lanes(shape, ok, spread(candidate.number, axes), d.var.name, w)
+    found, chosen = (replace(value, axes=(*rest, lanes)) for value in (found, chosen))
     variable = AgentVar(chosen) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
     inner = _in_lanes(scope, lanes).always().binding(**{d.var.name: variable}, **under(d, variable, w))
     return inner, lanes, found
+
+
+def _nearest_in_lanes(shape: ir.Shape, ok: Value, numbers: array.Expression, name: str, w: Writer) -> tuple[Value, Value]:
+    """Returns in which lanes there is a member, and the number of the nearest; `ok`, `numbers`: of the cells of the shape, last."""
+    axis, longest = len(ok.axes) - 1, max(map(len, shape.lanes))
+    if longest == 1:  # every cell is a lane
+        return ok, w.keep(name, Value(numbers, "i32"))
+    if len(shape.lanes) == 1:
+        over = {"axis": array.Literal(axis), "keepdims": array.Literal(True)}
+        found = w.keep("found", Value(array.call("jnp.any", ok.node, **over), "bool"))
+        at = w.keep("nearest", Value(array.call("jnp.argmax", ok.node, **over), "i32"))
+        return found, w.keep(name, Value(array.call("jnp.take_along_axis", numbers, at.node, axis=array.Literal(axis)), "i32"))
+    cells = ok.axes[-1].size
+    table = w.module.constant(
+        f"lanes_of_{shape_name(shape.name)}", _lane_table(shape, cells), f"cells of each lane of {shape.name}, nearest first"
+    )
+    lead = [array.ALL] * axis
+    nobody = array.call("jnp.zeros_like", array.Index(ok.node, (*lead, array.Slice(None, array.Literal(1)))))
+    padded = array.call("jnp.concatenate", array.Sequence((ok.node, nobody), is_list=True), axis=array.Literal(axis))
+    in_lane = w.keep("in_lane", Value(array.Index(padded, (*lead, table)), "bool"))
+    at = w.keep("nearest", Value(array.call("jnp.argmax", in_lane.node, axis=array.Literal(-1)), "i32"))
+    found = w.keep("found", Value(array.Reduce("any", in_lane.node, (-1,)), "bool"))
+    each_lane: array.Expression = array.Arange(array.Literal(len(shape.lanes)))
+    each_lane = array.Index(each_lane, (*[array.NEW_AXIS] * axis, array.ALL)) if axis else each_lane
+    index = w.keep("cell_of_lane", Value(array.Index(table, (each_lane, at.node)), "i32"))
+    last = array.call("jnp.minimum", index.node, array.Literal(cells - 1))
+    return found, w.keep(name, Value(array.call("jnp.take_along_axis", numbers, last, axis=array.Literal(axis)), "i32"))
 
 
 def _lane_table(shape: ir.Shape, cells: int) -> np.ndarray:
@@ -216,9 +218,9 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
         return CellVar(site, d.var.kinds), ok, axis
     swept = sweep(d.place, scope, w)
     cells = swept.cells
-    standing = w.keep("standing", Value(stand_on(cells, path("state.position")), "bool"))
-    first_one = Cast(call("jnp.argmax", standing.node, axis=Literal(-1)), "i32")
+    standing = w.keep("standing", Value(stand_on(cells, array.path("state.position")), "bool"))
+    first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
-    anybody = w.keep("anybody", Value(Reduce("any", standing.node, (-1,)), "bool", cells.axes))
+    anybody = w.keep("anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes))
     reached = swept.ok if has_inner_blocks(w.module.shape(d.place.shape), w) else None
     return AgentVar(who), both(anybody, reached) or TRUE, swept.axis

@@ -9,34 +9,21 @@ from sjdsl.compiler.lower.movement import stores_moved
 from sjdsl.compiler.lower.statements import mark_size
 from sjdsl.compiler.lower.writer import Writer, all_fields
 from sjdsl.compiler.program import Field
-from sjdsl.compiler.program.expressions import (
-    ALL,
-    DTYPES,
-    NEW_AXIS,
-    Expression,
-    Index,
-    Literal,
-    Name,
-    Sequence,
-    call,
-    constant,
-    path,
-    shape_of,
-)
+from sjdsl.compiler.program import expressions as array
 
 STORED = {"u8": "uint8", "u32": "uint32", "i32": "int32", "f32": "float32", "bool": "bool_"}
-INT32 = path("jnp.int32")
+INT32 = array.path("jnp.int32")
 
 
 def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
 
     def of_agents(name: str, comment: str, dtype: str = "int32") -> Field:
-        zeros = call("jnp.zeros", w.module.agents, INT32 if dtype == "int32" else Name("bool"))
+        zeros = array.call("jnp.zeros", w.module.agents, INT32 if dtype == "int32" else array.Name("bool"))
         return Field(name, "[N]", dtype, comment, zeros)
 
     found = [
-        Field("step", "[]", "int32", "finished steps of this episode", call("jnp.int32", Literal(0))),
+        Field("step", "[]", "int32", "finished steps of this episode", array.call("jnp.int32", array.Literal(0))),
         of_agents("position", "cell of each agent in the padded frame; 0: nowhere"),
         of_agents("heading", "0 north, 1 east, 2 south, 3 west"),
     ]
@@ -49,7 +36,7 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     found += [_field(field, game, w) for field in all_fields(game)]
     for phase in marking_phases(game):
         size = mark_size(phase, game)
-        zeros = call("jnp.zeros", w.module.number(f"marks_of_{phase.name}", size, f"cells that {phase.label} can mark"), INT32)
+        zeros = array.call("jnp.zeros", w.module.number(f"marks_of_{phase.name}", size, f"cells that {phase.label} can mark"), INT32)
         found.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", f"cells marked by {phase.label}; 0: none", zeros))
     return found
 
@@ -62,16 +49,20 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     starts = layout.starts(field.kind, field) if field.place == "cell" else {field.start}
     if len(starts) <= 1:
         extent = {"cell": w.module.num_cells((field.kind,)), "agent": w.module.agents}.get(field.place)
-        size = (*([] if extent is None else [extent]), *(Literal(len(by)) for by in field.type.by))
+        size = (*([] if extent is None else [extent]), *map(w.module.num_words, field.type.by))
         first = _start(next(iter(starts), field.start), field, w)
-        default: Expression = call("jnp.full", shape_of(size) if size else Sequence(()), first, path(f"jnp.{dtype}"))
+        default: array.Expression = array.call(
+            "jnp.full", array.shape_of(size) if size else array.Sequence(()), first, array.path(f"jnp.{dtype}")
+        )
     else:
         given = {s for g in game.glyphs if g.kind == field.kind for n, s in g.starts if n == field.name}
         encode = {s: _start(s, field, w).value for s in given | starts | {field.start}}
         table = layout.starts_table(field.kind, field, encode, dtype)  # type: ignore[arg-type]
         default = w.module.constant(f"{attribute_name(field)}_start", table, f"{field.name} of {field.kind} as on the map")
         if field.type.by:
-            default = call("jnp.repeat", Index(default, (ALL, NEW_AXIS)), Literal(len(field.type.by[0])), axis=Literal(1))
+            default = array.call(
+                "jnp.repeat", array.Index(default, (array.ALL, array.NEW_AXIS)), w.module.num_words(field.type.by[0]), axis=array.Literal(1)
+            )
     meaning = f"{field.name}: {_meaning(field)}" + (f"; by {', '.join(field.type.by[0])}" if field.type.by else "")
     return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
 
@@ -92,7 +83,7 @@ def _meaning(field: ir.VarField) -> str:
             return f"{field.type.low:g} .. {field.type.high:g}"
 
 
-def _start(value: object, field: ir.VarField, w: Writer) -> Literal:
+def _start(value: object, field: ir.VarField, w: Writer) -> array.Literal:
     """Returns a starting value as the field keeps it."""
     match field.type.kind:
         case "word":
@@ -100,10 +91,10 @@ def _start(value: object, field: ir.VarField, w: Writer) -> Literal:
         case "agent":
             node = nobody(w).node
         case "agents":
-            node = Literal(0)
+            node = array.Literal(0)
         case _:
-            node = Literal(value)  # type: ignore[arg-type]
-    assert isinstance(node, Literal)
+            node = array.Literal(value)  # type: ignore[arg-type]
+    assert isinstance(node, array.Literal)
     return node
 
 
@@ -115,7 +106,7 @@ def params_fields(game: ir.Game) -> list[Field]:
         shape = "[" + ", ".join(str(len(by)) for by in param.type.by) + "]"
         by = "".join(f" by {{ {', '.join(words)} }}" for words in param.type.by)
         unit = "word" if param.type.kind == "word" else param.type.unit
-        default = call("jnp.asarray", constant(param_value(param.value, param.type)), path(f"jnp.{dtype}"))
+        default = array.call("jnp.asarray", array.constant(param_value(param.value, param.type)), array.path(f"jnp.{dtype}"))
         found.append(Field(param_attribute(param.name), shape, dtype, f"{unit}{by}", default))
     return found
 
@@ -130,13 +121,13 @@ def param_value(value: object, type_: ir.Type) -> object:
 def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of Outcome."""
     found = [
-        Field("reward", "[N]", "float32", "raw rewards of this step", call("jnp.zeros", w.module.agents, DTYPES["f32"])),
-        Field("ended", "[]", "bool_", "whether an `end` was performed", call("jnp.zeros", Sequence(()), Name("bool"))),
+        Field("reward", "[N]", "float32", "raw rewards of this step", array.call("jnp.zeros", w.module.agents, array.DTYPES["f32"])),
+        Field("ended", "[]", "bool_", "whether an `end` was performed", array.call("jnp.zeros", array.Sequence(()), array.Name("bool"))),
     ]
     for event in game.events:
-        size = (*([w.module.agents] if event.per_agent else []), *([Literal(len(event.by))] if event.by else []))
+        size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_words(event.by)] if event.by else []))
         shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
         comment = "counts of this step" + (f", by {', '.join(event.by)}" if event.by else "")
-        zeros = call("jnp.zeros", shape_of(size) if size else Sequence(()), INT32)
+        zeros = array.call("jnp.zeros", array.shape_of(size) if size else array.Sequence(()), INT32)
         found.append(Field(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", comment, zeros))
     return found

@@ -5,7 +5,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.assignments import add, set_
-from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, literal, reduce, select
+from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, reduce, select
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
@@ -14,6 +14,7 @@ from sjdsl.compiler.lower.relocation import Sends
 from sjdsl.compiler.lower.rewards_and_events import give, tally
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.selection import first, pick
+from sjdsl.compiler.lower.state_reads import nowhere
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal, Name
 
@@ -110,7 +111,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
     over = tuple(a for a in scope.axes if a not in swept.cells.axes)
     happens = None if scope.mask is None else reduce("any", scope.mask, over)
     ok = both(happens, swept.ok)
-    cells = select(ok, swept.cells, literal(0, "i32"))
+    cells = select(ok, swept.cells, nowhere(w))
     marked = w.keep("marked", Value(Call(Attribute(cells.node, "reshape"), (Literal(-1),)), "i32")).node
     assert isinstance(marked, Name)
     w.marked[marked] = mark_size(s, w.module.game)

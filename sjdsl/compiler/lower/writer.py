@@ -14,7 +14,7 @@ from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout, Table
 from sjdsl.compiler.lower.scope import IterationScope, Variable
 from sjdsl.compiler.program import Constant, Group, Number
-from sjdsl.compiler.program.expressions import Assign, Call, DType, Expression, Literal, Name, Return, Statement, path
+from sjdsl.compiler.program.expressions import Assign, Attribute, Call, DType, Expression, Literal, Name, Return, Statement, path
 
 FACTS = {"NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW", "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS"}
 MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
@@ -67,28 +67,29 @@ class Module:
         if declared is not None and declared.type.words == words:
             owner: str | None = declared.kind or declared.place
         else:
-            owner = self._word_sets.get(words)
+            owner, _ = self._word_sets.get(words, (None, ""))
         number = words.index(word)
         if owner is None:
             return literal(number, "u8")
         return Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
 
+    def num_words(self, words: tuple[str, ...]) -> Literal:
+        """Returns how many words a set has."""
+        _, declared = self._word_sets[words]
+        return self.number(f"num_{declared}", len(words), ", ".join(words), "size")
+
     @cached_property
-    def _word_sets(self) -> dict[tuple[str, ...], str]:
-        """What each set of words belongs to, by declaration: a field, or the first row or event by these words."""
-        game = self.game
-        found: dict[tuple[str, ...], str] = {HEADINGS: ""}
-        for declared in all_fields(game):
-            found.setdefault(declared.type.words, declared.kind or declared.place)
-        for declared in all_fields(game):
-            for by in declared.type.by:
-                found.setdefault(by, attribute_name(declared))
-        for param in game.params:
-            for by in (param.type.words, *param.type.by):
-                found.setdefault(by, param.name)
-        for event in game.events:
-            found.setdefault(event.by, event.name)
-        return {words: owner for words, owner in found.items() if words}
+    def _word_sets(self) -> dict[tuple[str, ...], tuple[str, str]]:
+        """What each set of words belongs to, and what declares it: a field, or the first row, parameter or event by these words."""
+        game, fields = self.game, all_fields(self.game)
+        found: dict[tuple[str, ...], tuple[str, str]] = {HEADINGS: ("", "headings")}
+        for declared in fields:
+            found.setdefault(declared.type.words, (declared.kind or declared.place, attribute_name(declared)))
+        rows = [(by, attribute_name(declared)) for declared in fields for by in declared.type.by]
+        rows += [(by, param.name) for param in game.params for by in (param.type.words, *param.type.by)]
+        for by, name in (*rows, *((event.by, event.name) for event in game.events)):
+            found.setdefault(by, (name, name))
+        return found
 
     @property
     def num_agents(self) -> int:
@@ -190,7 +191,7 @@ class Writer:
 
     def keep(self, name: str, value: Value) -> Value:
         """Gives a value a name in the function; what computes the same is named once."""
-        if isinstance(value.node, Literal | Name):
+        if isinstance(value.node, Literal | Name) or (isinstance(value.node, Attribute) and isinstance(value.node.value, Name)):
             return value
         key = (value.node, value.dtype)
         if key not in self.known:
