@@ -1,4 +1,4 @@
-"""The prose of README, docs and opening lines: short sentences, and none of the words that the project has retired."""
+"""The prose of README, docs and other pages, and of opening lines: short sentences, and none of the words that the project has retired."""
 
 import ast
 import re
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = ["README.md", *sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs").glob("*.md"))]
+PAGES = ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md", *sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*.md"))]
 MODULES = sorted(path for folder in ("sjdsl", "trainers") for path in (ROOT / folder).rglob("*.py"))
 LONGEST = 30  # words of a sentence
 RETIRED = {  # a private word -> the field's
