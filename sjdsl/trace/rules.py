@@ -27,7 +27,7 @@ class Rules:
         """Returns a sentence without comments and on one line; one that has others in it up to its block."""
         span = sentence.origin
         if span is None or span.file not in self.sources:
-            return str(getattr(sentence, "op", UNKNOWN))
+            return type(sentence).__name__.lower()
         return self._words(span, _end_of_header(sentence, span))
 
     def branch(self, sentence: "ir.When | ir.Chance", number: int) -> str:

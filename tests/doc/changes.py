@@ -8,7 +8,7 @@ from sjdsl.compiler import ir
 
 # Fields that are no part of the rules: positions, types that follow from the rest, numbers of streams, and what is said twice.
 SILENT = {
-    "*": {"origin", "op", "type", "stream"},
+    "*": {"origin", "type", "stream"},
     "Send": {"pool", "order_stream", "heading_stream"},  # a pool is the destination as written
     "Phase": {"name", "marks"},  # the label as an identifier; the shapes that its sentences mark
     "FieldRead": {"place", "kinds"},  # follow from the owner

@@ -85,7 +85,7 @@ def _kinds(kind: type[ir.Node]) -> Iterator[type[ir.Node]]:
 
 @cache
 def _fields(kind: type[ir.Node]) -> tuple[str, ...]:
-    return tuple(name for name, field in kind.model_fields.items() if name not in ("op", "origin") and [*_values(field.annotation)])
+    return tuple(name for name, field in kind.model_fields.items() if name != "origin" and [*_values(field.annotation)])
 
 
 def _choices(kind: type[ir.Node]) -> list[str]:

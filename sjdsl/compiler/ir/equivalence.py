@@ -53,4 +53,4 @@ def _domain(d: Domain, names: Names) -> tuple[Form, Names]:
 
 @cache
 def _compared(kind: type[Node]) -> tuple[str, ...]:
-    return tuple(name for name in kind.model_fields if name not in ("op", "origin", "type"))
+    return tuple(name for name in kind.model_fields if name not in ("origin", "type"))

@@ -26,7 +26,6 @@ def is_expression(node: Node) -> TypeGuard[Expr]:
 
 
 class Number(Expression):
-    op: Literal["number"] = "number"
     type: Type
     value: int | float
 
@@ -34,26 +33,22 @@ class Number(Expression):
 class Word(Expression):
     """One of `type.words`."""
 
-    op: Literal["word"] = "word"
     type: Type
     value: str
 
 
 class Truth(Expression):
-    op: Literal["truth"] = "truth"
     type: Type = CONDITION
     value: bool
 
 
 class Nobody(Expression):
-    op: Literal["nobody"] = "nobody"
     type: Type = AGENT
 
 
 class ParamRef(Expression):
     """A run-time parameter; a whole table if `type.by`."""
 
-    op: Literal["param"] = "param"
     type: Type
     name: str
 
@@ -61,7 +56,6 @@ class ParamRef(Expression):
 class Member(Expression):
     """A variable bound by a domain: an agent (`who` agent) or a cell of one of `kinds`."""
 
-    op: Literal["member"] = "member"
     type: Type = Type(kind="member")
     name: str
     who: Literal["agent", "cell"]
@@ -71,7 +65,6 @@ class Member(Expression):
 class Local(Expression):
     """A variable bound by `let` or `draw`."""
 
-    op: Literal["local"] = "local"
     type: Type
     name: str
 
@@ -82,7 +75,6 @@ class FieldRead(Expression):
     `kinds`: the kinds of the owner, for a cell's field. A whole row if `type.by`.
     """
 
-    op: Literal["field"] = "field"
     type: Type
     owner: Expr | None
     place: Literal["agent", "cell", "world"]
@@ -93,7 +85,6 @@ class FieldRead(Expression):
 class Attribute(Expression):
     """Read-only facts: of an agent `index`, `heading` (word), `moved`, `away`; of an agent or cell `row`, `col`."""
 
-    op: Literal["attribute"] = "attribute"
     type: Type
     owner: Expr
     name: Literal["index", "heading", "moved", "away", "row", "col"]
@@ -102,7 +93,6 @@ class Attribute(Expression):
 class At(Expression):
     """One entry of a row or table. `key` has type word, or mix: then the entry is the expected one (shares times entries)."""
 
-    op: Literal["at"] = "at"
     type: Type
     row: Expr
     key: Expr
@@ -111,7 +101,6 @@ class At(Expression):
 class Step(Expression):
     """The number of finished steps of the episode."""
 
-    op: Literal["step"] = "step"
     type: Type
 
 
@@ -121,14 +110,12 @@ class Arithmetic(Expression):
     `/` of integers is a real; `%` is of integers, with the sign of the divisor.
     """
 
-    op: Literal["arithmetic"] = "arithmetic"
     type: Type
     fn: Literal["+", "-", "*", "/", "%", "neg", "min", "max"]
     args: tuple[Expr, ...]
 
 
 class Compare(Expression):
-    op: Literal["compare"] = "compare"
     type: Type = CONDITION
     fn: Literal["<", "<=", ">", ">=", "==", "!="]
     left: Expr
@@ -138,14 +125,12 @@ class Compare(Expression):
 class Same(Expression):
     """Both are words (perhaps of different sets), both agents, or both members; the same one."""
 
-    op: Literal["same"] = "same"
     type: Type = CONDITION
     left: Expr
     right: Expr
 
 
 class InRange(Expression):
-    op: Literal["in_range"] = "in_range"
     type: Type = CONDITION
     value: Expr
     low: Expr
@@ -153,7 +138,6 @@ class InRange(Expression):
 
 
 class InWords(Expression):
-    op: Literal["in_words"] = "in_words"
     type: Type = CONDITION
     value: Expr
     words: tuple[str, ...]
@@ -162,7 +146,6 @@ class InWords(Expression):
 class InSet(Expression):
     """`value` is an agent, `container` a set of agents."""
 
-    op: Literal["in_set"] = "in_set"
     type: Type = CONDITION
     value: Expr
     container: Expr
@@ -171,7 +154,6 @@ class InSet(Expression):
 class IsEmpty(Expression):
     """A set of agents has nobody in it."""
 
-    op: Literal["is_empty"] = "is_empty"
     type: Type = CONDITION
     container: Expr
 
@@ -179,7 +161,6 @@ class IsEmpty(Expression):
 class Chose(Expression):
     """The agent's action of this step (after `forbid`) is action number `action`."""
 
-    op: Literal["chose"] = "chose"
     type: Type = CONDITION
     agent: Expr
     action: int
@@ -188,7 +169,6 @@ class Chose(Expression):
 class Unoccupied(Expression):
     """`nobody on soil`: no agent is on this cell (a cell Member) at the start of the phase."""
 
-    op: Literal["unoccupied"] = "unoccupied"
     type: Type = CONDITION
     cell: Expr
 
@@ -196,14 +176,12 @@ class Unoccupied(Expression):
 class StandsOn(Expression):
     """`agent on grass`: the agent's cell is of one of `kinds`."""
 
-    op: Literal["stands_on"] = "stands_on"
     type: Type = CONDITION
     agent: Expr
     kinds: tuple[str, ...]
 
 
 class Not(Expression):
-    op: Literal["not"] = "not"
     type: Type = CONDITION
     value: Expr
 
@@ -211,27 +189,23 @@ class Not(Expression):
 class Logic(Expression):
     """`and` or `or` of two or more conditions. Both sides are read; guards only matter to the checks."""
 
-    op: Literal["logic"] = "logic"
     type: Type = CONDITION
     fn: Literal["and", "or"]
     args: tuple[Expr, ...]
 
 
 class Count(Expression):
-    op: Literal["count"] = "count"
     type: Type
     domain: Domain
 
 
 class Sum(Expression):
-    op: Literal["sum"] = "sum"
     type: Type
     value: Expr
     domain: Domain
 
 
 class SumRow(Expression):
-    op: Literal["sum_row"] = "sum_row"
     type: Type
     row: Expr
 
@@ -248,7 +222,6 @@ class Arm(Node):
 class Case(Expression):
     """Exactly one arm applies (checked); arms are in the order written, `otherwise` already spelt out."""
 
-    op: Literal["case"] = "case"
     type: Type
     subject: Expr
     arms: tuple[Arm, ...]
@@ -257,7 +230,6 @@ class Case(Expression):
 class Lowest(Expression):
     """First (`last`: last) word of the row with a positive entry; the first word of all if there is none."""
 
-    op: Literal["lowest"] = "lowest"
     type: Type
     row: Expr
     last: bool = False
@@ -266,7 +238,6 @@ class Lowest(Expression):
 class Mix(Expression):
     """Shares of a row's entries: entry / sum, as float32."""
 
-    op: Literal["mix"] = "mix"
     type: Type
     row: Expr
 
@@ -274,7 +245,6 @@ class Mix(Expression):
 class Ramp(Expression):
     """(x - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
 
-    op: Literal["ramp"] = "ramp"
     type: Type
     value: Expr
     zero_at: Expr
@@ -284,7 +254,6 @@ class Ramp(Expression):
 class Named(Expression):
     """A `define`, written out here; the name is kept for the reader."""
 
-    op: Literal["named"] = "named"
     type: Type
     name: str
     value: Expr
@@ -293,7 +262,6 @@ class Named(Expression):
 class Narrowed(Expression):
     """A word that guards leave fewer words to: `type.words` are those of `value.type.words` that remain."""
 
-    op: Literal["narrowed"] = "narrowed"
     type: Type
     value: Expr
 
@@ -301,7 +269,6 @@ class Narrowed(Expression):
 class EventTotal(Expression):
     """In `checks`: how often the event was counted so far, over all agents; `word` one entry of a `by` event."""
 
-    op: Literal["event_total"] = "event_total"
     type: Type
     name: str
     word: str | None = None
@@ -310,7 +277,6 @@ class EventTotal(Expression):
 class MatrixClass(Expression):
     """In `require`: a two-level table belongs to a class of 2 x 2 games (`prisoners_dilemma`, `stag_hunt`, `chicken`)."""
 
-    op: Literal["matrix_class"] = "matrix_class"
     type: Type = CONDITION
     name: Literal["prisoners_dilemma", "stag_hunt", "chicken"]
     table: Expr
@@ -334,7 +300,6 @@ class Shape(Node):
 class Near(PlaceNode):
     """The shape's cells around `anchor`, an agent or cell Member; `shape` names one of `Game.shapes`."""
 
-    op: Literal["near"] = "near"
     shape: str
     anchor: Member
 
@@ -342,14 +307,12 @@ class Near(PlaceNode):
 class InAgents(PlaceNode):
     """The members of a field of type agent or set of agent."""
 
-    op: Literal["in_agents"] = "in_agents"
     value: Expr
 
 
 class Among(PlaceNode):
     """One of the named agent variables."""
 
-    op: Literal["among"] = "among"
     members: tuple[Member, ...]
 
 

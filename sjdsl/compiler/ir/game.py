@@ -83,7 +83,6 @@ class Phase(TurnNode):
     `marks`: the shapes it marks as written. What an observation has in it follows from these: no map and no pass changes it.
     """
 
-    op: Literal["phase"] = "phase"
     label: str
     name: str
     body: tuple[Stmt, ...]
@@ -92,8 +91,6 @@ class Phase(TurnNode):
 
 class Tick(TurnNode):
     """All timers fall by one, agents whose time away is over return."""
-
-    op: Literal["tick"] = "tick"
 
 
 class Event(Node):

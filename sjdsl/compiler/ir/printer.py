@@ -141,10 +141,10 @@ def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[s
         case ir.Domain():
             yield f"{pad}{label}: {domain(value)}{_at(value, positions)}"
         case ir.Node():
-            head = getattr(value, "op", type(value).__name__.lower())
+            head = type(value).__name__.lower()
             yield f"{pad}{label}: {head}{_at(value, positions)}"
             for name in type(value).model_fields:
-                if name not in ("origin", "op"):
+                if name != "origin":
                     yield from _lines(getattr(value, name), name, depth + 1, positions)
         case ir.Type():
             yield f"{pad}{label}: {_type(value)}"

@@ -19,7 +19,6 @@ RETURN = 0x52455455  # the streams of those who return from being away differ fr
 
 
 class Let(Sentence):
-    op: Literal["let"] = "let"
     name: str
     value: Expr
 
@@ -27,7 +26,6 @@ class Let(Sentence):
 class Draw(Sentence):
     """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair."""
 
-    op: Literal["draw"] = "draw"
     name: str
     type: Type
     low: Expr | None = None
@@ -38,7 +36,6 @@ class Draw(Sentence):
 
 
 class Each(Sentence):
-    op: Literal["each"] = "each"
     domain: Domain
     body: tuple[Stmt, ...]
 
@@ -46,7 +43,6 @@ class Each(Sentence):
 class Pick(Sentence):
     """`most`: the largest value `number` can have, as written; it fixes how many words of the stream an instance owns."""
 
-    op: Literal["pick"] = "pick"
     number: Expr
     most: int
     domain: Domain
@@ -58,7 +54,6 @@ class Pick(Sentence):
 class First(Sentence):
     """In each lane of the domain's shape the nearest member, if any; `otherwise` for each lane without one."""
 
-    op: Literal["first"] = "first"
     domain: Domain
     body: tuple[Stmt, ...]
     otherwise: tuple[Stmt, ...] = ()
@@ -67,7 +62,6 @@ class First(Sentence):
 class Match(Sentence):
     """Greedy pairs in random order; `first`: only pairs that `first RIGHT` would give."""
 
-    op: Literal["match"] = "match"
     left: Domain
     right: Domain
     first: bool
@@ -78,7 +72,6 @@ class Match(Sentence):
 class When(Sentence):
     """The first branch whose condition holds, else `otherwise`."""
 
-    op: Literal["when"] = "when"
     branches: tuple[Branch, ...]
     otherwise: tuple[Stmt, ...] = ()
 
@@ -86,7 +79,6 @@ class When(Sentence):
 class Chance(Sentence):
     """One draw per instance; branch k has its condition's probability given that none before it came."""
 
-    op: Literal["chance"] = "chance"
     branches: tuple[Branch, ...]
     otherwise: tuple[Stmt, ...] = ()
     stream: int
@@ -102,7 +94,6 @@ class Branch(Node):
 class Set(Sentence):
     """`target` is a FieldRead, or an At of one; a whole row is set if the target is a row and the value is not."""
 
-    op: Literal["set"] = "set"
     target: Expr
     value: Expr
 
@@ -110,7 +101,6 @@ class Set(Sentence):
 class Add(Sentence):
     """To a number, a row (row value), or an agent to a set."""
 
-    op: Literal["add"] = "add"
     target: Expr
     value: Expr
 
@@ -118,7 +108,6 @@ class Add(Sentence):
 class Give(Sentence):
     """`receiver`: an agent (Member or agent-typed), a set of agents, None for all; `but`: all but this one."""
 
-    op: Literal["give"] = "give"
     value: Expr
     receiver: Expr | None
     but: Member | None = None
@@ -130,7 +119,6 @@ class Tally(Sentence):
     `word`: the entry of a `by` event.
     """
 
-    op: Literal["tally"] = "tally"
     event: str
     word: Expr | None = None
     amount: Expr | None = None
@@ -140,7 +128,6 @@ class Tally(Sentence):
 class Send(Sentence):
     """To a free cell of `domain`, at once or after n ticks. All sends of one phase use with one `pool` share one order."""
 
-    op: Literal["send"] = "send"
     who: Expr
     domain: Domain
     after: Expr | None = None
@@ -152,21 +139,18 @@ class Send(Sentence):
 
 
 class Remove(Sentence):
-    op: Literal["remove"] = "remove"
     who: Expr
 
 
 class Move(Sentence):
-    op: Literal["move"] = "move"
     domain: Domain
     stream: int
 
 
 class Mark(Sentence):
-    op: Literal["mark"] = "mark"
     shape: str
     anchor: Member
 
 
 class End(Sentence):
-    op: Literal["end"] = "end"
+    """The episode is over."""

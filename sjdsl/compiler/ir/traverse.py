@@ -76,12 +76,12 @@ def rewrite(node: N, rule: Callable[[Any], Any]) -> N:
 
 
 def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
-    if isinstance(value, Node):
+    if _is_node(type(value)):
         return rewrite(value, rule)
-    if isinstance(value, tuple) and any(isinstance(v, Node) for v in value):
+    if isinstance(value, tuple) and any(_is_node(type(v)) for v in value):
         items: list[Any] = []
         for item in value:
-            new = rewrite(item, rule) if isinstance(item, Node) else item
+            new = rewrite(item, rule) if _is_node(type(item)) else item
             items.extend(new if isinstance(new, tuple) else (new,))
         if len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True)):
             return value
