@@ -241,7 +241,7 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
 
 
 def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid]]:
-    entries = []
+    entries: list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid]] = []
     for attribute in agents.attributes:
         match attribute:
             case ast.Acts():

@@ -1,8 +1,8 @@
 """The abstract syntax tree: declarations, and the file they make up."""
 
-from sjdsl.compiler.ast.expressions import Call, Expr, Name, Path, String, Table, Type, Words
+from sjdsl.compiler.ast.expressions import Call, Domain, Expr, Name, Path, String, Table, Type, Words
 from sjdsl.compiler.ast.node import Node
-from sjdsl.compiler.ast.statements import Block, Domain
+from sjdsl.compiler.ast.statements import Block
 from sjdsl.compiler.diagnostics.source import Span
 
 

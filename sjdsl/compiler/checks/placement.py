@@ -209,7 +209,7 @@ def _sure_cells(domain: ir.Domain, game: ir.Game, starting: bool) -> int:
     return count
 
 
-def _cell_fits(test: ir.Expr, name: str, values: dict[str, object]) -> bool:
+def _cell_fits(test: ir.Expr, name: str, values: Mapping[str, object]) -> bool:
     """Returns whether a condition on the cell's own fields certainly holds for these values."""
     match test:
         case ir.Logic(fn="and"):

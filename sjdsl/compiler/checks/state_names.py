@@ -12,6 +12,6 @@ def check_state_names(game: ir.Game, problems: Problems) -> None:
     for attribute, node in state_names(game):
         if attribute in seen and node.origin is not None:
             problem = f"the compiled state would have `{attribute}` twice (also of {seen[attribute]})"
-            name = getattr(node, "label", None) or getattr(node, "name", attribute)
+            name = getattr(node, "label", "") or getattr(node, "name", attribute)
             problems.add(errors.BadName(node.origin, name=name, what="the name of this", problem=problem))
         seen.setdefault(attribute, f"line {node.origin.line}" if node.origin else "another declaration")

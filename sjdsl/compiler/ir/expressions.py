@@ -25,6 +25,9 @@ def is_expression(node: Node) -> TypeGuard[Expr]:
     return isinstance(node, Expression)
 
 
+Comparison: TypeAlias = Literal["<", "<=", ">", ">=", "==", "!="]
+
+
 class Number(Expression):
     type: Type
     value: int | float
@@ -117,7 +120,7 @@ class Arithmetic(Expression):
 
 class Compare(Expression):
     type: Type = CONDITION
-    fn: Literal["<", "<=", ">", ">=", "==", "!="]
+    fn: Comparison
     left: Expr
     right: Expr
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, TurnNode, Type
@@ -17,7 +17,7 @@ else:
 class Size(Node):
     name: str
     type: Type
-    value: int | float | tuple
+    value: int | float | tuple[Any, ...]
 
 
 class Param(Node):
@@ -25,7 +25,7 @@ class Param(Node):
 
     name: str
     type: Type
-    value: int | float | str | tuple
+    value: int | float | str | tuple[Any, ...]
 
 
 class VarField(Node):

@@ -10,7 +10,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
 from sjdsl.compiler.ir.types import interval
 
-_MIRROR = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
+_MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 
 

@@ -136,8 +136,8 @@ def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[s
             for name in ir.Game.model_fields:
                 if name != "origin":
                     yield from _lines(getattr(value, name), name, depth + 1, positions)
-        case ir.Expression():
-            yield f"{pad}{label}: {expression(value)}  : {_type(value.type)}{_at(value, positions)}"  # type: ignore[arg-type]
+        case ir.Node() if ir.is_expression(value):
+            yield f"{pad}{label}: {expression(value)}  : {_type(value.type)}{_at(value, positions)}"
         case ir.Domain():
             yield f"{pad}{label}: {domain(value)}{_at(value, positions)}"
         case ir.Node():

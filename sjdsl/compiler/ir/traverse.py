@@ -31,12 +31,12 @@ def walk(node: Node) -> Iterator[Node]:
         waiting += reversed(children(following))
 
 
-def _gather(value: object, found: list[Node]) -> None:
+def _gather(value: Any, found: list[Node]) -> None:
     if isinstance(value, tuple):
         for item in value:
             _gather(item, found)
-    elif _is_node(type(value)):
-        found.append(value)  # type: ignore[arg-type]
+    elif _is_node(value.__class__):
+        found.append(value)
 
 
 @cache

@@ -36,7 +36,7 @@ def _empty(domain: ir.Domain, present: set[str]) -> bool:
 
 
 def _when(node: ir.When) -> Any:
-    branches = []
+    branches: list[ir.Branch] = []
     for branch in node.branches:
         if isinstance(branch.test, ir.Truth):
             if not branch.test.value:

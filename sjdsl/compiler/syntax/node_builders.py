@@ -210,9 +210,8 @@ def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
 # ---- expressions
 
 
-def chain(span: Span, *items: Any) -> ast.Expr:
+def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
     """`a + b - c` becomes `(a + b) - c`."""
-    left, *rest = items
     for op, right in zip(rest[::2], rest[1::2], strict=True):
         left = ast.Binary(replace(span, end=right.span.end), op, left, right)
     return replace(left, span=span)

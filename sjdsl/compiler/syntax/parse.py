@@ -151,7 +151,7 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
 def _lex(text: str) -> list[Token]:
     """Returns the tokens of a text; none if it cannot be read."""
     try:
-        return list(parser().parse_interactive(text).lexer_thread.lex(None))  # type: ignore[arg-type]  # Lark.lex makes a lexer each time
+        return list(parser().parse_interactive(text).lexer_thread.lex(None))  # Lark.lex makes a lexer each time
     except UnexpectedCharacters:
         return []
 
@@ -211,6 +211,7 @@ def _tree(tokens: list[Token]) -> Tree[Token] | None:
     try:
         for token in tokens:
             reader.feed_token(token)
-        return reader.feed_eof(tokens[-1])
+        tree: Tree[Token] = reader.feed_eof(tokens[-1])
+        return tree
     except UnexpectedToken:
         return None

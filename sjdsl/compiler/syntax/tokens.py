@@ -35,9 +35,10 @@ def scan(source: Source, parser: Lark) -> Scan:
     found = Scan(source, problems=problems)
     keywords = {t.pattern.value: t.name for t in parser.terminals if t.pattern.value.isalpha()}
     thread = parser.parse_interactive(text).lexer_thread
+    assert thread.state is not None, "a text was given"
     while found.complete:
         try:
-            for token in thread.lex(None):  # type: ignore[arg-type]
+            for token in thread.lex(None):
                 found.tokens.append(token)
                 found.complete = _is_within_limits(found, token)
                 if not found.complete:
