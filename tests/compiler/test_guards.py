@@ -65,3 +65,9 @@ def test_names_of_bound_variables_do_not_matter():
 def test_what_is_more_than_nothing_need_not_be_one(guard):
     assert codes(f"each agent {{ when {guard} {{ chance 2 * luck - 1 {{ give 1 to agent }} }} }}") == {"SJ202"}
     assert codes("each agent { when luck >= 0.5 { chance 2 * luck - 1 { give 1 to agent } } }") == set()
+
+
+def test_conditions_on_counts_exclude_each_other_whatever_their_variables_are_called():
+    counted = "each agent where count(agent as a where a.held > 1) > 0 {{ set agent.held = 1 }} each agent as b where {} {{ set b.held = 2 }}"
+    assert codes(counted.format("count(agent as c where c.held > 1) == 0")) == set()
+    assert codes(counted.format("count(agent as c where c.held > 2) == 0")) == {"SJ401"}

@@ -10,6 +10,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import domain as domain_text
+from sjdsl.compiler.ir.queries import phases_of, starts_of
 
 
 @dataclass
@@ -23,9 +24,8 @@ class Pool:
 def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Reports agents without a place at the start, sends without enough cells, and destinations that overlap."""
     _check_start(game, problems)
-    for phase in (game.start, *game.schedule):
-        if isinstance(phase, ir.Phase):
-            _check_capacity(phase, game, problems, sources)
+    for phase in phases_of(game):
+        _check_capacity(phase, game, problems, sources)
 
 
 def _check_start(game: ir.Game, problems: Problems) -> None:
@@ -198,14 +198,13 @@ def _sure_cells(domain: ir.Domain, game: ir.Game, starting: bool) -> int:
     if domain.where is not None and not starting:
         return 0
     glyphs = {g.glyph: g for g in game.glyphs}
-    starts = {k.name: {f.name: f.start for f in k.fields} for k in game.kinds}
+    starts = {g.glyph: starts_of(game, g) for g in game.glyphs}
     count = 0
     for row in game.rows:
         for glyph in row:
             meaning = glyphs[glyph]
             if meaning.kind in domain.var.kinds:
-                values = {**starts[meaning.kind], **dict(meaning.starts)}
-                count += domain.where is None or _cell_fits(domain.where, domain.var.name, values)
+                count += domain.where is None or _cell_fits(domain.where, domain.var.name, starts[glyph])
     return count
 
 

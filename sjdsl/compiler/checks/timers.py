@@ -4,12 +4,12 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.ir.queries import all_fields
 
 
 def check_timers(game: ir.Game, composition: Composition, problems: Problems) -> None:
     """Reports a missing, doubled or needless `tick`, and timers set on both sides of it."""
-    timers = [f for k in game.kinds for f in k.fields if f.timer]
-    timers += [f for f in (*game.agents.fields, *game.fields) if f.timer]
+    timers = [field for field in all_fields(game) if field.timer]
     away = any(isinstance(n, ir.Send) and n.after is not None for n in ir.walk(game))
     ticks = [t for t in game.schedule if isinstance(t, ir.Tick)]
     assert composition.schedule is not None

@@ -14,8 +14,10 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.ir.equivalence import Form, form
+from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import Fact, contradict, facts
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.queries import declared_field, phases_of, written_field
 
 
 @dataclass(frozen=True)
@@ -64,16 +66,10 @@ class Write:
     @cached_property
     def about_target(self) -> tuple[Fact, ...]:
         """The known conditions that speak of the target alone, under a name that two writes share."""
-        if self.owner is None:
-            return tuple(f for f in self.facts if not _variables(f.condition))
-        if not isinstance(self.owner, ir.Member):
+        if self.owner is not None and not isinstance(self.owner, ir.Member):
             return ()
-        name = self.owner.name
-        return tuple(Fact(f.condition, {name: "target"}) for f in self.facts if _variables(f.condition) <= {name})
-
-
-def _variables(e: ir.Expr) -> set[str]:
-    return {n.name for n in ir.walk(e) if isinstance(n, ir.Member | ir.Local)}
+        target = {} if self.owner is None else {self.owner.name: "target"}
+        return tuple(Fact(f.condition, target) for f in self.facts if {v.name for v in free_variables(f.condition)} <= target.keys())
 
 
 PLACE = Target("place")
@@ -92,9 +88,8 @@ class Around:
 
 def check_conflicts(game: ir.Game, problems: Problems) -> None:
     """Reports every pair of writes of one phase that could disagree, and `move` beside other sentences."""
-    for phase in (game.start, *game.schedule):
-        if isinstance(phase, ir.Phase):
-            _check_phase(phase, game, problems)
+    for phase in phases_of(game):
+        _check_phase(phase, game, problems)
 
 
 def _check_phase(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
@@ -341,24 +336,12 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
 
 def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:
     """An `add` that several instances can make at once is provably in range only if the field is capped (or endless)."""
-    declared = _declaration(w, game)
-    assert declared is not None and w.sentence.origin is not None
+    assert isinstance(w.sentence, ir.Add) and w.sentence.origin is not None
+    declared = declared_field(game, written_field(w.sentence.target))
     type_, reached = declared.type, "the sum of several adds"
     found = errors.FieldRange(w.sentence.origin, name=_name(w), declared=declared.name, low=type_.low, high=type_.high, reached=reached)
     problems.add(found)
 
 
 def _is_capped(w: Write, game: ir.Game) -> bool:
-    declared = None if w.sort == "place" else _declaration(w, game)
-    return declared is not None and declared.capped
-
-
-def _declaration(w: Write, game: ir.Game) -> ir.VarField | None:
-    place, name = w.target.of, w.target.name
-    if place == "agent":
-        fields = game.agents.fields
-    elif place == "world":
-        fields = game.fields
-    else:
-        fields = next(k for k in game.kinds if k.name == w.kinds[0]).fields
-    return next((f for f in fields if f.name == name), None)
+    return isinstance(w.sentence, ir.Add) and declared_field(game, written_field(w.sentence.target)).capped

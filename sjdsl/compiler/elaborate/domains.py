@@ -8,6 +8,7 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.lookup import as_agent, check_free, kinds_named, unknown
 from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
+from sjdsl.compiler.ir.free_variables import free_variables
 
 
 def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
@@ -48,7 +49,7 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
     if not scope.defining:
         return name.text
     around = [v for v in scope.variables.values() if isinstance(v, ir.Node)]
-    unseen: set[str] = set().union(*map(_free_names, (*around, *(f.condition for f in scope.facts))))
+    unseen = {v.name for e in (*around, *(f.condition for f in scope.facts)) for v in free_variables(e)}
     found = name.text
     while found in unseen:
         found += "_"
@@ -58,16 +59,9 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
 def without_variables(scope: Scope, instead: str) -> Scope:
     """Returns a scope that sees neither agents, cells and values of the sentences around nor what is known of them."""
     fixed = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
-    facts = tuple(f for f in scope.facts if not _free_names(f.condition))
+    facts = tuple(f for f in scope.facts if not free_variables(f.condition))
     withheld = {n: instead for n in scope.variables if n not in fixed}
     return replace(scope, variables=fixed, facts=facts, withheld=withheld)
-
-
-def _free_names(e: ir.Node) -> set[str]:
-    """Returns the variables that an expression takes from its surroundings."""
-    nodes = list(ir.walk(e))
-    bound = {m.name for n in nodes if isinstance(n, ir.Domain) for m in (n.var, n.on) if m is not None}
-    return {n.name for n in nodes if isinstance(n, ir.Member | ir.Local)} - bound
 
 
 def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Place:
