@@ -12,8 +12,8 @@ from sjdsl.doc.numbers import limits_of, unit_of
 from sjdsl.doc.observation import seen, unseen_fields
 from sjdsl.doc.order import schedule_changes
 from sjdsl.doc.pictures import picture_lines
-from sjdsl.doc.sentences import block, tick_lines
 from sjdsl.doc.shapes import shape_lines
+from sjdsl.doc.statements import block, tick_lines
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, table_value
 from sjdsl.doc.written import Written

@@ -7,7 +7,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import phases_of
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members
-from sjdsl.doc.sentences import chosen, drawn, paired, probability
+from sjdsl.doc.statements import chosen, drawn, paired, probability
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, table, variable
 

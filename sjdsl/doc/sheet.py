@@ -10,7 +10,7 @@ from sjdsl.doc.observation import observation
 from sjdsl.doc.pictures import pictures
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
-from sjdsl.doc.sentences import block, tick_lines
+from sjdsl.doc.statements import block, tick_lines
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import bullets, code, plain
 from sjdsl.doc.written import Written

@@ -9,14 +9,14 @@ from sjdsl.interpreter.state import Value, World
 
 
 class Drawn(NamedTuple):
-    """One word that a sentence drew, and what came of it.
+    """One word that a statement drew, and what came of it.
 
-    number: of the word in the sentence's stream. bounds: the thresholds of a chance, of 2^31, one for each branch.
+    number: of the word in the statement's stream. bounds: the thresholds of a chance, of 2^31, one for each branch.
     result: the number of the branch of a chance, None for none; the value of a `draw`; whether a member was picked or a pair matched.
     names: the variables around it, the member's or pair's own among them.
     """
 
-    sentence: "ir.Chance | ir.Draw | ir.Pick | ir.Match"
+    statement: "ir.Chance | ir.Draw | ir.Pick | ir.Match"
     number: int
     word: int
     result: Value
@@ -26,13 +26,13 @@ class Drawn(NamedTuple):
 
 @dataclass(frozen=True)
 class Done:
-    """A sentence that happened in one instance and writes.
+    """A statement that happened in one instance and writes.
 
     names: the variables around it. causes: the draws without which it would not have happened, outermost first.
     written: what it added, by the name of the list in `Writes`.
     """
 
-    sentence: ir.Stmt
+    statement: ir.Stmt
     names: Mapping[str, Value]
     causes: tuple[Drawn, ...]
     written: Mapping[str, tuple[Any, ...]]

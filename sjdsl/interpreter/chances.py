@@ -15,49 +15,49 @@ HALF = 2**31
 _COMPUTING = (ir.Arithmetic, ir.Ramp, ir.Mix, ir.Sum, ir.SumRow, ir.Local)
 
 
-def chance(sentence: ir.Chance, here: Instance) -> Drawn:
+def chance(statement: ir.Chance, here: Instance) -> Drawn:
     """Returns the branch that happens: one word for the whole chain, each branch its share of what is left."""
     assert here.draws is not None
-    word = here.word(sentence.stream, here.number)
+    word = here.word(statement.stream, here.number)
     threshold, computed, bounds = 0, False, []
-    for number, branch in enumerate(sentence.branches):
+    for number, branch in enumerate(statement.branches):
         threshold += int(np.float32(HALF - threshold) * np.float32(evaluate(branch.test, here)))
         bounds.append(threshold)
         computed = computed or _is_computed(branch.test)
         if computed:
-            note_if_near(here.draws, sentence.stream, here.number, word, threshold)
+            note_if_near(here.draws, statement.stream, here.number, word, threshold)
         if word >> 1 < threshold:
-            return Drawn(sentence, here.number, word, number, tuple(bounds), here.names)
-    return Drawn(sentence, here.number, word, None, tuple(bounds), here.names)
+            return Drawn(statement, here.number, word, number, tuple(bounds), here.names)
+    return Drawn(statement, here.number, word, None, tuple(bounds), here.names)
 
 
-def draw(sentence: ir.Draw, here: Instance) -> Drawn:
+def draw(statement: ir.Draw, here: Instance) -> Drawn:
     """Returns the number or word drawn."""
-    word = here.word(sentence.stream, here.number)
-    return Drawn(sentence, here.number, word, _drawn(sentence, word, here), names=here.names)
+    word = here.word(statement.stream, here.number)
+    return Drawn(statement, here.number, word, _drawn(statement, word, here), names=here.names)
 
 
-def _drawn(sentence: ir.Draw, word: int, here: Instance) -> Value:
-    if sentence.low is not None and sentence.high is not None:
-        low, high = evaluate(sentence.low, here), evaluate(sentence.high, here)
+def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
+    if statement.low is not None and statement.high is not None:
+        low, high = evaluate(statement.low, here), evaluate(statement.high, here)
         assert 1 <= high - low + 1 <= 65535, (low, high)
         return low + (word * (high - low + 1) >> 32)
-    if sentence.weights:
-        return _weighted(sentence, word, here)
-    return sentence.words[word * len(sentence.words) >> 32]
+    if statement.weights:
+        return _weighted(statement, word, here)
+    return statement.words[word * len(statement.words) >> 32]
 
 
-def _weighted(sentence: ir.Draw, word: int, here: Instance) -> str:
+def _weighted(statement: ir.Draw, word: int, here: Instance) -> str:
     assert here.draws is not None
-    running, computed = np.float32(0), any(_is_computed(w) for w in sentence.weights)
-    for name, weight in zip(sentence.words[:-1], sentence.weights[:-1], strict=True):
+    running, computed = np.float32(0), any(_is_computed(w) for w in statement.weights)
+    for name, weight in zip(statement.words[:-1], statement.weights[:-1], strict=True):
         running = np.float32(running + np.float32(evaluate(weight, here)))
         threshold = int(running * np.float32(HALF))
         if computed:
-            note_if_near(here.draws, sentence.stream, here.number, word, threshold)
+            note_if_near(here.draws, statement.stream, here.number, word, threshold)
         if word >> 1 < threshold:
             return name
-    return sentence.words[-1]
+    return statement.words[-1]
 
 
 def _is_computed(share: ir.Expr) -> bool:
@@ -65,28 +65,28 @@ def _is_computed(share: ir.Expr) -> bool:
     return any(isinstance(node, _COMPUTING) and node.type.kind == "real" for node in ir.walk(share))
 
 
-def picked(sentence: ir.Pick, all_members: list[Found], here: Instance) -> list[tuple[Found, Drawn]]:
-    """Returns as many members as the sentence says, one word and one of those still left for each turn."""
-    turns = min(sentence.most, members.radix(sentence.domain, here.board))
+def picked(statement: ir.Pick, all_members: list[Found], here: Instance) -> list[tuple[Found, Drawn]]:
+    """Returns as many members as the statement says, one word and one of those still left for each turn."""
+    turns = min(statement.most, members.radix(statement.domain, here.board))
     left = sorted(all_members, key=lambda m: m.number)
     taken: list[tuple[Found, Drawn]] = []
-    for turn in range(min(max(0, evaluate(sentence.number, here)), len(left))):
+    for turn in range(min(max(0, evaluate(statement.number, here)), len(left))):
         number = here.number * turns + turn
-        member, word = here.take(sentence.stream, number, left)
-        taken.append((member, Drawn(sentence, number, word, True, names={**here.names, **member.names})))
+        member, word = here.take(statement.stream, number, left)
+        taken.append((member, Drawn(statement, number, word, True, names={**here.names, **member.names})))
     return taken
 
 
-def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Drawn]]:
+def matched(statement: ir.Match, here: Instance) -> list[tuple[Found, Found, Drawn]]:
     """Returns all possible pairs in a random order; each is matched if both of its members are still free."""
-    rights = members.everybody(sentence.right, here.board)
-    pairs_in_all = members.everybody(sentence.left, here.board) * rights
+    rights = members.everybody(statement.right, here.board)
+    pairs_in_all = members.everybody(statement.left, here.board) * rights
     ranked: list[tuple[int, int, int, Found, Found]] = []
-    for left in members_of(sentence.left, here):
-        for right in _partners(sentence, left, here):
-            mine, theirs = (members.own_number(d, m, here.board) for d, m in ((sentence.left, left), (sentence.right, right)))
+    for left in members_of(statement.left, here):
+        for right in _partners(statement, left, here):
+            mine, theirs = (members.own_number(d, m, here.board) for d, m in ((statement.left, left), (statement.right, right)))
             number = here.number * pairs_in_all + mine * rights + theirs
-            word = here.word(sentence.stream, number)
+            word = here.word(statement.stream, number)
             ranked.append((-(word >> 1), number, word, left, right))
     taken: set[object] = set()
     pairs: list[tuple[Found, Found, Drawn]] = []
@@ -94,14 +94,14 @@ def matched(sentence: ir.Match, here: Instance) -> list[tuple[Found, Found, Draw
         free = not taken & {left.member, right.member}
         taken |= {left.member, right.member} if free else set()
         names = {**here.names, **left.names, **right.names}
-        pairs.append((left, right, Drawn(sentence, number, word, free, names=names)))
+        pairs.append((left, right, Drawn(statement, number, word, free, names=names)))
     return pairs
 
 
-def _partners(sentence: ir.Match, left: Found, here: Instance) -> list[Found]:
+def _partners(statement: ir.Match, left: Found, here: Instance) -> list[Found]:
     inside = here.binding(left.names)
-    if sentence.first:
-        found = [m for m in nearest_members(sentence.right, inside) if m is not None]
+    if statement.first:
+        found = [m for m in nearest_members(statement.right, inside) if m is not None]
     else:
-        found = members_of(sentence.right, inside)
+        found = members_of(statement.right, inside)
     return list({m.member: m for m in found if m.member != left.member}.values())

@@ -11,7 +11,7 @@ from sjdsl.compiler import ir
 class LeavesFloat32(ArithmeticError):
     """A real became larger than any float32 (3.4e38), or no number at all.
 
-    node: the sentence that computes it, or the expression of a metric or check. before: steps of the episode that were over.
+    node: the statement that computes it, or the expression of a metric or check. before: steps of the episode that were over.
     """
 
     def __init__(self, node: ir.Node, before: int):

@@ -19,18 +19,18 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
         # who may have to stay does not make room for others
         leaving = set() if _may_stay(order, here.board) else {s.agent for s in together}
         free = free_cells(together[0].send.domain, leaving, here)
-        for agent, sentence, ticks in together:
+        for agent, statement, ticks in together:
             if ticks > 0:
-                _leave(agent, Away(ticks, Pool(phase, pool), sentence.facing), world)
+                _leave(agent, Away(ticks, Pool(phase, pool), statement.facing), world)
             elif free:
-                _enter(agent, here.take(order, agent, free)[0], sentence.facing, sentence.heading_stream, here, world)
+                _enter(agent, here.take(order, agent, free)[0], statement.facing, statement.heading_stream, here, world)
             else:
-                assert sentence.stay, f"no free cell for agent {agent}"
+                assert statement.stay, f"no free cell for agent {agent}"
 
 
 @lru_cache(maxsize=256)
 def _may_stay(order_stream: int, board: Board) -> bool:
-    """Returns whether any sentence that sends to this pool says `otherwise stay`."""
+    """Returns whether any statement that sends to this pool says `otherwise stay`."""
     sends = (n for n in ir.walk(board.game) if isinstance(n, ir.Send))
     return any(s.stay for s in sends if s.order_stream == order_stream)
 
@@ -49,15 +49,15 @@ def bring_back(here: Instance, world: World) -> None:
         elif away is not None and away.ticks > 1:
             world.away[agent] = away._replace(ticks=away.ticks - 1)
     for pool in (p for p in here.board.pools if p in due):
-        sentence = here.board.pools[pool]
+        statement = here.board.pools[pool]
         # Two pools may share cells: what an earlier one filled is not free any more.
         filled = {cell for cell in world.position if cell is not None}
-        free = [c for c in free_cells(sentence.domain, set(), here) if c not in filled]
-        order = return_stream(sentence.order_stream)
+        free = [c for c in free_cells(statement.domain, set(), here) if c not in filled]
+        order = return_stream(statement.order_stream)
         for agent in due[pool]:
             away = here.world.away[agent]
             if free and away is not None:
-                _enter(agent, here.take(order, agent, free)[0], away.facing, return_stream(sentence.heading_stream), here, world)
+                _enter(agent, here.take(order, agent, free)[0], away.facing, return_stream(statement.heading_stream), here, world)
 
 
 def free_cells(domain: ir.Domain, leaving: set[int], here: Instance) -> list[Cell]:

@@ -125,7 +125,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
 
 
 def _adding(phase: ir.Phase, sort: type[ir.Add | ir.Give]) -> ir.Node:
-    """Returns the sentence of a phase in which reals are added up, the last one written; the phase if it has none."""
+    """Returns the statement of a phase in which reals are added up, the last one written; the phase if it has none."""
     found = [n for n in ir.walk(phase) if isinstance(n, sort) and n.value.type.kind == "real"]
     return found[-1] if found else phase
 

@@ -107,5 +107,5 @@ def note_if_near(draws: Draws, stream: int, number: int, word: int, threshold: i
 
 
 def return_stream(stream: int) -> int:
-    """Returns the stream that agents coming back at a `tick` use in place of the sentence's own."""
+    """Returns the stream that agents coming back at a `tick` use in place of the statement's own."""
     return (stream ^ _RETURN) & WORD

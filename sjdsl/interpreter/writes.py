@@ -23,7 +23,7 @@ class Slot(NamedTuple):
 
 
 class Sending(NamedTuple):
-    """An agent on its way by this sentence, `ticks` from now (0: at once)."""
+    """An agent on its way by this statement, `ticks` from now (0: at once)."""
 
     agent: int
     send: ir.Send
@@ -45,9 +45,9 @@ _WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.Move, ir.M
 
 @dataclass
 class Writes:
-    """Everything the sentences of one phase wrote. `movers`: rank of each agent of a `move`, None without one.
+    """Everything the statements of one phase wrote. `movers`: rank of each agent of a `move`, None without one.
 
-    told, drawn: an account of it, sentence by sentence, where one is wanted; else None.
+    told, drawn: an account of it, statement by statement, where one is wanted; else None.
     """
 
     sets: list[tuple[Slot, Value]] = field(default_factory=list)
@@ -66,11 +66,11 @@ class Writes:
         """Returns how much was written so far, of what comes in lists; nothing where no account is wanted."""
         return {} if self.told is None else {name: len(getattr(self, name)) for name in _LISTS}
 
-    def tell(self, sentence: ir.Stmt, here: Instance, before: dict[str, int]) -> None:
-        """Keeps what a sentence that writes (not one that has others in it) has written since `before`."""
-        if self.told is not None and isinstance(sentence, _WRITING):
+    def tell(self, statement: ir.Stmt, here: Instance, before: dict[str, int]) -> None:
+        """Keeps what a statement that writes (not one that has others in it) has written since `before`."""
+        if self.told is not None and isinstance(statement, _WRITING):
             written = {name: tuple(getattr(self, name)[size:]) for name, size in before.items() if len(getattr(self, name)) > size}
-            self.told.append(Done(sentence, here.names, here.causes, written))
+            self.told.append(Done(statement, here.names, here.causes, written))
 
 
 def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:

@@ -20,10 +20,10 @@ def features_of(told: Iterable[Account]) -> frozenset[Feature]:
         if not isinstance(account.turn, ir.Phase):
             continue
         label = STARTING if account.turn.name == STARTING else account.turn.label
-        ran.update(statement_id(label, done.sentence) for done in account.done)
+        ran.update(statement_id(label, done.statement) for done in account.done)
         added = Counter(slot for done in account.done for slot, _ in done.written.get("adds", ()))
         found |= {("added", label, slot.name, min(n, MANY)) for slot, n in added.items() if n > 1}
-        found |= {("branch", statement_id(label, d.sentence), d.result) for d in account.drawn if isinstance(d.sentence, ir.Chance)}
+        found |= {("branch", statement_id(label, d.statement), d.result) for d in account.drawn if isinstance(d.statement, ir.Chance)}
     found |= {("ran", statement) for statement in ran}
     found |= {("times", statement, min(n, MANY)) for statement, n in ran.items() if n > 1}
     found |= {("both", *pair) for pair in combinations(sorted(ran), 2)}

@@ -91,13 +91,13 @@ def is_passing(field: ir.VarField, game: ir.Game) -> bool:
             last = written
     if last is None or not isinstance(last[0], ir.Set):
         return False
-    sentence, around = last
-    empty = isinstance(sentence.value, ir.Nobody) or (isinstance(sentence.value, ir.Number) and sentence.value.value == 0)
+    statement, around = last
+    empty = isinstance(statement.value, ir.Nobody) or (isinstance(statement.value, ir.Number) and statement.value.value == 0)
     return empty and all(_leaves_none_out(node, field) for node in around)
 
 
 def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> Iterator[tuple[ir.Set | ir.Add, tuple[ir.Node, ...]]]:
-    """Yields the sentences that write a field, each with the sentences around it."""
+    """Yields the statements that write a field, each with the statements around it."""
     if isinstance(node, ir.Set | ir.Add):
         target = written_field(node.target)
         if (target.place, target.name) == (field.place, field.name) and (field.place != "cell" or field.kind in target.kinds):
@@ -108,7 +108,7 @@ def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> I
 
 
 def _leaves_none_out(node: ir.Node, field: ir.VarField) -> bool:
-    """Returns whether a sentence reaches every cell or agent where the field holds something."""
+    """Returns whether a statement reaches every cell or agent where the field holds something."""
     match node:
         case ir.Phase():
             return True

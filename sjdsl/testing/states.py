@@ -68,7 +68,7 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
 
 
 def away_pools(game: ir.Game) -> dict[Pool, ir.Send]:
-    """Returns the destinations one can be away before, each with a sentence that sends there."""
+    """Returns the destinations one can be away before, each with a statement that sends there."""
     known = pool_numbers(game)
     found: dict[Pool, ir.Send] = {}
     for phase in phases_of(game):

@@ -32,7 +32,7 @@ class Effect:
     """One change: `old` and `new` as the interpreter holds them; a reward, an event and a mark have only `new`.
 
     owner: an agent's number, a cell, or None for the world. name: of the field or event, with its words (`bag[raw]`).
-    by: the sentences that made it; none for what timers do at a `tick`.
+    by: the statements that made it; none for what timers do at a `tick`.
     """
 
     sort: Sort
@@ -46,14 +46,14 @@ class Effect:
 
 
 def effects_of(account: Account, board: Board, words: Words) -> list[Effect]:
-    """Returns everything a turn changed, in the order of its sentences. `words`: all that were looked at in it."""
+    """Returns everything a turn changed, in the order of its statements. `words`: all that were looked at in it."""
     found = [*_fields(account, board), *_agents(account, board, words), *_said(account, board)]
     order = {id(done): number for number, done in enumerate(account.done)}
     return sorted(found, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
 
 
 def without_effect(account: Account, effects: Sequence[Effect]) -> list[Done]:
-    """Returns the sentences that happened and changed nothing."""
+    """Returns the statements that happened and changed nothing."""
     busy = {id(done) for effect in effects for done in effect.by}
     return [done for done in account.done if id(done) not in busy]
 
@@ -91,7 +91,7 @@ def _entries(by: tuple[tuple[str, ...], ...], old: Value, new: Value) -> Iterato
 
 
 def _writers(account: Account) -> dict[Slot, list[Done]]:
-    """Returns who wrote each entry of a field; a sentence that was performed twice in one instance counts once."""
+    """Returns who wrote each entry of a field; a statement that was performed twice in one instance counts once."""
     found: dict[Slot, list[Done]] = defaultdict(list)
     for done in account.done:
         for slot in dict.fromkeys(slot for slot, _ in (*done.written.get("sets", ()), *done.written.get("adds", ()))):
@@ -119,17 +119,17 @@ def _agents(account: Account, board: Board, words: Words) -> Iterator[Effect]:
 
 
 def _senders(account: Account, board: Board, agent: int) -> Iterator[Done]:
-    """Yields the sentences that move, send or remove an agent in this turn, or that sent it away when it returns at a `tick`."""
+    """Yields the statements that move, send or remove an agent in this turn, or that sent it away when it returns at a `tick`."""
     away = account.before.away[agent]
     if isinstance(account.turn, ir.Tick) and away is not None and account.after.away[agent] is None and away.pool is not None:
         yield Done(board.pools[away.pool], {}, (), {})
     for done in account.done:
-        match done.sentence:
+        match done.statement:
             case ir.Move():
                 yield done
             case ir.Send() if agent in {sending.agent for sending in done.written.get("sends", ())}:
                 yield done
-            case ir.Remove() if agent in agents_in(evaluate(done.sentence.who, _instance(done, account, board))):
+            case ir.Remove() if agent in agents_in(evaluate(done.statement.who, _instance(done, account, board))):
                 yield done
             case _:
                 pass
@@ -137,13 +137,13 @@ def _senders(account: Account, board: Board, agent: int) -> Iterator[Done]:
 
 def _used(sort: str, agent: int, account: Account, board: Board, by: Sequence[Done], words: Words) -> Iterator[Used]:
     place = account.after.position[agent]
-    for sentence in (done.sentence for done in by):
-        if isinstance(sentence, ir.Move) and sort == "place":
-            own = ((stream, n) for stream, n in words if stream == sentence.stream and n % board.agents == agent)
+    for statement in (done.statement for done in by):
+        if isinstance(statement, ir.Move) and sort == "place":
+            own = ((stream, n) for stream, n in words if stream == statement.stream and n % board.agents == agent)
             yield from (Used("who comes first", *at, words[at]) for at in own)
-        if not isinstance(sentence, ir.Send) or place is None:
+        if not isinstance(statement, ir.Send) or place is None:
             continue
-        order, heading = sentence.order_stream, sentence.heading_stream
+        order, heading = statement.order_stream, statement.heading_stream
         if isinstance(account.turn, ir.Tick):
             order, heading = return_stream(order), return_stream(heading)
         at = (order if sort == "place" else heading, agent)
@@ -164,9 +164,9 @@ def _said(account: Account, board: Board) -> Iterator[Effect]:
             if counted.amount:
                 word = f"[{counted.word}]" if events[counted.event].by else ""
                 yield Effect("event", counted.agent, counted.event + word, None, counted.amount, None, (done,))
-        match done.sentence:
+        match done.statement:
             case ir.Mark():
-                near = ir.Near(shape=done.sentence.shape, anchor=done.sentence.anchor)
+                near = ir.Near(shape=done.statement.shape, anchor=done.statement.anchor)
                 cells = sorted(cells_in(near, _instance(done, account, board)))
                 yield Effect("mark", None, "", None, tuple(cells), None, (done,))
             case ir.End():

@@ -22,7 +22,7 @@ Choose = Callable[[int, Key], list[int]]  # number of the step in the trace, a k
 class Told:
     """One turn of the schedule, or the phase `start`.
 
-    idle: sentences that happened and changed nothing. failed: draws after which nothing happened. never: sentences that write
+    idle: statements that happened and changed nothing. failed: draws after which nothing happened. never: statements that write
       and did not happen at all.
     """
 
@@ -98,7 +98,7 @@ def _listener(told: list[Told], board: Board, heard: Heard) -> Tell:
 def tell_of(account: Account, board: Board, words: Mapping[tuple[int, int], int]) -> Told:
     """Returns what there is to tell of one turn. `words`: those looked at in it."""
     effects = effects_of(account, board, words)
-    happened = {id(done.sentence) for done in account.done}
+    happened = {id(done.statement) for done in account.done}
     writing = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.Move, ir.Mark, ir.End)
     return Told(
         label=account.turn.label if isinstance(account.turn, ir.Phase) else "tick",

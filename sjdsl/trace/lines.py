@@ -69,7 +69,7 @@ def _by_rule(effects: Sequence[Effect]) -> Iterator[tuple[ir.Stmt | None, list[E
     """Yields the rules in the order in which they come first, each with its effects."""
     found: dict[int, tuple[ir.Stmt | None, list[Effect]]] = {}
     for effect in effects:
-        rule = effect.by[0].sentence if effect.by else None
+        rule = effect.by[0].statement if effect.by else None
         found.setdefault(id(rule), (rule, []))[1].append(effect)
     yield from found.values()
 
@@ -80,7 +80,7 @@ def _rule(rule: ir.Stmt, rules: Rules) -> str:
 
 def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller) -> Iterator[str]:
     names = say_names(effect.by[0], effect.owner, teller.agents, teller.board) if effect.by else ""
-    others = dict.fromkeys(teller.rules.place(done.sentence) for done in effect.by if done.sentence is not rule)
+    others = dict.fromkeys(teller.rules.place(done.statement) for done in effect.by if done.statement is not rule)
     beside = [*([names] if names else []), *(f"also {place}" for place in others)]
     yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (f"  [{'; '.join(beside)}]" if beside else "")
     yield from (f"{DRAW}  {text}" for text in _draws(effect, teller))
@@ -95,10 +95,10 @@ def _draws(effect: Effect, teller: Teller) -> list[str]:
 def _idle_lines(turn: Told, teller: Teller) -> Iterator[str]:
     """Yields what happened without changing anything, draws after which nothing happened, and rules that did not happen."""
     for done in turn.idle:
-        yield f"{RULE}  {_rule(done.sentence, teller.rules)}{_among(done, teller)}: nothing changed"
+        yield f"{RULE}  {_rule(done.statement, teller.rules)}{_among(done, teller)}: nothing changed"
         yield from (f"{EFFECT}  {say_draw(drawn, teller.rules)}" for drawn in done.causes)
     for drawn in turn.failed:
-        yield f"{RULE}  {teller.rules.place(drawn.sentence)}  {say_draw(drawn, teller.rules)}{_among(drawn, teller)}"
+        yield f"{RULE}  {teller.rules.place(drawn.statement)}  {say_draw(drawn, teller.rules)}{_among(drawn, teller)}"
     for rule in turn.never:
         yield f"{RULE}  {_rule(rule, teller.rules)}: did not happen"
 

@@ -36,7 +36,7 @@ def turn_report(turn: Told, teller: Teller) -> dict[str, Any]:
     if teller.everything:
         report["idle"] = [_done(done, teller.rules) for done in turn.idle]
         report["failed"] = [_drawn(drawn, teller.rules) for drawn in turn.failed]
-        report["never"] = [_sentence(sentence, teller.rules) for sentence in turn.never]
+        report["never"] = [_statement(statement, teller.rules) for statement in turn.never]
     return report
 
 
@@ -56,22 +56,22 @@ def _effect(effect: Effect, teller: Teller) -> dict[str, Any]:
     }
 
 
-def _sentence(sentence: ir.Stmt, rules: Rules) -> dict[str, Any]:
-    span = sentence.origin
-    return {"file": span and span.file, "line": span and span.line, "text": rules.text(sentence)}
+def _statement(statement: ir.Stmt, rules: Rules) -> dict[str, Any]:
+    span = statement.origin
+    return {"file": span and span.file, "line": span and span.line, "text": rules.text(statement)}
 
 
 def _done(done: Done, rules: Rules) -> dict[str, Any]:
     names = {name: plain(value) for name, value in done.names.items()}
-    return {**_sentence(done.sentence, rules), "names": names, "draws": [_drawn(drawn, rules) for drawn in done.causes]}
+    return {**_statement(done.statement, rules), "names": names, "draws": [_drawn(drawn, rules) for drawn in done.causes]}
 
 
 def _drawn(drawn: Drawn, rules: Rules) -> dict[str, Any]:
     """`bounds`: of a chance, of 1, one for each branch up to the one that happened; `share`: what they are compared with."""
     return {
-        **_sentence(drawn.sentence, rules),
+        **_statement(drawn.statement, rules),
         "names": {name: plain(value) for name, value in drawn.names.items()},
-        "stream": drawn.sentence.stream,
+        "stream": drawn.statement.stream,
         "number": drawn.number,
         "word": drawn.word,
         "share": (drawn.word >> 1) / 2**31,

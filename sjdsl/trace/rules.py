@@ -18,24 +18,24 @@ class Rules:
 
     sources: Mapping[str, Source]
 
-    def place(self, sentence: ir.Node) -> str:
+    def place(self, statement: ir.Node) -> str:
         """Returns `clean_up.sj:52`."""
-        span = sentence.origin
+        span = statement.origin
         return UNKNOWN if span is None else f"{PurePath(span.file).name}:{span.line}"
 
-    def text(self, sentence: ir.Node) -> str:
-        """Returns a sentence without comments and on one line; one that has others in it up to its block."""
-        span = sentence.origin
+    def text(self, statement: ir.Node) -> str:
+        """Returns a statement without comments and on one line; one that has others in it up to its block."""
+        span = statement.origin
         if span is None or span.file not in self.sources:
-            return type(sentence).__name__.lower()
-        return self._words(span, _end_of_header(sentence, span))
+            return type(statement).__name__.lower()
+        return self._words(span, _end_of_header(statement, span))
 
-    def branch(self, sentence: "ir.When | ir.Chance", number: int) -> str:
+    def branch(self, statement: "ir.When | ir.Chance", number: int) -> str:
         """Returns the header of one branch: `chance 0.5`, `otherwise chance 0.2`."""
-        branch = sentence.branches[number]
-        opening = self.text(sentence) if number == 0 else ""
+        branch = statement.branches[number]
+        opening = self.text(statement) if number == 0 else ""
         if opening or branch.origin is None or branch.test.origin is None:
-            return opening or f"branch {number + 1} of {self.text(sentence)}"
+            return opening or f"branch {number + 1} of {self.text(statement)}"
         return f"otherwise {self._words(branch.origin, branch.test.origin.end)}"
 
     def _words(self, span: Span, end: int) -> str:
@@ -43,15 +43,15 @@ class Rules:
         return " ".join(_COMMENT_OR_TEXT.sub(lambda found: found.group(1) or "", text).split())
 
 
-def _end_of_header(sentence: ir.Node, span: Span) -> int:
-    """Returns where the block of a sentence begins, or where the sentence ends if it has none."""
-    match sentence:
+def _end_of_header(statement: ir.Node, span: Span) -> int:
+    """Returns where the block of a statement begins, or where the statement ends if it has none."""
+    match statement:
         case ir.When() | ir.Chance():
-            last = sentence.branches[0].test.origin
+            last = statement.branches[0].test.origin
         case ir.Each() | ir.Pick() | ir.First():
-            last = sentence.domain.origin
+            last = statement.domain.origin
         case ir.Match():
-            last = sentence.right.origin
+            last = statement.right.origin
         case _:
             last = span
     return (last or span).end

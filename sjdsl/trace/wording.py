@@ -83,7 +83,7 @@ def _absence(away: Away | None) -> str:
 
 
 def say_names(done: Done | Drawn, owner: int | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
-    """Returns what the variables around a sentence stand for: `cleaner 0, level cut`; not those that are the owner itself."""
+    """Returns what the variables around a statement stand for: `cleaner 0, level cut`; not those that are the owner itself."""
     said = []
     for name, value in done.names.items():
         is_agent = name in turn_agents
@@ -99,25 +99,25 @@ def say_names(done: Done | Drawn, owner: int | Cell | None, turn_agents: frozens
 def say_draw(drawn: Drawn, rules: Rules) -> str:
     """Returns a draw and what came of it: `chance growth: drew 0.010700, below 0.03125: happens  (random bits …)`."""
     share = (drawn.word >> 1) / WHOLE
-    sentence = drawn.sentence
-    match sentence:
+    statement = drawn.statement
+    match statement:
         case ir.Chance():
             said = _chance(drawn, share, rules)
         case ir.Draw():
-            said = f"{rules.text(sentence)}: {say_value(drawn.result, sentence.type)}"
+            said = f"{rules.text(statement)}: {say_value(drawn.result, statement.type)}"
         case ir.Pick():
-            said = f"{rules.text(sentence)}: drew {share:.6f}: {'picked' if drawn.result else 'not picked'}"
+            said = f"{rules.text(statement)}: drew {share:.6f}: {'picked' if drawn.result else 'not picked'}"
         case ir.Match():
-            said = f"{rules.text(sentence)}: drew {share:.6f}: {'matched' if drawn.result else 'not matched'}"
-    return f"{said}  {say_word(sentence.stream, drawn.number, drawn.word)}"
+            said = f"{rules.text(statement)}: drew {share:.6f}: {'matched' if drawn.result else 'not matched'}"
+    return f"{said}  {say_word(statement.stream, drawn.number, drawn.word)}"
 
 
 def _chance(drawn: Drawn, share: float, rules: Rules) -> str:
     bounds = [bound / WHOLE for bound in drawn.bounds]
     if drawn.result is None:
-        return f"{rules.branch(drawn.sentence, 0)}: drew {share:.6f}, not below {bounds[-1]:.6g}: does not happen"  # type: ignore[arg-type]
+        return f"{rules.branch(drawn.statement, 0)}: drew {share:.6f}, not below {bounds[-1]:.6g}: does not happen"  # type: ignore[arg-type]
     below = f"below {bounds[-1]:.6g}" + (f" and not below {bounds[-2]:.6g}" if len(bounds) > 1 else "")
-    return f"{rules.branch(drawn.sentence, drawn.result)}: drew {share:.6f}, {below}: happens"  # type: ignore[arg-type]
+    return f"{rules.branch(drawn.statement, drawn.result)}: drew {share:.6f}, {below}: happens"  # type: ignore[arg-type]
 
 
 def say_used(used: Used) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from sjdsl.compiler import ir
 from sjdsl.doc import Written, rule_sheet
-from sjdsl.doc.sentences import lines
+from sjdsl.doc.statements import lines
 
 from .changes import SILENT, small_changes, without_origins
 from .corpus import games, manual, small
@@ -16,7 +16,7 @@ from .corpus import games, manual, small
 SECTIONS_THAT_REPEAT = ("Process overview: one step", "Random draws")  # what they say stands in the phases already
 LEFT_OVER = re.compile(r"\bTrue\b|\bFalse\b|\binf\b|\(\)|[a-z]  [a-z]|\w+\(.*?=|object at|\* \*|[.,:;][.,:;]|\b(?:of|the|a) *[.,:)]")
 NO_GAME = "not even a game"  # said of a game in which something reads a name that nothing has
-ABSTRACT = {ir.Node, ir.Expression, ir.Sentence, ir.PlaceNode, ir.TurnNode}
+ABSTRACT = {ir.Node, ir.Expression, ir.Statement, ir.PlaceNode, ir.TurnNode}
 
 
 def node_classes(parent: type[ir.Node] = ir.Node) -> Iterator[type[ir.Node]]:
@@ -40,8 +40,8 @@ def test_every_node_of_the_ir_is_in_some_program() -> None:
     assert set(node_classes()) - ABSTRACT - found == set()
 
 
-def test_a_sentence_without_english_is_an_error() -> None:
-    class Jump(ir.Sentence):
+def test_a_statement_without_english_is_an_error() -> None:
+    class Jump(ir.Statement):
         pass
 
     written = small()["walking"]

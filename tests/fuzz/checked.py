@@ -7,7 +7,7 @@ from tests.fuzz.declared import Field, Lines, World
 from tests.fuzz.members import domain
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Variable
-from tests.fuzz.sentences import braces
+from tests.fuzz.statements import braces
 
 LABELS = ("near_by", "far_off", "mine", "theirs")
 

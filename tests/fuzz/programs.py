@@ -1,7 +1,7 @@
 """Random whole games: well-typed `.sj` texts that use every part of the language, small enough to be played in a moment.
 
 Units, intervals, who is whose and what is known of agents are tracked while a text is made, so that most texts are accepted. Now and
-then a sentence is bolder than what surely passes: the border of what the compiler accepts is looked at, too.
+then a statement is bolder than what surely passes: the border of what the compiler accepts is looked at, too.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from tests.fuzz.declaring import a_field, declare, param
 from tests.fuzz.members import domain
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Variable
-from tests.fuzz.sentences import Phase, block, braces, destination, indented
+from tests.fuzz.statements import Phase, block, braces, destination, indented
 from tests.fuzz.writing import Written
 
 NAMES = ("grow", "share_out", "settle", "walk_on", "trade", "decay", "look_round")

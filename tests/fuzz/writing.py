@@ -13,7 +13,7 @@ BOLD = 0.06  # how often a write is made that may well be refused
 
 @dataclass
 class Written:
-    """What the sentences of one phase have written so far: (place, kind, field) -> sorts of writes; where agents were sent."""
+    """What the statements of one phase have written so far: (place, kind, field) -> sorts of writes; where agents were sent."""
 
     fields: dict[tuple[str, str, str], list[str]] = field(default_factory=dict)
     places: int = 0

@@ -105,11 +105,11 @@ def near(shape: str, anchor: ir.Member) -> ir.Near:
     return ir.Near(shape=shape, anchor=anchor)
 
 
-def each(domain: ir.Domain, *body: ir.Sentence) -> ir.Each:
+def each(domain: ir.Domain, *body: ir.Statement) -> ir.Each:
     return ir.Each(domain=domain, body=body)
 
 
-def when(test: ir.Expr, *body: ir.Sentence, otherwise: tuple[ir.Sentence, ...] = ()) -> ir.When:
+def when(test: ir.Expr, *body: ir.Statement, otherwise: tuple[ir.Statement, ...] = ()) -> ir.When:
     return ir.When(branches=(ir.Branch(test=test, body=body),), otherwise=otherwise)
 
 
@@ -118,7 +118,7 @@ def send(to: ir.Domain, who: ir.Expr | None = None, *, pool: int = 0, **facts: o
     return ir.Send(who=who or agent(), domain=to, pool=pool, order_stream=1000 + pool, heading_stream=2000 + pool, **facts)
 
 
-def phase(*body: ir.Sentence, name: str = "act") -> ir.Phase:
+def phase(*body: ir.Statement, name: str = "act") -> ir.Phase:
     marks = tuple(dict.fromkeys(node.shape for part in body for node in ir.walk(part) if isinstance(node, ir.Mark)))
     return ir.Phase(label=name, name=name, body=body, marks=marks)
 

@@ -1,4 +1,4 @@
-"""What a step tells of itself: every write with its sentence, its instance and the draws that led to it."""
+"""What a step tells of itself: every write with its statement, its instance and the draws that led to it."""
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account
@@ -7,7 +7,7 @@ from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.step import reset, step
 
 from . import games as g
-from .sentence_games import SOIL_FRUIT, score, set_, small
+from .statement_games import SOIL_FRUIT, score, set_, small
 
 QUARTER = ir.Number(type=g.REAL, value=0.25)
 GROW = ir.Chance(branches=(ir.Branch(test=QUARTER, body=(set_(SOIL_FRUIT, g.word("red")),)),), stream=5)
@@ -28,7 +28,7 @@ def test_a_write_comes_with_its_instance_and_its_draws():
     assert [d.result for d in account.drawn] == [None, None, 0]
     assert account.drawn[0].bounds == (2**29,)
     (done,) = account.done
-    assert isinstance(done.sentence, ir.Set)
+    assert isinstance(done.statement, ir.Set)
     assert done.causes == (account.drawn[2],)
     (written,) = done.written["sets"]
     assert written[0].owner == ("soil", 2)
@@ -46,7 +46,7 @@ def test_picks_tell_who_was_picked():
     assert done.causes == account.drawn[:1]
 
 
-def test_what_a_draw_gives_holds_for_the_sentences_after_it():
+def test_what_a_draw_gives_holds_for_the_statements_after_it():
     draw = ir.Draw(name="n", type=g.INT, low=g.number(3), high=g.number(6), stream=4)
     before, after = set_(score(), g.number(1)), set_(score("other"), g.number(2))
     game = small(g.each(g.agents(where=g.is_agent(0)), before), g.each(g.agents("other", where=g.is_agent(1, "other")), draw, after))

@@ -1,4 +1,4 @@
-"""Every kind of sentence that draws, with the words written down by hand."""
+"""Every kind of statement that draws, with the words written down by hand."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.threefry import Recorded
 
 from . import games as g
-from .sentence_games import COLOUR, RG, SMALL, SOIL_FRUIT, SOIL_HITS, add, run, score, set_, small
+from .statement_games import COLOUR, RG, SMALL, SOIL_FRUIT, SOIL_HITS, add, run, score, set_, small
 
 CHAIN = ir.Chance(
     branches=(

@@ -40,37 +40,40 @@ def streams(game: ir.Game) -> dict[int, Stream]:
 
 def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, found: dict[int, Stream]) -> None:
     agents = Digit("agent", board.agents)
-    for sentence in body:
+    for statement in body:
         inside = around
-        match sentence:
+        match statement:
             case ir.Chance() | ir.Draw():
-                found[sentence.stream] = Stream(around)
+                found[statement.stream] = Stream(around)
             case ir.Each():
-                inside = (*around, _digit(sentence.domain, board))
+                inside = (*around, _digit(statement.domain, board))
             case ir.First():
-                assert isinstance(sentence.domain.place, ir.Near)
-                lanes = board.shapes[sentence.domain.place.shape].lanes
+                assert isinstance(statement.domain.place, ir.Near)
+                lanes = board.shapes[statement.domain.place.shape].lanes
                 inside = (*around, Digit("fixed", len(lanes)))
             case ir.Pick():
-                own = _digit(sentence.domain, board)
+                own = _digit(statement.domain, board)
                 inside = (*around, own)
-                found[sentence.stream] = Stream((*around, Digit("fixed", min(sentence.most, own.radix))), "pick", own)
+                found[statement.stream] = Stream((*around, Digit("fixed", min(statement.most, own.radix))), "pick", own)
             case ir.Match():
-                inside = (*around, _digit(sentence.left, board))
-                found[sentence.stream] = Stream((*around, _everybody(sentence.left, board), _everybody(sentence.right, board)))
+                inside = (*around, _digit(statement.left, board))
+                found[statement.stream] = Stream((*around, _everybody(statement.left, board), _everybody(statement.right, board)))
             case ir.Move():
-                found[sentence.stream] = Stream((*around, agents))
+                found[statement.stream] = Stream((*around, agents))
             case ir.Send():
                 for change in (lambda stream: stream, return_stream):
-                    found[change(sentence.order_stream)] = Stream((agents,), "order")
-                    found[change(sentence.heading_stream)] = Stream((agents,), "heading")
+                    found[change(statement.order_stream)] = Stream((agents,), "order")
+                    found[change(statement.heading_stream)] = Stream((agents,), "heading")
             case _:
                 pass
         for name in ("body", "otherwise"):
             _block(
-                getattr(sentence, name, ()), around if name == "otherwise" and not isinstance(sentence, ir.First) else inside, board, found
+                getattr(statement, name, ()),
+                around if name == "otherwise" and not isinstance(statement, ir.First) else inside,
+                board,
+                found,
             )
-        for branch in getattr(sentence, "branches", ()):
+        for branch in getattr(statement, "branches", ()):
             _block(branch.body, inside, board, found)
 
 

@@ -105,7 +105,7 @@ def test_every_kind_of_typed_rule_is_in_an_executed_example(folder):
         game = build(Source(f"{example.name}.sj", example.source, folder)).game
         found |= {type(node) for node in ir.walk(game)}
     wanted = {
-        t for t in vars(ir).values() if isinstance(t, type) and issubclass(t, ir.Expression | ir.Sentence | ir.PlaceNode | ir.TurnNode)
+        t for t in vars(ir).values() if isinstance(t, type) and issubclass(t, ir.Expression | ir.Statement | ir.PlaceNode | ir.TurnNode)
     }
     assert sorted(t.__name__ for t in wanted - found if not t.__subclasses__()) == []
 

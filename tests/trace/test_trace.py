@@ -193,7 +193,7 @@ def test_a_small_game_by_hand() -> None:
     assert lines_of(first) == ["fruit none -> ripe 17", "rest 0 -> 2 17", *shouted(0, 3)]
     (grown, *_) = (effect for turn in first.turns for effect in turn.effects)
     (drawn,) = grown.by[0].causes
-    assert (drawn.sentence, drawn.number, drawn.word >> 1) == (chance, 0, luck_of((1, fires), chance.stream))
+    assert (drawn.statement, drawn.number, drawn.word >> 1) == (chance, 0, luck_of((1, fires), chance.stream))
     assert drawn.bounds == (2**29,)
 
     second = follow(game, first.world, params, (1, fails), [leave])
@@ -202,7 +202,7 @@ def test_a_small_game_by_hand() -> None:
     assert lines_of(third) == ["rest 1 -> 0 -", "away 2 -> 1 -"]
     (failed,) = third.turns[1].failed
     assert (failed.result, failed.bounds) == (None, (2**29, 2**29 + 3 * 2**28))
-    assert [game_line(sentence) for sentence in third.turns[1].never] == [17, 17, 18]
+    assert [game_line(statement) for statement in third.turns[1].never] == [17, 17, 18]
 
     fourth = follow(game, third.world, params, (1, fails), [shout])
     assert lines_of(fourth) == ["place None -> (0, 2) 21", "away 1 -> None 21", *shouted(3, 6), "end 29"]
@@ -222,16 +222,16 @@ def luck_of(key: tuple[int, int], stream: int) -> int:
     return Threefry(*key).word(stream, 0) >> 1
 
 
-def game_line(sentence: ir.Stmt) -> int:
-    assert sentence.origin is not None
-    return sentence.origin.line
+def game_line(statement: ir.Stmt) -> int:
+    assert statement.origin is not None
+    return statement.origin.line
 
 
 def lines_of(moment: Moment) -> list[str]:
     """Returns the changes of a moment: name, values, line of the rule that comes first."""
     found = []
     for effect in (effect for turn in moment.turns for effect in turn.effects):
-        line = game_line(effect.by[0].sentence) if effect.by else "-"
+        line = game_line(effect.by[0].statement) if effect.by else "-"
         old, new = (value.ticks if effect.sort == "away" and value else value for value in (effect.old, effect.new))
         old, new = (f"({value.row}, {value.col})" if isinstance(value, Cell) else value for value in (old, new))
         match effect.sort:

@@ -38,7 +38,7 @@ class Expression(Node):
     """Something with a value."""
 
 
-class Sentence(Node):
+class Statement(Node):
     """Something a phase does."""
 
 

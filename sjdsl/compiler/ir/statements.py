@@ -5,25 +5,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Member
-from sjdsl.compiler.ir.node import INSTANCE, Node, Sentence, Type
+from sjdsl.compiler.ir.node import INSTANCE, Node, Statement, Type
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Stmt: TypeAlias = (
         "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move | Mark | End"
     )
 else:
-    Stmt = Annotated[Sentence, INSTANCE]
+    Stmt = Annotated[Statement, INSTANCE]
 
 
 RETURN = 0x52455455  # the streams of those who return from being away differ from those of their `Send` by this
 
 
-class Let(Sentence):
+class Let(Statement):
     name: str
     value: Expr
 
 
-class Draw(Sentence):
+class Draw(Statement):
     """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair."""
 
     name: str
@@ -35,12 +35,12 @@ class Draw(Sentence):
     stream: int
 
 
-class Each(Sentence):
+class Each(Statement):
     domain: Domain
     body: tuple[Stmt, ...]
 
 
-class Pick(Sentence):
+class Pick(Statement):
     """`most`: the largest value `number` can have, as written; it fixes how many words of the stream an instance owns."""
 
     number: Expr
@@ -51,7 +51,7 @@ class Pick(Sentence):
     stream: int
 
 
-class First(Sentence):
+class First(Statement):
     """In each lane of the domain's shape the nearest member, if any; `otherwise` for each lane without one."""
 
     domain: Domain
@@ -59,7 +59,7 @@ class First(Sentence):
     otherwise: tuple[Stmt, ...] = ()
 
 
-class Match(Sentence):
+class Match(Statement):
     """Greedy pairs in random order; `first`: only pairs that `first RIGHT` would give."""
 
     left: Domain
@@ -69,14 +69,14 @@ class Match(Sentence):
     stream: int
 
 
-class When(Sentence):
+class When(Statement):
     """The first branch whose condition holds, else `otherwise`."""
 
     branches: tuple[Branch, ...]
     otherwise: tuple[Stmt, ...] = ()
 
 
-class Chance(Sentence):
+class Chance(Statement):
     """One draw per instance; branch k has its condition's probability given that none before it came."""
 
     branches: tuple[Branch, ...]
@@ -91,21 +91,21 @@ class Branch(Node):
     body: tuple[Stmt, ...]
 
 
-class Set(Sentence):
+class Set(Statement):
     """`target` is a FieldRead, or an At of one; a whole row is set if the target is a row and the value is not."""
 
     target: Expr
     value: Expr
 
 
-class Add(Sentence):
+class Add(Statement):
     """To a number, a row (row value), or an agent to a set."""
 
     target: Expr
     value: Expr
 
 
-class Give(Sentence):
+class Give(Statement):
     """`receiver`: an agent (Member or agent-typed), a set of agents, None for all; `but`: all but this one."""
 
     value: Expr
@@ -113,7 +113,7 @@ class Give(Sentence):
     but: Member | None = None
 
 
-class Tally(Sentence):
+class Tally(Statement):
     """Counts `amount` (1 unless `by`) of an event for an agent, each agent of a set, or the game (`receiver` None).
 
     `word`: the entry of a `by` event.
@@ -125,7 +125,7 @@ class Tally(Sentence):
     receiver: Expr | None = None
 
 
-class Send(Sentence):
+class Send(Statement):
     """To a free cell of `domain`, at once or after n ticks. All sends of one phase use with one `pool` share one order."""
 
     who: Expr
@@ -138,19 +138,19 @@ class Send(Sentence):
     heading_stream: int
 
 
-class Remove(Sentence):
+class Remove(Statement):
     who: Expr
 
 
-class Move(Sentence):
+class Move(Statement):
     domain: Domain
     stream: int
 
 
-class Mark(Sentence):
+class Mark(Statement):
     shape: str
     anchor: Member
 
 
-class End(Sentence):
+class End(Statement):
     """The episode is over."""

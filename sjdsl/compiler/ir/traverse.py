@@ -63,7 +63,7 @@ def _can_hold_nodes(annotation: object) -> bool:
 def rewrite(node: N, rule: Callable[[Any], Any]) -> N:
     """Returns `node` with `rule` applied to every node below it, inner ones first, then to itself.
 
-    A rule returns a node, or for a sentence a tuple of sentences to stand in its place.
+    A rule returns a node, or for a statement a tuple of statements to stand in its place.
     """
     update: dict[str, Any] = {}
     for name in inner_fields(type(node)):

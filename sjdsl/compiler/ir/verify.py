@@ -34,7 +34,7 @@ def verify(game: ir.Game) -> ir.Game:
 
 
 def _check_streams(game: ir.Game) -> None:
-    """Every drawing sentence has a stream of its own; sends of one pool share theirs."""
+    """Every drawing statement has a stream of its own; sends of one pool share theirs."""
     streams: Counter[int] = Counter()
     for turn in (game.start, *game.schedule):
         pools: set[int] = set()

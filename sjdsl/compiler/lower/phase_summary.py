@@ -1,4 +1,4 @@
-"""What a phase does, in one sentence for the docstring of its function: who, what is chosen, what changes; conditions are left out."""
+"""What a phase does, in one statement for the docstring of its function: who, what is chosen, what changes; conditions are left out."""
 
 from typing import assert_never
 
@@ -6,7 +6,7 @@ from sjdsl.compiler import ir
 
 
 def summary(phase: ir.Phase, game: ir.Game) -> str:
-    """Returns the sentence, such as ``Phase `eat`: for each agent on orchard, sets orchard.fruit to none, gives a reward.``"""
+    """Returns the statement, such as ``Phase `eat`: for each agent on orchard, sets orchard.fruit to none, gives a reward.``"""
     label = "`start`, before the first step" if phase is game.start else f"`{phase.label}`"
     return f"Phase {label}: {'; '.join(text for text in map(_statement, phase.body) if text) or 'nothing'}."
 

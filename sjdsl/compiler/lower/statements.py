@@ -118,7 +118,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
 
 
 def mark_size(rules: ir.Node, game: ir.Game) -> int:
-    """Returns how many cells a phase or a sentence can mark."""
+    """Returns how many cells a phase or a statement can mark."""
     size = 0
     shapes = {s.name: s for s in game.shapes}
     for node in ir.walk(rules):

@@ -10,7 +10,7 @@ from sjdsl.compiler.ir.traverse import rewrite
 
 
 def drop_impossible(game: ir.Game) -> ir.Game:
-    """Returns the game without branches of constant conditions, chances of 0, and sentences about kinds that are not on the map."""
+    """Returns the game without branches of constant conditions, chances of 0, and statements about kinds that are not on the map."""
     glyphs = {g.glyph: g.kind for g in game.glyphs}
     present = {glyphs[g] for row in game.rows for g in row}
 

@@ -162,7 +162,7 @@ def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
             return ast.Policy(span, first, (), None)
 
 
-# ---- sentences and who
+# ---- statements and who
 
 
 def match_(span: Span, left: ast.Domain, *items: Any) -> ast.Match:

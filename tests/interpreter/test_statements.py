@@ -1,4 +1,4 @@
-"""Every kind of sentence without draws, in a phase of its own."""
+"""Every kind of statement without draws, in a phase of its own."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import step
 
 from . import games as g
-from .sentence_games import BAG, COLOUR, SMALL, SOIL_FRUIT, add, run, score, set_, small
+from .statement_games import BAG, COLOUR, SMALL, SOIL_FRUIT, add, run, score, set_, small
 
 
 def test_each_and_set():

@@ -1,4 +1,4 @@
-"""A small game with fields of every sort, and one step of it, for the tests of sentences."""
+"""A small game with fields of every sort, and one step of it, for the tests of statements."""
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import default_params

@@ -1,4 +1,4 @@
-"""Random sentences, each with what it may stand in."""
+"""Random statements, each with what it may stand in."""
 
 from dataclasses import dataclass, replace
 
@@ -32,7 +32,7 @@ def braces(head: str, body: Lines) -> Lines:
 
 
 def block(scope: Scope, phase: Phase, depth: int, least: int = 1) -> Lines:
-    """Returns the sentences of a block; what `let` and `draw` bind holds to its end."""
+    """Returns the statements of a block; what `let` and `draw` bind holds to its end."""
     r = scope.world.random
     lines: Lines = []
     if r.random() < 0.01:
@@ -43,13 +43,13 @@ def block(scope: Scope, phase: Phase, depth: int, least: int = 1) -> Lines:
         elif r.random() < 0.12 and scope.sort in ("phase", "start"):
             made, scope = draw(scope)
         else:
-            made = sentence(scope, phase, depth)
+            made = statement(scope, phase, depth)
         lines += made
     return lines or effect(scope, phase) or ["give 1 to all"]
 
 
-def sentence(scope: Scope, phase: Phase, depth: int) -> Lines:
-    """Returns one sentence, of one line or more."""
+def statement(scope: Scope, phase: Phase, depth: int) -> Lines:
+    """Returns one statement, of one line or more."""
     r = scope.world.random
     if depth >= NESTED or r.random() < 0.3:
         return effect(scope, phase)
@@ -199,7 +199,7 @@ def _weights(scope: Scope, words: list[str]) -> str:
 
 
 def effect(scope: Scope, phase: Phase) -> Lines:
-    """Returns a sentence without others inside."""
+    """Returns a statement without others inside."""
     r = scope.world.random
     makers = [write] * 6 + [give] * 3 + [tally] * 3 + [send] * 2 + [mark] * 2 + [remove, end]
     for make in (r.choice(makers), r.choice(makers)):
