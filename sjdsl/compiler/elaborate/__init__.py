@@ -12,8 +12,8 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.agents import agents
-from sjdsl.compiler.elaborate.declarations import declare_numbers, declare_world, kinds
+from sjdsl.compiler.elaborate.agents import build_agents
+from sjdsl.compiler.elaborate.declarations import build_kinds, declare_numbers, declare_world
 from sjdsl.compiler.elaborate.hidden import unseen
 from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
@@ -37,11 +37,11 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     """Returns the typed game, None if a part of it is missing, and its declarations; `problems` gets all that is wrong."""
     static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
     declare_world(game, static, problems)
-    rows = _map(game, static, overrides, problems)
-    return _rules(game, static, rows, problems), static
+    rows = _read_map(game, static, overrides, problems)
+    return _build_game(game, static, rows, problems), static
 
 
-def _map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
+def _read_map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
     glyphs = glyph_table(static, problems)
     if game.map is None and overrides.rows is None:
         problems.add(errors.MissingPart(game.span, what="map", how='`map "maps/name.txt"` or `map { "…" }`'))
@@ -62,13 +62,13 @@ def _map(game: Composition, static: Static, overrides: Overrides, problems: Prob
     return rows
 
 
-def _rules(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
-    kinds_made = kinds(game, static, problems)
+def _build_game(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
+    kinds = build_kinds(game, static, problems)
     checks_scope = Scope(static, problems, place="`checks`", events_readable=True)
     static.requires = requires(game, checks_scope)
     check_requires(game, checks_scope)
     scope = Scope(static, problems)
-    agents_made = agents(game, static, problems)
+    agents = build_agents(game, static, problems)
     begin = start(game, scope)
     turns = schedule(game, scope)
     episode = None
@@ -85,7 +85,7 @@ def _rules(game: Composition, static: Static, rows: tuple[str, ...], problems: P
     counted: tuple[ir.Event, ...] = ()
     with problems.survive():
         counted = events([p for p in (begin, *turns) if p is not None], scope)
-    if agents_made is None or begin is None or episode is None or game.schedule is None:
+    if agents is None or begin is None or episode is None or game.schedule is None:
         return None
     return ir.Game(
         name=game.name,
@@ -96,12 +96,12 @@ def _rules(game: Composition, static: Static, rows: tuple[str, ...], problems: P
         sizes=tuple(static.sizes.values()),
         params=tuple(static.params.values()),
         episode=episode,
-        kinds=kinds_made,
+        kinds=kinds,
         groups=tuple(static.groups.items()),
         rows=rows,
         glyphs=tuple(glyph for _, glyph in static.glyphs),
         fields=tuple(static.fields.values()),
-        agents=agents_made,
+        agents=agents,
         shapes=tuple(static.shapes.values()),
         start=begin,
         schedule=turns,

@@ -51,7 +51,7 @@ def declare_agents(game: Composition, scope: Scope) -> None:
         problems.add(errors.MissingPart(span, what="actions", how="`acts turn_left, ..., stay` in `agents`"))
 
 
-def agents(game: Composition, static: Static, problems: Problems) -> ir.Agents | None:
+def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Agents | None:
     """Returns the agents, None if the game does not say how many there are or what they can do."""
     if game.agents_span is None or game.number is None or game.acts is None:
         return None

@@ -144,7 +144,7 @@ def _glyphs(kind: ast.Kind, scope: Scope) -> None:
         scope.static.glyphs.append((attribute.glyph.span, meaning))
 
 
-def kinds(game: Composition, static: Static, problems: Problems) -> tuple[ir.Kind, ...]:
+def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[ir.Kind, ...]:
     """Returns the kinds with their fields and what they block; conditions read the cell's fields and `agent`."""
     made = []
     for name, fields in static.kinds.items():
