@@ -28,7 +28,7 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "allelopathic_harvest"
 TITLE = "Allelopathic Harvest"
-HASH = "1ba3e245d4f2c8df"
+HASH = "1ba3e245d4f2c8df"  # of the rules
 ACTIONS = (
     "turn_left",
     "turn_right",
@@ -44,12 +44,12 @@ ACTIONS = (
 )
 STAY = 6
 NUM_AGENTS = 16
-PAD = 9
-FRAME = (48, 47)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (48, 47)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = True
-ROLE = None
-EVENTS = (
+ROLE = None  # attribute of State that holds the agents' roles
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
     ("eaten[red]", "event_eaten", 0),
     ("eaten[green]", "event_eaten", 1),
     ("eaten[blue]", "event_eaten", 2),
@@ -58,7 +58,7 @@ EVENTS = (
     ("planted[blue]", "event_planted", 2),
     ("banished", "event_banished", None),
 )
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="bush_colour", encoding="word", size=3),
     StateField(attribute="bush_fruit", encoding="word", size=2),
     StateField(attribute="bush_young", encoding="number"),

@@ -28,17 +28,18 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "clean_up"
 TITLE = "Clean Up"
-HASH = "32b3f72fba0afb30"
+HASH = "32b3f72fba0afb30"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap", "clean")
 STAY = 6
 NUM_AGENTS = 7
-PAD = 9
-FRAME = (37, 46)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (37, 46)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = False
-ROLE = None
+ROLE = None  # attribute of State that holds the agents' roles
+# counts of a step: name, attribute of Outcome, entry of its last axis
 EVENTS = (("eaten", "event_eaten", None), ("cleaned", "event_cleaned", None), ("hits", "event_hits", None))
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="water_state", encoding="word", size=2),
     StateField(attribute="water_cleaners", encoding="agents"),
     StateField(attribute="orchard_fruit", encoding="word", size=2),

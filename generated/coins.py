@@ -18,17 +18,18 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "coins"
 TITLE = "Coins"
-HASH = "e6eb0d4cc2e0fda5"
+HASH = "e6eb0d4cc2e0fda5"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
 STAY = 6
 NUM_AGENTS = 2
-PAD = 9
-FRAME = (34, 29)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (34, 29)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = False
-ROLE = None
+ROLE = None  # attribute of State that holds the agents' roles
+# counts of a step: name, attribute of Outcome, entry of its last axis
 EVENTS = (("own_coins", "event_own_coins", None), ("other_coins", "event_other_coins", None))
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="tile_coin", encoding="word", size=3),
     StateField(attribute="agent_colour", encoding="word", size=2),
 )

@@ -18,21 +18,21 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "coop_mining"
 TITLE = "Coop Mining"
-HASH = "a28de6f1cdd26daf"
+HASH = "a28de6f1cdd26daf"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "mine")
 STAY = 6
 NUM_AGENTS = 6
-PAD = 9
-FRAME = (45, 45)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (45, 45)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = False
-ROLE = None
-EVENTS = (
+ROLE = None  # attribute of State that holds the agents' roles
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
     ("iron_mined", "event_iron_mined", None),
     ("gold_mined", "event_gold_mined", None),
     ("ores_shared", "event_ores_shared", None),
 )
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="rock_ore", encoding="word", size=4),
     StateField(attribute="rock_miners", encoding="agents"),
     StateField(attribute="rock_left", encoding="number"),

@@ -19,23 +19,23 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "gift_refinement"
 TITLE = "Gift Refinement"
-HASH = "e0d74889f2a12658"
+HASH = "e0d74889f2a12658"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "gift", "consume")
 STAY = 6
 NUM_AGENTS = 5
-PAD = 9
-FRAME = (43, 43)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (43, 43)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = False
-ROLE = None
-EVENTS = (
+ROLE = None  # attribute of State that holds the agents' roles
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
     ("consumed", "event_consumed", None),
     ("given", "event_given", None),
     ("received[raw]", "event_received", 0),
     ("received[cut]", "event_received", 1),
     ("received[fine]", "event_received", 2),
 )
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="ground_token", encoding="word", size=2),
     StateField(attribute="agent_bag", encoding="number", low=0.0, high=15.0),
     StateField(attribute="agent_post", encoding="number", low=0.0, high=25.0),
@@ -259,7 +259,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     ground_token = state.ground_token.at[to_ground].set(GROUND_NONE, mode="drop")  # gift_refinement.sj:43
     agent_bag_added = jnp.where(  # gift_refinement.sj:43
         AGENT_BAG_RAW == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
-        active.astype(jnp.int32)[..., None],
+        active[..., None].astype(jnp.int32),
         jnp.int32(0),
     )
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
@@ -296,7 +296,7 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
     agent_bag_added = jnp.sum(  # gift_refinement.sj:56
         jnp.where(
-            offered[:, None][..., None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            offered[:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
             jnp.where(active_2, jnp.int32(-1), jnp.int32(0))[..., None],
             jnp.int32(0),
         ),
@@ -305,7 +305,7 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
     agent_post_added = jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32).at[friend].add(  # gift_refinement.sj:57
         jnp.where(
-            params.becomes[offered][:, None][..., None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            params.becomes[offered][:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
             jnp.where(active_2, params.yields[offered][:, None], 0)[..., None],
             jnp.int32(0),
         ),

@@ -28,17 +28,18 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "harvest_partnership"
 TITLE = "Commons Harvest: Partnership"
-HASH = "75491e1bdbf884e3"
+HASH = "75491e1bdbf884e3"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap")
 STAY = 6
 NUM_AGENTS = 7
-PAD = 9
-FRAME = (34, 40)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (34, 40)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = False
-ROLE = None
+ROLE = None  # attribute of State that holds the agents' roles
+# counts of a step: name, attribute of Outcome, entry of its last axis
 EVENTS = (("eaten", "event_eaten", None), ("hits", "event_hits", None))
-FIELDS = (StateField(attribute="soil_fruit", encoding="word", size=2),)
+FIELDS = (StateField(attribute="soil_fruit", encoding="word", size=2),)  # variables of the game, in State
 MAP = (
     'AAA....A......A....AAA',
     'AA....AAA....AAA....AA',

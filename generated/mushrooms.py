@@ -27,23 +27,23 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "mushrooms"
 TITLE = "Externality Mushrooms"
-HASH = "34c9b372ece8ed37"
+HASH = "34c9b372ece8ed37"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap")
 STAY = 6
 NUM_AGENTS = 5
-PAD = 9
-FRAME = (30, 41)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (30, 41)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = True
-ROLE = None
-EVENTS = (
+ROLE = None  # attribute of State that holds the agents' roles
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
     ("eaten[red]", "event_eaten", 0),
     ("eaten[green]", "event_eaten", 1),
     ("eaten[blue]", "event_eaten", 2),
     ("eaten[orange]", "event_eaten", 3),
     ("hits", "event_hits", None),
 )
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="ground_grows", encoding="word", size=5),
     StateField(attribute="agent_digesting", encoding="number"),
     StateField(attribute="world_trials", encoding="number", low=0.0, high=20.0),

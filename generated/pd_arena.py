@@ -28,21 +28,21 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "pd_arena"
 TITLE = "Prisoner's Dilemma in the matrix: Arena"
-HASH = "f91f94dd5b7bb56c"
+HASH = "f91f94dd5b7bb56c"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "interact")
 STAY = 6
 NUM_AGENTS = 4
-PAD = 9
-FRAME = (42, 43)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (42, 43)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = True
-ROLE = None
-EVENTS = (
+ROLE = None  # attribute of State that holds the agents' roles
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
     ("collected[coop]", "event_collected", 0),
     ("collected[defect]", "event_collected", 1),
     ("met", "event_met", None),
 )
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="patch_class", encoding="word", size=2),
     StateField(attribute="patch_stock", encoding="word", size=2),
     StateField(attribute="agent_bag", encoding="number", low=0.0, high=100.0),
@@ -289,7 +289,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     patch_stock = state.patch_stock.at[to_patch].set(PATCH_NONE, mode="drop")  # pd_arena.sj:50
     agent_bag_added = jnp.where(  # pd_arena.sj:51
         state.patch_class[patch_under][..., None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :],
-        active.astype(jnp.int32)[..., None],
+        active[..., None].astype(jnp.int32),
         jnp.int32(0),
     )
     event_collected = out.event_collected + (  # pd_arena.sj:51

@@ -18,22 +18,22 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "predator_prey"
 TITLE = "Predator and Prey: Open"
-HASH = "0d71df7b77592db0"
+HASH = "0d71df7b77592db0"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "bite")
 STAY = 6
 NUM_AGENTS = 13
-PAD = 9
-FRAME = (37, 41)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (37, 41)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = True
-ROLE = "agent_role"
-EVENTS = (
+ROLE = "agent_role"  # attribute of State that holds the agents' roles
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
     ("apples_eaten", "event_apples_eaten", None),
     ("acorns_eaten", "event_acorns_eaten", None),
     ("caught", "event_caught", None),
     ("eaten", "event_eaten", None),
 )
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="tree_fruit", encoding="word", size=2),
     StateField(attribute="oak_fruit", encoding="word", size=2),
     StateField(attribute="agent_role", encoding="word", size=2),

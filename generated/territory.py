@@ -29,22 +29,22 @@ from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "territory"
 TITLE = "Territory: Rooms"
-HASH = "9e1b9746e495c3f8"
+HASH = "9e1b9746e495c3f8"  # of the rules
 ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "zap", "paint")
 STAY = 6
 NUM_AGENTS = 9
-PAD = 9
-FRAME = (37, 37)
-WINDOW = (11, 11)
+PAD = 9  # cells around the map on each side
+FRAME = (37, 37)  # rows and columns of the padded map
+WINDOW = (11, 11)  # rows and columns that an agent sees
 FORBIDS_ACTIONS = True
-ROLE = None
-EVENTS = (
+ROLE = None  # attribute of State that holds the agents' roles
+EVENTS = (  # counts of a step: name, attribute of Outcome, entry of its last axis
     ("claimed", "event_claimed", None),
     ("paid", "event_paid", None),
     ("blows", "event_blows", None),
     ("gone", "event_gone", None),
 )
-FIELDS = (
+FIELDS = (  # variables of the game, in State
     StateField(attribute="brick_paint", encoding="word", size=3),
     StateField(attribute="brick_damage", encoding="number", low=0.0, high=2.0),
     StateField(attribute="brick_owner", encoding="agent"),

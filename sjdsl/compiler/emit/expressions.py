@@ -5,6 +5,7 @@ readers know whether `a + b & c == d` is `((a + b) & c) == d`.
 """
 
 from dataclasses import dataclass
+from math import copysign
 from typing import assert_never
 
 from sjdsl.compiler.program import expressions as array
@@ -167,7 +168,7 @@ def _strength(node: array.Expression) -> int:
             return UNARY
         case array.Literal(value=bool()):
             return ATOM
-        case array.Literal(value=int() | float() as value, name="") if str(value).startswith("-"):
+        case array.Literal(value=int() | float() as value, name="") if copysign(1, value) < 0:
             return UNARY
         case array.Lambda():
             return -1

@@ -10,9 +10,9 @@ from sjdsl.compiler.program.expressions import Assign, Return
 def listing(program: Program) -> Iterator[str]:
     """Yields a program line by line, a statement a line."""
     yield f"program {program.name} from {program.source}"
-    for name, value in program.facts:
-        if name != "HASH":  # of the rules, not of this program
-            yield f"fact {name} = {text(value)}"
+    for fact in program.facts:
+        if fact.name != "HASH":  # of the rules, not of this program
+            yield f"fact {fact.name} = {text(fact.value)}"
     for plane in program.planes:
         yield f"plane {plane.name} : {plane.encoding} 0 .. {plane.high} {', '.join(plane.labels)}".rstrip()
     for number in program.numbers:

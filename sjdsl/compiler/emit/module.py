@@ -53,7 +53,7 @@ def docstring(program: Program) -> list[str]:
 def body(program: Program) -> str:
     """Returns all of a module after its imports."""
     return template("module.py.j2").render(
-        facts=_lines(constant_lines(name, value, "") for name, value in program.facts),
+        facts=_lines(constant_lines(f.name, f.value, f.comment) for f in program.facts),
         map_rows=[repr(row) for row in program.map],
         planes=_lines(_plane(plane) for plane in program.planes),
         numbers=_lines(_number(n) for n in program.numbers),

@@ -5,7 +5,7 @@
 Assumes a verified game; guarantees that every index stays in the padded frame and every draw has its stream.
 """
 
-from dataclasses import fields
+import dataclasses
 from typing import get_args
 
 import numpy as np
@@ -28,7 +28,7 @@ from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.state import outcome_fields, param_value, params_fields, state_fields
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.writer import Module, Writer, all_fields, replaced
-from sjdsl.compiler.program import Constant, Field, Function, Group, Number, Program
+from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
 from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.fields import StateField
 
@@ -93,29 +93,29 @@ def _program(game: ir.Game, source: str, written: ir.Game, module: Module) -> Pr
     )
 
 
-def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[tuple[str, array.Expression], ...]:
+def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
     """Returns what the module says of itself."""
     actions = game.agents.actions
-    facts: dict[str, object] = {
-        "NAME": game.name,
-        "TITLE": game.title,
-        "HASH": hash_,
-        "ACTIONS": actions,
-        "STAY": actions.index("stay"),
-        "NUM_AGENTS": game.agents.number,
-        "PAD": module.layout.pad,
-        "FRAME": (module.layout.rows, module.layout.cols),
-        "WINDOW": view_size(game),
-        "FORBIDS_ACTIONS": bool(game.agents.forbids),
-        "ROLE": role_attribute(game),
-        "EVENTS": events(game),  # counts of a step: name, attribute of Outcome, entry of its last axis
-    }
-    known = tuple((name, array.constant(value)) for name, value in facts.items())
-    return (*known, ("FIELDS", array.Sequence(tuple(map(_described, described_fields(game))))))
+    facts: tuple[tuple[str, object, str], ...] = (
+        ("NAME", game.name, ""),
+        ("TITLE", game.title, ""),
+        ("HASH", hash_, "of the rules"),
+        ("ACTIONS", actions, ""),
+        ("STAY", actions.index("stay"), ""),
+        ("NUM_AGENTS", game.agents.number, ""),
+        ("PAD", module.layout.pad, "cells around the map on each side"),
+        ("FRAME", (module.layout.rows, module.layout.cols), "rows and columns of the padded map"),
+        ("WINDOW", view_size(game), "rows and columns that an agent sees"),
+        ("FORBIDS_ACTIONS", bool(game.agents.forbids), ""),
+        ("ROLE", role_attribute(game), "attribute of State that holds the agents' roles"),
+        ("EVENTS", events(game), "counts of a step: name, attribute of Outcome, entry of its last axis"),
+    )
+    fields = array.Sequence(tuple(map(_described, described_fields(game))))
+    return (*(Fact(n, array.constant(value), c) for n, value, c in facts), Fact("FIELDS", fields, "variables of the game, in State"))
 
 
 def _described(field: StateField) -> array.Expression:
-    given = {f.name: getattr(field, f.name) for f in fields(field) if getattr(field, f.name) != f.default}
+    given = {f.name: getattr(field, f.name) for f in dataclasses.fields(field) if getattr(field, f.name) != f.default}
     return array.call("StateField", **{name: array.constant(value) for name, value in given.items()})
 
 

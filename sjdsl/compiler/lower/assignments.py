@@ -13,6 +13,7 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    indexed,
     iota,
     literal,
     reduce,
@@ -171,7 +172,7 @@ def _is_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> a
 
 def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a value with one more axis, for the words of a row; what has no axes is the same for all."""
-    return array.Index(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
+    return indexed(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
 
 
 def _filled(before: Value, value: Value) -> Value:

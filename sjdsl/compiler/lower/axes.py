@@ -13,6 +13,7 @@ import numpy as np
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
+    REST,
     Arange,
     Binary,
     Broadcast,
@@ -103,8 +104,15 @@ def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression
 
 
 def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expression:
-    """Returns entries of an array; those of one that is converted are taken before they are."""
-    return Cast(indexed(node.value, keys), node.dtype, node.source) if isinstance(node, Cast) else Index(node, keys)
+    """Returns entries of an array; those of one that is converted are taken before they are, and new axes are added at once."""
+    if isinstance(node, Cast):
+        return Cast(indexed(node.value, keys), node.dtype, node.source)
+    if isinstance(node, Index) and all(key in (ALL, NEW_AXIS) for key in node.keys):
+        outer = tuple(ALL for _ in node.keys) + keys[1:] if keys[0] == REST else keys
+        if all(key in (ALL, NEW_AXIS) for key in outer) and outer.count(ALL) == len(node.keys):
+            inner = iter(node.keys)
+            return Index(node.value, tuple(next(inner) if key == ALL else NEW_AXIS for key in outer))
+    return Index(node, keys)
 
 
 def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:

@@ -7,7 +7,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Axis, Value, binary, both, invert, iota, literal, spread, union
+from sjdsl.compiler.lower.axes import Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import ALL, NEW_AXIS, Binary, DType, Expression, Index, Literal, Reduce, Sequence, call
@@ -273,5 +273,5 @@ def agents_in(place: ir.Near, variable: AgentVar, scope: IterationScope, w: Writ
 
 def stand_on(cells: Value, position: Expression) -> Expression:
     """Returns who stands on which cells: an axis more, for the agents, after those of the cells."""
-    each_cell = Index(cells.node, (*[ALL] * len(cells.axes), NEW_AXIS))
+    each_cell = indexed(cells.node, (*[ALL] * len(cells.axes), NEW_AXIS))
     return Binary("==", each_cell, Index(position, (*[NEW_AXIS] * len(cells.axes), ALL)))

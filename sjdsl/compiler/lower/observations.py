@@ -30,7 +30,7 @@ def observe(w: Writer) -> array.Expression:
     columns = [w.keep("content", _content(planes["content"], axes, w)), *_agents(planes["agent"], axes, by_id, w)]
     if any(hidden.what == "content" for hidden in game.hidden):
         columns[0] = select(_somebody(planes, w), literal(content_labels(game).index(COVERED), "u8"), columns[0])
-    marks = [p for p in parts if p.name.startswith("mark_")]
+    marks = [p for p in parts if p.marks is not None]
     if marks:
         columns.insert(2, w.keep("marks", _without_hidden(_marks(marks, planes, seen, w), planes, axes, w)))
     columns += [*_everyone(axes, w), *_own(axes, w)]

@@ -15,26 +15,28 @@ POSITION, HEADING = path("state.position"), path("state.heading")
 
 @dataclass(frozen=True)
 class Part:
-    """Some bits of a painted byte."""
+    """Some bits of a painted byte. `marks`: the phase whose marks they are."""
 
     name: str
     plane: int
     shift: int
     bits: int
+    marks: ir.Phase | None = None
 
 
 def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     """Returns where content, agents and marks are kept: packed into as few bytes as they fit."""
     contents = max(look.raw + look.raw_values for look in looks(game))
-    wanted = [("content", _bits(contents)), ("agent", _bits(game.agents.number + 1) if by_id else 3)]
-    wanted += [(f"mark_{p.name}", 1) for p in seen_marks(game)]
+    wanted: list[tuple[str, int, ir.Phase | None]] = [("content", _bits(contents), None)]
+    wanted.append(("agent", _bits(game.agents.number + 1) if by_id else 3, None))
+    wanted += [(f"mark_{phase.name}", 1, phase) for phase in seen_marks(game)]
     found: list[Part] = []
     used = [0]
-    for name, bits in wanted:
+    for name, bits, phase in wanted:
         plane = next((i for i, u in enumerate(used) if u + bits <= 8), len(used))
         if plane == len(used):
             used.append(0)
-        found.append(Part(name, plane, used[plane], bits))
+        found.append(Part(name, plane, used[plane], bits, phase))
         used[plane] += bits
     return tuple(found)
 
@@ -64,10 +66,9 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
         w.origin = look.kind.origin
         value = binary("<<", _raw(look, w), shift_of(content, w), "u8")
         w.set(planes[content.plane], call("fill", planes[content.plane], cells, value.node))
-    phases = {f"mark_{p.name}": p for p in seen_marks(game)}
     for part in parts:
-        if part.name in phases:
-            w.origin = phases[part.name].origin
+        if part.marks is not None:
+            w.origin = part.marks.origin
             bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
             w.set(planes[part.plane], call("paint", planes[part.plane], path(f"state.{part.name}"), bit))
     w.origin = game.agents.origin

@@ -8,6 +8,16 @@ import numpy as np
 from sjdsl.compiler.program.expressions import Expression, Statement
 from sjdsl.runtime.planes import TokenPlane
 
+
+@dataclass(frozen=True)
+class Fact:
+    """A constant by which the environment around a module knows the game."""
+
+    name: str
+    value: Expression
+    comment: str = ""
+
+
 Group = Literal["size", "action", "word", "other", "stream"]
 
 
@@ -57,7 +67,7 @@ class Function:
 class Program:
     """A whole module.
 
-    facts: what the module says of itself (NAME, NUM_AGENTS, …), by name. map: its rows. planes: what an observation holds.
+    facts: what the module says of itself (NAME, NUM_AGENTS, …). map: its rows. planes: what an observation holds.
     numbers, constants: those that functions or defaults use. functions: in the order in which they stand in the module; `step` calls
     the phases in schedule order, after it has cleared marks and replaced forbidden actions.
     """
@@ -66,7 +76,7 @@ class Program:
     title: str
     source: str
     hash: str
-    facts: tuple[tuple[str, Expression], ...]
+    facts: tuple[Fact, ...]
     map: tuple[str, ...]
     planes: tuple[TokenPlane, ...]
     numbers: tuple[Number, ...]
