@@ -5,6 +5,7 @@ Source -> Composition -> ir.Game -> Program -> text
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from sjdsl.compiler import ir
@@ -13,11 +14,11 @@ from sjdsl.compiler.checks.placement import check_placement
 from sjdsl.compiler.checks.state_names import check_state_names
 from sjdsl.compiler.checks.timers import check_timers
 from sjdsl.compiler.checks.unused import check_unused
-from sjdsl.compiler.checks.ways_out import CONFLICTS, Tried, name_accepted, ways_out
+from sjdsl.compiler.checks.ways_out import CONFLICTS, name_accepted, ways_out
 from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Tried
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
@@ -104,10 +105,7 @@ def _with_ways_out(found: list[Diagnostic], game: Composition, overrides: Overri
         tried = ((way, check(replace(source, text=way.text), game.chosen, overrides)) for way in ways_out(d, game))
         return name_accepted(d, found, tried)
 
-    def told(d: Diagnostic) -> Tried:
-        return Tried(lambda: accepted(d))
-
-    return [replace(d, accepted=told(d)) if isinstance(d, CONFLICTS) else d for d in found]
+    return [replace(d, accepted=Tried(partial(accepted, d))) if isinstance(d, CONFLICTS) else d for d in found]
 
 
 def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True) -> Iterator[str]:

@@ -8,13 +8,20 @@ from typing import get_args
 import pytest
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near, near
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near, Tried, near
 from sjdsl.compiler.diagnostics.explanations import kinds
 from sjdsl.compiler.diagnostics.source import Span
 
 HERE = Span("game.sj", 0, 0, 1, 1)
 OF_ALL = {"span", "labels", "fix", "help"}
-SAMPLES = {str: "abc", int: 7, float: 2.5, Near: Near("oak", "the trees are `oak`"), tuple[str, ...]: ("red", "blue")}
+SAMPLES = {
+    str: "abc",
+    Tried: Tried(lambda: "abc"),
+    int: 7,
+    float: 2.5,
+    Near: Near("oak", "the trees are `oak`"),
+    tuple[str, ...]: ("red", "blue"),
+}
 
 
 def sample(kind: type[Diagnostic]) -> Diagnostic:

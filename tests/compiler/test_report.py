@@ -5,8 +5,7 @@ import pickle
 
 import pytest
 
-from sjdsl.compiler.checks.ways_out import Tried
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label, Tried
 from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 
@@ -15,7 +14,7 @@ class Wrong(Diagnostic, code="SJ999", title="Wrong"):
     says = "`{name}` is wrong"
     hints = ("write `{better}`",)
     name: str
-    better: str = ""
+    better: str | Tried = ""
 
 
 class Odd(Diagnostic, code="SJ998", title="Odd", severity="warning"):
@@ -26,7 +25,7 @@ def shown(text: str, *diagnostics: Diagnostic, colour: bool = False) -> str:
     return render(diagnostics, {"game.sj": Source("game.sj", text)}, colour)
 
 
-def wrong(text: str, part: str, *labels: tuple[str, str], better: str = "") -> Diagnostic:
+def wrong(text: str, part: str, *labels: tuple[str, str], better: str | Tried = "") -> Diagnostic:
     """A diagnostic about `part` of a text, with labels for other parts."""
     source = Source("game.sj", text)
 
@@ -66,6 +65,7 @@ def test_what_is_tried_is_tried_when_an_exception_is_shown() -> None:
     error = CompileError([wrong(text, "sj 1", better=better)])
     assert not asked
     assert str(error).endswith("help: write `sj 2`")
+    assert str(pickle.loads(pickle.dumps(error))) == str(error), "what was found goes to another process"
     assert asked == ["better"]
 
 

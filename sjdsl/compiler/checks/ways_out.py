@@ -1,9 +1,8 @@
 """Suggests repairs for a write conflict: small changes of the text, each tried before a message names it."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 from sjdsl.compiler import ast
@@ -26,30 +25,6 @@ class Way:
 
     says: str
     text: str
-
-
-class Tried(str):
-    """A text that is found when it is first asked for: whoever only counts errors does not wait."""
-
-    def __new__(cls, find: Callable[[], str]) -> "Tried":
-        made = super().__new__(cls)
-        made.find = find  # type: ignore[attr-defined]
-        return made
-
-    @cached_property
-    def text(self) -> str:
-        return self.find()  # type: ignore[attr-defined]
-
-    def __eq__(self, other: object) -> bool:
-        return self.text == other
-
-    def __ne__(self, other: object) -> bool:
-        return self.text != other
-
-    __hash__ = str.__hash__
-
-    def __format__(self, spec: str) -> str:
-        return format(self.text, spec)
 
 
 def ways_out(d: Diagnostic, game: Composition) -> Iterator[Way]:

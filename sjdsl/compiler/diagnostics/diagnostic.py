@@ -1,7 +1,8 @@
 """A diagnostic as data: what is wrong, where, and what to write instead. `errors` declares them all."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields
+from functools import cached_property
 from operator import attrgetter
 from string import Formatter
 from typing import Any, ClassVar, Literal, dataclass_transform
@@ -92,6 +93,24 @@ class Diagnostic(Facts):
                 shown = format(value, "g" if isinstance(value, float) else "")
                 parts.append(f"{shown} {noun}{'s' * (value != 1)}" if noun else shown)
         return parts
+
+
+class Tried:
+    """A text that is found when it is first shown: whoever only counts errors does not wait."""
+
+    def __init__(self, find: Callable[[], str]):
+        self._find = find
+
+    @cached_property
+    def text(self) -> str:
+        return self._find()
+
+    def __format__(self, spec: str) -> str:
+        return self.text
+
+    def __reduce__(self) -> tuple[type[str], tuple[str]]:
+        """Another process gets what was found."""
+        return str, (self.text,)
 
 
 class CompileError(Exception):

@@ -3,6 +3,7 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.evaluate_constant import fold
@@ -12,8 +13,8 @@ from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_un
 VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take the remainder of"}
 
 
-def mismatch(scope: Scope, span: object, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
-    return scope.problems.fail(errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help))  # type: ignore[arg-type]
+def mismatch(scope: Scope, span: Span, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
+    return scope.problems.fail(errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help))
 
 
 def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:

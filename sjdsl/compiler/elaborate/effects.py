@@ -70,7 +70,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         raise scope.problems.fail(errors.WrongType(s.event.span, wanted="the event alone", given="an entry of it"))
     amount = None if s.by is None else scope.number(s.by, ("count",), "a count")
     if amount is not None and amount.type.low < 0:
-        raise scope.problems.fail(errors.OutOfLimits(s.by.span, name="what is counted", value="negative", low=0, high="any"))  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.Negative(s.by.span, name="what is counted"))  # type: ignore[union-attr]
     for_ = None if s.receiver is None else receiver(s.receiver, scope)
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 
@@ -99,7 +99,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
     after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")
     if after is not None and after.type.low < 0:
-        raise scope.problems.fail(errors.OutOfLimits(s.after.span, name="the delay", value="negative", low=0, high="any"))  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.Negative(s.after.span, name="the delay"))  # type: ignore[union-attr]
     if isinstance(after, ir.Number) and after.value == 0:
         after = None
     facing = None if s.facing is None else s.facing.text

@@ -44,9 +44,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     scheduled = {t.name.text for t in game.schedule.turns} | {"start"}
     for phase in game.phases.values():
         if phase.name.text not in scheduled:
-            scope.problems.add(
-                errors.PhaseUse(phase.name.span, name=phase.name.text, problem="written but not scheduled", help="add it to the schedule")
-            )
+            scope.problems.add(errors.PhaseNotScheduled(phase.name.span, name=phase.name.text))
     return tuple(turns)
 
 
@@ -57,11 +55,10 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], fu
             scope.problems.add(errors.WrongArguments(turn.span, name="tick", wanted="no arguments", given=len(turn.arguments)))
         return ir.Tick(origin=turn.span)
     phase = game.phases.get(name)
-    if phase is None or name == "start":
-        problem = "scheduled but not written" if phase is None else "run at reset, not in the schedule"
-        near = nearest(name, [*game.phases, "tick"])
-        help_ = f"did you mean `{near}`?" if near and phase is None else ""
-        raise scope.problems.fail(errors.PhaseUse(turn.name.span, name=name, problem=problem, help=help_))
+    if phase is None:
+        raise scope.problems.fail(errors.PhaseNotWritten(turn.name.span, name=name, nearest=nearest(name, [*game.phases, "tick"])))
+    if name == "start":
+        raise scope.problems.fail(errors.StartScheduled(turn.name.span, name=name))
     if len(turn.arguments) != len(phase.parameters):
         wanted = f"{len(phase.parameters)} argument{'s' * (len(phase.parameters) != 1)}"
         raise scope.problems.fail(errors.WrongArguments(turn.span, name=name, wanted=wanted, given=len(turn.arguments)))

@@ -168,7 +168,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     header = use.streams.header(s.span, s.block.span.start)
     how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if how_many is not None and how_many.type.low < 0:
-        raise scope.problems.fail(errors.OutOfLimits(s.number.span, name="the number picked", value="negative", low=0, high="any"))  # type: ignore[union-attr]
+        raise scope.problems.fail(errors.Negative(s.number.span, name="the number picked"))  # type: ignore[union-attr]
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_sentence(header)
     if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
@@ -312,12 +312,8 @@ def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     """Returns a probability that provably stays in 0 .. 1."""
     p = scope.number(e, ("probability",), "a probability")
     low, high = narrowed(p, scope.facts_and_requires)
-    labels = parameters_read(scope.static, p)
-    if high > 1 + 1e-9:
-        problem = f"reach {high:g}" if high < float("inf") else "exceed 1"
-        raise scope.problems.fail(errors.ProbabilityRange(e.span, labels=labels, problem=problem))
-    if low < -1e-9:
-        raise scope.problems.fail(errors.ProbabilityRange(e.span, labels=labels, problem="fall below 0"))
+    if high > 1 + 1e-9 or low < -1e-9:
+        raise scope.problems.fail(errors.ProbabilityRange(e.span, labels=parameters_read(scope.static, p), low=low, high=high))
     return p
 
 

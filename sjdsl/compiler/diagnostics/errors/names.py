@@ -38,10 +38,21 @@ class NoAction(NotKnown, code="SJ105", title="No such action"):
     says = "`{name}` is not an action of the agents"
 
 
-class PhaseUse(Diagnostic, code="SJ106", title="Phase and schedule disagree"):
-    says = "phase `{name}` is {problem}"
+class PhaseNotScheduled(Diagnostic, code="SJ106", title="Phase and schedule disagree"):
+    says = "phase `{name}` is written but not scheduled"
+    hints = ("add it to the schedule",)
     name: str
-    problem: str
+
+
+class PhaseNotWritten(PhaseNotScheduled):
+    says = "phase `{name}` is scheduled but not written"
+    hints = ("did you mean `{nearest}`?",)
+    nearest: str
+
+
+class StartScheduled(PhaseNotScheduled):
+    says = "phase `{name}` is run at reset, not in the schedule"
+    hints = ()
 
 
 class NoEvent(NotKnown, code="SJ107", title="Event not declared"):

@@ -1,6 +1,6 @@
 """SJ4xx writes of one phase, SJ5xx time and use, SJ6xx limits of the compiler."""
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Tried
 
 
 class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
@@ -12,7 +12,7 @@ class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
     name: str
     owner: str
     phase: str
-    accepted: str = ""
+    accepted: Tried | str = ""
 
 
 class AddAndSet(Diagnostic, code="SJ402", title="Set and add in one phase"):
@@ -20,14 +20,14 @@ class AddAndSet(Diagnostic, code="SJ402", title="Set and add in one phase"):
     hints = ("{accepted}", "write two phases, or make the two exclude each other")
     name: str
     phase: str
-    accepted: str = ""
+    accepted: Tried | str = ""
 
 
 class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
     says = "an agent can be sent to two places in phase `{phase}`"
     hints = ("{accepted}", "make the two exclude each other, or send to one place")
     phase: str
-    accepted: str = ""
+    accepted: Tried | str = ""
 
 
 class NoFreeCell(Diagnostic, code="SJ404", title="There may be no free cell"):

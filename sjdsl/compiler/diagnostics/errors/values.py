@@ -1,5 +1,7 @@
 """SJ2xx: types, units and ranges."""
 
+from math import inf
+
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.near_names import nearest
 
@@ -12,9 +14,14 @@ class UnitMismatch(Diagnostic, code="SJ201", title="Units that do not go togethe
 
 
 class ProbabilityRange(Diagnostic, code="SJ202", title="Not a probability"):
-    says = "this probability can {problem}"
+    says = "this probability can {leave}"
     hints = ("keep it between 0 and 1, for instance with a range `in a .. b` on its parameters",)
-    problem: str
+    low: float
+    high: float
+
+    @property
+    def leave(self) -> str:
+        return "fall below 0" if self.high <= 1 + 1e-9 else "exceed 1" if self.high == inf else f"reach {self.high:g}"
 
 
 class TableGap(Diagnostic, code="SJ203", title="A table with a gap or an overlap"):
@@ -99,12 +106,16 @@ class WrongType(Diagnostic, code="SJ213", title="Something else is wanted here")
     given: str
 
 
-class OutOfLimits(Diagnostic, code="SJ214", title="A number outside its limits"):
-    says = "{name} is {value}, outside {low} .. {high}{reason}"
+class Negative(Diagnostic, code="SJ214", title="A number outside its limits"):
+    says = "{name} is negative, outside 0 .. any"
     name: str
+
+
+class OutOfLimits(Negative):
+    says = "{name} is {value}, outside {low} .. {high}{reason}"
     value: float | str
     low: float
-    high: float | str
+    high: float
     reason: str = ""
 
 
