@@ -296,8 +296,7 @@ def test_independent_mistakes_are_reported_together() -> None:
 
 def test_a_reserved_word_is_reported_once_and_read_as_a_name() -> None:
     found = problems("sj 1 game x { param end : reward = 1  phase p { give end to a  give end to b  sett c = 1 } }")
-    assert [d.code for d in found] == ["SJ003", "SJ002"]
-    assert found[0].word == "end"
+    assert [(d.code, getattr(d, "word", "")) for d in found] == [("SJ003", "end"), ("SJ002", "")]
 
 
 @pytest.mark.parametrize("word", ["window", "first", "event", "size", "mark", "count", "sum", "nobody"])
