@@ -68,6 +68,8 @@ def test_what_is_more_than_nothing_need_not_be_one(guard):
 
 
 def test_conditions_on_counts_exclude_each_other_whatever_their_variables_are_called():
-    counted = "each agent where count(agent as a where a.held > 1) > 0 {{ set agent.held = 1 }} each agent as b where {} {{ set b.held = 2 }}"
+    counted = (
+        "each agent where count(agent as a where a.held > 1) > 0 {{ set agent.held = 1 }} each agent as b where {} {{ set b.held = 2 }}"
+    )
     assert codes(counted.format("count(agent as c where c.held > 1) == 0")) == set()
     assert codes(counted.format("count(agent as c where c.held > 2) == 0")) == {"SJ401"}

@@ -99,9 +99,9 @@ def extreme(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
     pick = min if e.name.text == "min" else max
     low, high = pick(a.type.low for a in args), pick(a.type.high for a in args)
     type_ = _regain_unit(type_.model_copy(update={"low": low, "high": high}), args)
-    if all(isinstance(a, ir.Number) for a in args):
-        value = pick(a.value for a in args)  # type: ignore[union-attr]
-        return ir.Number(type=type_, value=value, origin=e.span)
+    values = [a.value for a in args if isinstance(a, ir.Number)]
+    if len(values) == len(args):
+        return ir.Number(type=type_, value=pick(values), origin=e.span)
     return ir.Arithmetic(type=type_, fn=e.name.text, args=tuple(args), origin=e.span)  # type: ignore[arg-type]
 
 

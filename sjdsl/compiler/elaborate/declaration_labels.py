@@ -59,7 +59,7 @@ def _attributes(game: Composition) -> Iterator[ast.Field | ast.Timer]:
 def _names(game: Composition) -> Iterator[ast.Name]:
     """Yields the names of all declarations, and the words and actions they declare."""
     tables = (game.constants, game.kinds, game.groups, game.shapes, game.defines, game.phases, game.metrics)
-    yield from (node.name for table in tables for node in table.values())  # type: ignore[attr-defined]
+    yield from (node.name for table in tables for node in table.values())
     for declared in _attributes(game):
         yield declared.name
     yield from game.acts.actions if game.acts is not None else ()

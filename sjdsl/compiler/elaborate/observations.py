@@ -1,9 +1,12 @@
 """Elaborates `observe`: the egocentric window of an agent, and the planes in it, in a fixed order."""
 
+from typing import Literal
+
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.hidden import is_of_a_plane
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.observation_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
@@ -11,15 +14,20 @@ from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.compiler.ir.types import HEADINGS, element, words
 
 SIDES = ("ahead", "behind", "left", "right")
-OWNERS = {"agent": "own", "other": "other", "everyone": "everyone"}  # how a path to a field of agents begins -> what is seen
-Key = tuple[str, str, str]  # what, kind, field
+What = Literal["cell", "own", "other", "everyone", "world", "heading"]
+OWNERS: dict[str, What] = {
+    "agent": "own",
+    "other": "other",
+    "everyone": "everyone",
+}  # how a path to a field of agents begins -> what is seen
+Key = tuple[What, str, str]  # what, kind, field
 
 
 def window(game: Composition, scope: Scope) -> ir.Window:
     """Returns the window; 9 ahead, 1 behind, 5 to each side unless the game says otherwise."""
     sides = {"ahead": 9, "behind": 1, "left": 5, "right": 5}
     if game.window is None:
-        return ir.Window(**sides)
+        return _window(sides)
     for i, (name, tree) in enumerate(game.window.sides):
         if name.text in [n.text for n, _ in game.window.sides[:i]]:
             scope.problems.add(errors.WrittenTwice(name.span, what=f"`{name.text}`"))
@@ -33,7 +41,11 @@ def window(game: Composition, scope: Scope) -> ir.Window:
                     errors.OutOfLimits(tree.span, name=f"the window {name.text}", value=value, low=0, high=limits.MAX_WINDOW)
                 )
             sides[name.text] = int(value)
-    return ir.Window(**sides, origin=game.window.span)
+    return _window(sides, game.window.span)
+
+
+def _window(sides: dict[str, int], origin: Span | None = None) -> ir.Window:
+    return ir.Window(ahead=sides["ahead"], behind=sides["behind"], left=sides["left"], right=sides["right"], origin=origin)
 
 
 def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Sight, ...]:

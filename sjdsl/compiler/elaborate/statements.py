@@ -143,8 +143,9 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
         if isinstance(entry.value, ast.Table):
             raise scope.problems.fail(errors.WrongType(entry.span, wanted="a probability", given="a table"))
         weights.append(probability(entry.value, scope))
-    if all(isinstance(w, ir.Number) for w in weights):
-        total = sum(w.value for w in weights)  # type: ignore[union-attr]
+    values = [w.value for w in weights if isinstance(w, ir.Number)]
+    if len(values) == len(weights):
+        total = sum(values)
         if abs(total - 1) > 1e-6:
             raise scope.problems.fail(errors.Weights(table.span, total=total))
     elif not _required_one(weights, scope):
@@ -155,7 +156,7 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
 def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
     """Weights from parameters need `require a + b + c == 1`, or the form p, q, 1 - p - q."""
     one, last = ir.Number(type=weights[0].type, value=1), weights[-1]
-    rest = one
+    rest: ir.Expr = one
     for weight in weights[:-1]:
         rest = ir.Arithmetic(type=one.type, fn="-", args=(rest, weight))
     total = weights[0]

@@ -59,7 +59,7 @@ class GlyphMeaning(Node):
 
     glyph: str
     kind: str
-    starts: tuple[tuple[str, int | float | str], ...] = ()
+    starts: tuple[tuple[str, int | float | str | None], ...] = ()
 
 
 class Forbid(Node):
