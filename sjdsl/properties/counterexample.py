@@ -15,9 +15,9 @@ from sjdsl.properties.monitors import Totals
 from sjdsl.properties.search import Counterexample
 from sjdsl.properties.trajectory import draws_of
 from sjdsl.trace.episode import Moment, Told, tell_of
+from sjdsl.trace.jax_random import RecordedDraws
 from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.picture import draw
-from sjdsl.trace.random_words import Heard
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_value
 
@@ -65,16 +65,16 @@ def in_short(line: str) -> str:
 
 def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws) -> Moment:
     """Takes a step and returns everything that a trace tells of it."""
-    board, heard = board_of(game), Heard(draws)
+    board, recorded = board_of(game), RecordedDraws(draws)
     told: list[Told] = []
 
     def tell(account: Account) -> None:
-        told.append(tell_of(account, board, heard.words))
-        heard.words.clear()
+        told.append(tell_of(account, board, recorded.numbers))
+        recorded.numbers.clear()
 
     allowed = action_mask(game, world)
     forbidden = frozenset(agent for agent, action in enumerate(actions) if not allowed[agent][action])
-    after, outcome = step(game, world, actions, params, heard, tell)
+    after, outcome = step(game, world, actions, params, recorded, tell)
     return Moment(world.step, (0, 0), after, tuple(told), tuple(actions), forbidden, outcome)
 
 

@@ -9,7 +9,7 @@ from sjdsl.interpreter.state import Value, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.screen.frame import Frame, make_frame
-from sjdsl.trace.random_words import fold_in, key_of
+from sjdsl.trace.jax_random import fold_in, key_of
 
 
 class Interpreted:

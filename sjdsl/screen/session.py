@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from sjdsl.compiler import ir
 from sjdsl.replay.recording import Recording
 from sjdsl.screen.frame import Frame
-from sjdsl.trace.random_words import fold_in, key_of, random_numbers
+from sjdsl.trace.jax_random import fold_in, key_of, random_numbers
 
 OTHERS = 2**32 - 1  # folded into the seed's key for the others' choices: the steps have 0, 1, 2, …
 

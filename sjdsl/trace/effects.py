@@ -15,16 +15,16 @@ from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot
 
 Sort = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]
-Words = Mapping[tuple[int, int], int]  # (stream, number) -> word
+RandomNumbers = Mapping[tuple[int, int], int]  # (stream, number) -> 32 random bits
 
 
 class Used(NamedTuple):
-    """A word that decided where an agent went: which cell, which heading, who of several."""
+    """A random number that decided where an agent went: which cell, which heading, who of several."""
 
     purpose: Literal["who comes first", "which cell", "which heading"]
     stream: int
     number: int
-    word: int
+    bits: int
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,12 @@ class Effect:
     new: Value
     type: ir.Type | None = None
     by: tuple[Done, ...] = ()
-    words: tuple[Used, ...] = ()
+    draws: tuple[Used, ...] = ()
 
 
-def effects_of(account: Account, board: Board, words: Words) -> list[Effect]:
-    """Returns everything a turn changed, in the order of its statements. `words`: all that were looked at in it."""
-    found = [*_fields(account, board), *_agents(account, board, words), *_said(account, board)]
+def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[Effect]:
+    """Returns everything a turn changed, in the order of its statements. `numbers`: the random numbers taken in it."""
+    found = [*_fields(account, board), *_agents(account, board, numbers), *_said(account, board)]
     order = {id(done): number for number, done in enumerate(account.done)}
     return sorted(found, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
 
@@ -102,7 +102,7 @@ def _writers(account: Account) -> dict[Slot, list[Done]]:
 # ---- agents
 
 
-def _agents(account: Account, board: Board, words: Words) -> Iterator[Effect]:
+def _agents(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[Effect]:
     before, after = account.before, account.after
     for agent in range(board.agents):
         by = tuple(_senders(account, board, agent))
@@ -114,7 +114,7 @@ def _agents(account: Account, board: Board, words: Words) -> Iterator[Effect]:
         )
         for sort, old, new in changes:
             if old != new:
-                used = tuple(_used(sort, agent, account, board, by, words))
+                used = tuple(_used(sort, agent, account, board, by, numbers))
                 yield Effect(sort, agent, "", old, new, None, by, used)
 
 
@@ -135,20 +135,20 @@ def _senders(account: Account, board: Board, agent: int) -> Iterator[Done]:
                 pass
 
 
-def _used(sort: str, agent: int, account: Account, board: Board, by: Sequence[Done], words: Words) -> Iterator[Used]:
+def _used(sort: str, agent: int, account: Account, board: Board, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:
     place = account.after.position[agent]
     for statement in (done.statement for done in by):
         if isinstance(statement, ir.Move) and sort == "place":
-            own = ((stream, n) for stream, n in words if stream == statement.stream and n % board.agents == agent)
-            yield from (Used("who comes first", *at, words[at]) for at in own)
+            own = ((stream, n) for stream, n in numbers if stream == statement.stream and n % board.agents == agent)
+            yield from (Used("who comes first", *at, numbers[at]) for at in own)
         if not isinstance(statement, ir.Send) or place is None:
             continue
         order, heading = statement.order_stream, statement.heading_stream
         if isinstance(account.turn, ir.Tick):
             order, heading = return_stream(order), return_stream(heading)
         at = (order if sort == "place" else heading, agent)
-        if sort in ("place", "heading") and at in words:
-            yield Used("which cell" if sort == "place" else "which heading", *at, words[at])
+        if sort in ("place", "heading") and at in numbers:
+            yield Used("which cell" if sort == "place" else "which heading", *at, numbers[at])
 
 
 # ---- rewards, events, marks, ends

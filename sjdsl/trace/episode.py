@@ -13,7 +13,7 @@ from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.trace.effects import Effect, effects_of, without_effect
-from sjdsl.trace.random_words import Heard, Key, key_of, random_numbers, split
+from sjdsl.trace.jax_random import Key, RecordedDraws, key_of, random_numbers, split
 
 Choose = Callable[[int, Key], list[int]]  # number of the step in the trace, a key for it -> an action for each agent
 
@@ -37,7 +37,7 @@ class Told:
 class Moment:
     """The start of an episode (`number` None) or one step of it, and the state it leads to.
 
-    key: the two words that all its draws come from. actions: those chosen, none at the start; forbidden: who is not allowed his.
+    key: the two numbers that all its draws come from. actions: those chosen, none at the start; forbidden: agents whose action is forbidden.
     """
 
     number: int | None
@@ -72,32 +72,32 @@ def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choo
 def begin(game: ir.Game, params: Mapping[str, Value], key: Key) -> Moment:
     """Returns the start of an episode. `key`: that of the environment's `reset`."""
     told: list[Told] = []
-    heard = Heard(Threefry(*key))
-    world = reset(game, params, heard, _listener(told, board_of(game), heard))
+    recorded = RecordedDraws(Threefry(*key))
+    world = reset(game, params, recorded, _listener(told, board_of(game), recorded))
     return Moment(None, key, copied(world), tuple(told))
 
 
 def follow(game: ir.Game, world: World, params: Mapping[str, Value], key: Key, actions: list[int]) -> Moment:
     """Returns the step that follows a state. `key`: that of the environment's `step`."""
     told: list[Told] = []
-    heard = Heard(Threefry(*key))
+    recorded = RecordedDraws(Threefry(*key))
     allowed = action_mask(game, world)
     forbidden = frozenset(agent for agent, action in enumerate(actions) if not allowed[agent][action])
-    after, outcome = step(game, world, actions, params, heard, _listener(told, board_of(game), heard))
+    after, outcome = step(game, world, actions, params, recorded, _listener(told, board_of(game), recorded))
     return Moment(world.step, key, after, tuple(told), tuple(actions), forbidden, outcome)
 
 
-def _listener(told: list[Told], board: Board, heard: Heard) -> Tell:
+def _listener(told: list[Told], board: Board, recorded: RecordedDraws) -> Tell:
     def tell(account: Account) -> None:
-        told.append(tell_of(account, board, heard.words))
-        heard.words.clear()
+        told.append(tell_of(account, board, recorded.numbers))
+        recorded.numbers.clear()
 
     return tell
 
 
-def tell_of(account: Account, board: Board, words: Mapping[tuple[int, int], int]) -> Told:
-    """Returns what there is to tell of one turn. `words`: those looked at in it."""
-    effects = effects_of(account, board, words)
+def tell_of(account: Account, board: Board, numbers: Mapping[tuple[int, int], int]) -> Told:
+    """Returns what there is to tell of one turn. `numbers`: the random numbers taken in it."""
+    effects = effects_of(account, board, numbers)
     happened = {id(done.statement) for done in account.done}
     writing = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.Move, ir.Mark, ir.End)
     return Told(

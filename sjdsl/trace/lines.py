@@ -88,7 +88,7 @@ def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller) -> Itera
 
 def _draws(effect: Effect, teller: Teller) -> list[str]:
     causes = [say_draw(drawn, teller.rules) for done in effect.by for drawn in done.causes]
-    used = [say_used(used) for used in effect.words if used.purpose != "who comes first" or teller.everything]
+    used = [say_used(used) for used in effect.draws if used.purpose != "who comes first" or teller.everything]
     return list(dict.fromkeys([*causes, *used]))
 
 

@@ -52,7 +52,7 @@ def _effect(effect: Effect, teller: Teller) -> dict[str, Any]:
         "old": HEADINGS[effect.old] if is_heading else plain(effect.old),
         "new": HEADINGS[effect.new] if is_heading else plain(effect.new),
         "by": [_done(done, teller.rules) for done in effect.by],
-        "words": [_used(used) for used in effect.words],
+        "words": [_used(used) for used in effect.draws],
     }
 
 
@@ -81,4 +81,4 @@ def _drawn(drawn: Drawn, rules: Rules) -> dict[str, Any]:
 
 
 def _used(used: Used) -> dict[str, Any]:
-    return {"purpose": used.purpose, "stream": used.stream, "number": used.number, "word": used.word}
+    return {"purpose": used.purpose, "stream": used.stream, "number": used.number, "word": used.bits}

@@ -109,7 +109,7 @@ def say_draw(drawn: Drawn, rules: Rules) -> str:
             said = f"{rules.text(statement)}: drew {share:.6f}: {'picked' if drawn.result else 'not picked'}"
         case ir.Match():
             said = f"{rules.text(statement)}: drew {share:.6f}: {'matched' if drawn.result else 'not matched'}"
-    return f"{said}  {say_word(statement.stream, drawn.number, drawn.word)}"
+    return f"{said}  {say_bits(statement.stream, drawn.number, drawn.word)}"
 
 
 def _chance(drawn: Drawn, share: float, rules: Rules) -> str:
@@ -122,8 +122,8 @@ def _chance(drawn: Drawn, share: float, rules: Rules) -> str:
 
 def say_used(used: Used) -> str:
     """Returns a word that placed an agent."""
-    return f"{used.purpose}: drew {(used.word >> 1) / WHOLE:.6f}  {say_word(used.stream, used.number, used.word)}"
+    return f"{used.purpose}: drew {(used.bits >> 1) / WHOLE:.6f}  {say_bits(used.stream, used.number, used.bits)}"
 
 
-def say_word(stream: int, number: int, word: int) -> str:
-    return f"(random bits {word:08x}: number {number} of stream {stream:08x})"
+def say_bits(stream: int, number: int, bits: int) -> str:
+    return f"(random bits {bits:08x}: number {number} of stream {stream:08x})"

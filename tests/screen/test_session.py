@@ -12,7 +12,7 @@ from sjdsl.replay import EpisodePlayer
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.compiled import Compiled
 from sjdsl.screen.session import policy_choice, random_choice
-from sjdsl.trace.random_words import fold_in, key_of
+from sjdsl.trace.jax_random import fold_in, key_of
 from tests.screen.conftest import ORCHARD, Begin
 
 FORWARD, STAY, SING = 2, 3, 4

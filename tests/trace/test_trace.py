@@ -16,7 +16,7 @@ from sjdsl.render.playing import play as play_compiled
 from sjdsl.render.playing import random_policy
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, begin, follow, play, random_actions
-from sjdsl.trace.random_words import key_of, random_numbers, split
+from sjdsl.trace.jax_random import key_of, random_numbers, split
 
 REPOSITORY = Path(__file__).parents[2]
 FILES = [
@@ -127,9 +127,9 @@ def test_the_word_told_is_the_one_that_chose_the_cell() -> None:
         told = {effect.owner: effect for turn in start.turns for effect in turn.effects if effect.sort == "place"}
         assert [*told] == [0, 1, 2, 3, 4]
         for effect in told.values():
-            (used,) = effect.words
+            (used,) = effect.draws
             assert used.purpose == "which cell"
-            assert free.pop(used.word * len(free) >> 32) == tuple(effect.new)
+            assert free.pop(used.bits * len(free) >> 32) == tuple(effect.new)
 
 
 SEATS = """sj 1

@@ -1,4 +1,4 @@
-"""Random numbers of an episode for traces: the keys made from its seed, and the actions of the random policy.
+"""JAX's random number functions in plain integers (keys, `split`, `randint`), and draws that are recorded for traces.
 
 Source: the counter-based generator of JAX (`jax.random.key`, `split`, `randint`; threefry-2x32, partitionable).
 """
@@ -13,19 +13,19 @@ Key = tuple[int, int]
 
 
 @dataclass
-class Heard:
-    """Words that were looked at since the last account, by stream and number."""
+class RecordedDraws:
+    """Draws that remember the random numbers taken since the last account, by stream and index."""
 
     source: Draws
-    words: dict[tuple[int, int], int] = field(default_factory=dict)
+    numbers: dict[tuple[int, int], int] = field(default_factory=dict)
 
     def word(self, stream: int, number: int) -> int:
-        self.words[stream, number] = self.source.word(stream, number)
-        return self.words[stream, number]
+        self.numbers[stream, number] = self.source.word(stream, number)
+        return self.numbers[stream, number]
 
 
 def key_of(seed: int) -> Key:
-    """Returns the two words of `jax.random.key(seed)`."""
+    """Returns the two 32-bit numbers of `jax.random.key(seed)`."""
     return 0, seed & WORD
 
 
@@ -40,7 +40,7 @@ def fold_in(key: Key, number: int) -> Key:
 
 
 def random_numbers(key: Key, count: int, below: int) -> list[int]:
-    """Returns `jax.random.randint(key, (count,), 0, below)`: two words a number, so that every number is as likely as any other."""
+    """Returns `jax.random.randint(key, (count,), 0, below)`: two 32-bit draws a number, so that all numbers are equally likely."""
     high, low = split(key, 2)
     weight = (2**16 % below) ** 2 % below
     found = []
