@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
+from sjdsl.runtime.bits import as_bits
 from sjdsl.runtime.counting import times_in
 from sjdsl.runtime.draws import below, threshold, words
 from sjdsl.runtime.fields import StateField
@@ -24,7 +25,7 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import as_bits, reached
+from sjdsl.runtime.shapes import reached
 from sjdsl.runtime.view import fill, paint, planes_of, windows
 
 NAME = "territory"

@@ -7,13 +7,13 @@ from typing import Any
 import jax
 import numpy as np
 
-from sjdsl.compiler.elaborate.declarations import BUILT_IN_ACTIONS
 from sjdsl.factory import make
 from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot
 from sjdsl.render.board import Tiles, draw_board
 from sjdsl.render.look import make_look
 from sjdsl.render.windows import draw_windows
+from sjdsl.runtime.actions import BUILT_IN
 
 with needs("dm_env"):
     import dm_env
@@ -46,7 +46,7 @@ class Substrate(dm_env.Environment):
         self._key = jax.random.key(number)
         self._look = replace(make_look(self.env), tile=tile)
         self._tiles: Tiles = {}
-        self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN_ACTIONS]
+        self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN]
         self._state: Any = None
         self._events: list[tuple[str, Any]] = []
 

@@ -8,11 +8,9 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, glyphs_of
+from sjdsl.runtime.actions import DIRECTIONS, STEPS, TURNS
 
 FAR = 65535  # no path
-STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
-TURNS = {"turn_left": 3, "turn_right": 1}
-DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))
 MOST = 20_000_000  # distances kept for one map
 
 

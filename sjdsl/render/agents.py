@@ -9,11 +9,11 @@ from sjdsl.render.colours import INK, PAPER, Colour, mixed
 from sjdsl.render.drawings import Figure
 from sjdsl.render.sprites import draw_sprite
 from sjdsl.render.tiles import put_badges
+from sjdsl.runtime.actions import DIRECTIONS
 
 SMALLEST_WITH_NUMBER = 15  # pixels of a tile
 FINE = 4  # numbers are drawn this many times larger, then shrunk
 PALE = 0.62
-HEADINGS = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 def put_figure(tile: np.ndarray, figure: Figure) -> None:
@@ -42,7 +42,7 @@ def _number(number: int, fill: Colour, heading: int, size: int, held: bool) -> I
     """Returns the number behind the eyes, upright whichever way the agent looks."""
     side = size * FINE
     image = Image.new("RGBA", (side, side))
-    row, col = HEADINGS[heading]
+    row, col = DIRECTIONS[heading]
     font = ImageFont.load_default(side * (0.44 if number < 10 else 0.36))
     ink = PAPER if sum(w * c for w, c in zip((0.3, 0.59, 0.11), fill, strict=True)) < 150 else INK
     ink = mixed(ink, fill, 0.35) if held else ink

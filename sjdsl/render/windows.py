@@ -4,8 +4,9 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.render.snapshot import Snapshot
+from sjdsl.runtime.actions import DIRECTIONS
 
-STEPS = np.array([(-1, 0), (0, 1), (1, 0), (0, -1)])  # north, east, south, west
+STEPS = np.array(DIRECTIONS)
 
 
 def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile: int) -> np.ndarray:

@@ -15,6 +15,12 @@ def pack(members: Array) -> Array:
     return jnp.sum(words.astype(jnp.uint32) << places, axis=-1, dtype=jnp.uint32)
 
 
+def as_bits(members: Array, dtype: jnp.dtype) -> Array:
+    """Returns sets as bits: `[..., N]` bool -> `[...]`, bit i for agent i."""
+    bit = jnp.ones((), dtype) << jnp.arange(members.shape[-1], dtype=dtype).reshape((1,) * (members.ndim - 1) + (-1,))
+    return jnp.sum(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1, dtype=dtype)
+
+
 def unpack(words: Array, size: int) -> Array:
     """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
     places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * words.ndim + (-1,))

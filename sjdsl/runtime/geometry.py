@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))  # (row, column) of north, east, south, west
+from sjdsl.runtime.actions import DIRECTIONS
+
 Rows = Sequence[str]
 
 

@@ -29,25 +29,3 @@ def mix(row: Array) -> Array:
 def ramp(value: Array, zero_at: Array, one_at: Array) -> Array:
     """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
     return jnp.clip((value - zero_at) / (one_at - zero_at), 0.0, 1.0)
-
-
-def as_bits(members: Array, dtype: jnp.dtype) -> Array:
-    """Returns sets as bits: `[..., N]` bool -> `[...]`, bit i for agent i."""
-    bit = jnp.ones((), dtype) << jnp.arange(members.shape[-1], dtype=dtype).reshape((1,) * (members.ndim - 1) + (-1,))
-    return jnp.sum(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1, dtype=dtype)
-
-
-def reached(blocked: Array, on_map: Array, first: Array) -> Array:
-    """Returns which shape cells a lane reaches when some cells end lanes.
-
-    Args:
-      blocked: `[..., K]` bool, cells that are the last of their lane.
-      on_map: `[..., K]` bool, cells that exist.
-      first: `[K]` bool, first cells of the lanes.
-    """
-    live, out = jnp.ones(blocked.shape[:-1], bool), []
-    for k in range(blocked.shape[-1]):
-        live = live | first[k]
-        out.append(live & on_map[..., k])
-        live = live & ~(blocked[..., k] & on_map[..., k])
-    return jnp.stack(out, axis=-1)

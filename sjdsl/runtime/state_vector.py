@@ -6,10 +6,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.runtime.actions import HEADINGS
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.module import GameModule
-
-HEADINGS = 4
 
 
 def state_vector(module: GameModule, state: Any, row: Array, col: Array, length: Array) -> Array:
@@ -35,7 +34,7 @@ def state_vector(module: GameModule, state: Any, row: Array, col: Array, length:
         jnp.where(here, row, 0).astype(jnp.float32) / jnp.float32(max(height - 1, 1)),
         jnp.where(here, col, 0).astype(jnp.float32) / jnp.float32(max(width - 1, 1)),
         here.astype(jnp.float32),
-        jax.nn.one_hot(state.heading, HEADINGS, dtype=jnp.float32),
+        jax.nn.one_hot(state.heading, len(HEADINGS), dtype=jnp.float32),
     ]
     parts += [_numbers(getattr(state, field.attribute), field, module.NUM_AGENTS) for field in module.FIELDS]
     return jnp.concatenate([part.ravel() for part in parts])

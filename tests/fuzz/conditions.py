@@ -3,7 +3,8 @@
 from math import inf
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.types import HEADINGS, element
+from sjdsl.compiler.ir.types import element
+from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Typed
 

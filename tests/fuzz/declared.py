@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.types import HEADINGS
+from sjdsl.runtime.actions import HEADINGS
 
 Lines = list[str]
 

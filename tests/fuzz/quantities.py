@@ -3,7 +3,8 @@
 from math import inf
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.types import HEADINGS, element, hull, interval
+from sjdsl.compiler.ir.types import element, hull, interval
+from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.reading import Scope, Typed
 
 LARGE = 1e6  # beyond this nothing is multiplied: whole numbers have 32 bits

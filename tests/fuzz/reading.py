@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.types import HEADINGS
+from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.declared import Field, World
 
 Typed = tuple[str, ir.Type]

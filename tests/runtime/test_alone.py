@@ -11,7 +11,7 @@ import sjdsl
 from sjdsl.cli import run
 
 ROOT = Path(__file__).parents[2]
-WITHOUT_JAX = {"fields", "geometry", "planes"}  # what the compiler may use: `sjdsl check` does not wait for JAX
+WITHOUT_JAX = {"actions", "fields", "geometry", "planes"}  # what the compiler may use: `sjdsl check` does not wait for JAX
 LOADED = "import sys; print(*(name for name in sys.modules if name.split('.')[0] in ('sjdsl', 'flax', 'lark', 'pydantic', 'jax')))"
 
 

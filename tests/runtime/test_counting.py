@@ -5,9 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sjdsl.runtime.bits import as_bits
 from sjdsl.runtime.counting import count_near, occupied, size_of_set, times_in
 from sjdsl.runtime.geometry import near_masks
-from sjdsl.runtime.rows import as_bits, entry, highest, lowest, mix, ramp, reached
+from sjdsl.runtime.rows import entry, highest, lowest, mix, ramp
+from sjdsl.runtime.shapes import reached
 
 
 @pytest.mark.parametrize(("members", "sites"), [(1, 1), (31, 4), (32, 5), (33, 6), (64, 64), (147, 20)])

@@ -5,8 +5,7 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.scope import Declared, Static
-
-MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
+from sjdsl.runtime.actions import MOVES
 
 
 def check_unused(game: ir.Game, static: Static, composition: Composition, problems: Problems) -> None:

@@ -13,8 +13,8 @@ from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.runtime.actions import HEADINGS
 
-BUILT_IN_ACTIONS = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
 SEEN = {"outside": "what an agent sees off the map", "everyone": "all agents, in `observe`"}  # no names of kinds
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
 
@@ -57,7 +57,7 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
     for metric in game.metrics.values():
         if isinstance(metric, ast.Event) and metric.by is not None:
             add(metric.by.names)
-    static.word_sets.append(("north", "east", "south", "west"))
+    static.word_sets.append(HEADINGS)
 
 
 def _check_names(game: Composition, static: Static, problems: Problems) -> None:

@@ -9,8 +9,9 @@ from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.types import integer
+from sjdsl.runtime.actions import HEADINGS
 
-FACINGS = ("north", "east", "south", "west", "same")
+FACINGS = (*HEADINGS, "same")
 
 
 def agent(e: ast.Path, scope: Scope) -> ir.Expr:

@@ -7,7 +7,7 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.scope import Static
-from sjdsl.compiler.ir.types import HEADINGS
+from sjdsl.runtime.actions import HEADINGS
 
 OWNERS = {"agent": "the observer itself", "other": "the other agents", "everyone": "all agents"}
 

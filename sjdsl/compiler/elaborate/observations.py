@@ -11,7 +11,8 @@ from sjdsl.compiler.elaborate.hidden import is_of_a_plane
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.observation_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
-from sjdsl.compiler.ir.types import HEADINGS, element, words
+from sjdsl.compiler.ir.types import element, words
+from sjdsl.runtime.actions import HEADINGS
 
 SIDES = ("ahead", "behind", "left", "right")
 What = Literal["cell", "own", "other", "everyone", "world", "heading"]

@@ -16,7 +16,8 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.scope import START, Declared, Scope
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.types import HEADINGS, describe, element, integer, words
+from sjdsl.compiler.ir.types import describe, element, integer, words
+from sjdsl.runtime.actions import HEADINGS
 
 
 def path(e: ast.Path, scope: Scope) -> ir.Expr:

@@ -8,6 +8,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 
 KERNELS = {
+    "sjdsl.runtime.bits": ("as_bits",),
     "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
     "sjdsl.runtime.draws": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
     "sjdsl.runtime.fields": ("StateField",),
@@ -28,7 +29,8 @@ KERNELS = {
     "sjdsl.runtime.movement": ("resolve",),
     "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place"),
     "sjdsl.runtime.planes": ("TokenPlane",),
-    "sjdsl.runtime.rows": ("as_bits", "entry", "highest", "lowest", "mix", "ramp", "reached"),
+    "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp"),
+    "sjdsl.runtime.shapes": ("reached",),
     "sjdsl.runtime.view": ("fill", "paint", "planes_of", "windows"),
 }
 RESERVED = {

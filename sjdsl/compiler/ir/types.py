@@ -13,7 +13,6 @@ UNIT_LIMITS = {
     "probability": (0.0, 1.0),
     "fraction": (0.0, 1.0),
 }
-HEADINGS = ("north", "east", "south", "west")
 
 
 def integer(low: float, high: float, unit: ir.Unit = "count") -> ir.Type:

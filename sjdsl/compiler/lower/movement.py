@@ -9,9 +9,8 @@ from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import Binary, Index, Literal, Name, Where, call, path
+from sjdsl.runtime.actions import STEPS, TURNS
 
-STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
-TURNS = {"turn_left": 3, "turn_right": 1}
 NO_STEP = 4
 POSITION, HEADING = path("state.position"), path("state.heading")
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.types import HEADINGS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, both, iota, literal, reduce, select
 from sjdsl.compiler.lower.draws import KEY
@@ -11,6 +10,7 @@ from sjdsl.compiler.lower.expressions import owner
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import expressions as array
+from sjdsl.runtime.actions import HEADINGS
 
 ANY_HEADING, SAME_HEADING = 4, 5  # of an agent that is away
 AWAY = array.path("state.away")

@@ -9,12 +9,12 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
-from sjdsl.compiler.ir.types import HEADINGS
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout, Table
 from sjdsl.compiler.lower.scope import IterationScope, Variable
 from sjdsl.compiler.program import Constant, Group, Number
 from sjdsl.compiler.program.expressions import Assign, Attribute, Call, DType, Expression, Literal, Name, Return, Statement, path
+from sjdsl.runtime.actions import HEADINGS
 
 FACTS = {"NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW", "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS"}
 MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
