@@ -72,7 +72,8 @@ def rewrite(node: N, rule: Callable[[Any], Any]) -> N:
         if new is not value:
             update[name] = new
     changed = node.model_copy(update=update) if update else node
-    return rule(changed)
+    result: N = rule(changed)
+    return result
 
 
 def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
