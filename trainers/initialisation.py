@@ -1,4 +1,4 @@
-"""Orthogonal weight initialisation without LAPACK, so that it runs inside any compiled program.
+"""Orthogonal weight initialisation by the Gram-Schmidt procedure, without LAPACK.
 
 JAX's own initialiser uses a QR decomposition, for which XLA's CPU client calls LAPACK. Several at once, with OpenBLAS's threads, can
 deadlock (JAX 0.10, scipy 1.17: a program with five of them within sixty runs). The Gram-Schmidt procedure needs only products.

@@ -1,4 +1,4 @@
-"""A training run as pure functions (initialise, update, policy), with one signature for every algorithm."""
+"""A training run as pure functions (init, collect, learn), with one signature for every algorithm."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Runs a whole training: creates or resumes the run's folder, trains, evaluates, and stores the policies."""
+"""Runs a whole training: starts a new folder or resumes one, runs all updates, and returns the trained policies."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence

@@ -270,7 +270,7 @@ def _restricted(domain: ir.Domain, member: int | Cell, number: int, here: Instan
 
 _ONCE = (ir.Named, ir.Count, ir.Sum)  # kept where they name nothing around them
 
-# The value of each class of expression, looked up: this is asked millions of times in the courses of `sjdsl test`.
+# The value of each class of expression, looked up: `sjdsl test` asks this millions of times.
 VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Member: _name,
     ir.Local: _name,

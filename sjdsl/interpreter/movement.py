@@ -1,4 +1,4 @@
-"""Interprets `move`: agents turn and step at the same time, may swap, and a collision on a cell is settled at random."""
+"""Interprets `move`: all agents step at once, a collision on a cell is settled at random, and swaps are blocked."""
 
 from sjdsl.interpreter.evaluate import is_blocked
 from sjdsl.interpreter.instance import Instance

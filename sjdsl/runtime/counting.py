@@ -1,4 +1,4 @@
-"""Counts members near each cell, members of sets, and which cells are occupied, with bit operations."""
+"""Counts members near each cell, members of sets, and which cells are occupied."""
 
 from functools import partial
 
@@ -31,8 +31,8 @@ def size_of_set(members: Array) -> Array:
 def times_in(sets: Array, agents: int) -> Array:
     """Returns how many of the sets each agent is in.
 
-    The sets are laid out in rows of 32 and added up row by row, then along the last row: XLA makes vector instructions of that,
-    and of a sum along all of them it does not (docs/performance.md).
+    The sets are put into rows of 32 and added row by row, then along the last row. XLA compiles this to vector instructions, but not
+    a sum along all sets (docs/performance.md).
 
     Args:
       sets: any shape, unsigned; bit i for agent i.

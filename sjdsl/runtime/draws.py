@@ -70,14 +70,14 @@ def _mixed(x0: Array, x1: Array, rotation: Array) -> tuple[Array, Array]:
 def words(key: Array, stream: int, *shape: int) -> Array:
     """Returns the first words of a stream, `shape` uint32, numbered in row-major order.
 
-    Each block is computed twice, once for each of its words: it then fuses with what is made of the words, which costs less than
-    laying the words of computed pairs side by side.
+    Each block is computed twice, once for each of its two numbers. It then fuses with the operations on the numbers, which costs
+    less than interleaving pairs.
     """
     return words_at(key, stream, jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape))
 
 
 def threshold(probability: Array) -> Array:
-    """Returns what the upper 31 bits of a word must be below to happen with this probability (float32 in 0 .. 1)."""
+    """Returns the threshold below which the upper 31 bits of a random number lie with this probability (float32 in 0 .. 1)."""
     return (probability * jnp.float32(2**31)).astype(jnp.uint32)
 
 

@@ -1,4 +1,4 @@
-"""Movement of all agents at once: collisions on a cell are settled at random, swaps and chains are allowed."""
+"""Movement of all agents at once: a collision on a cell is settled at random, swaps are blocked, chains and cycles work."""
 
 import jax.numpy as jnp
 from jax import Array, lax

@@ -33,10 +33,10 @@ def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
 
 
 def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """Returns one agent of each of many sets, as `pick_of_set` does; words are drawn only if some set has several members.
+    """Returns one agent of each of many sets, as `pick_of_set` does; random numbers are drawn only if some set has several members.
 
-    Who is alone in a set needs no luck: floor(word * 1 / 2^32) is 0. For a batch, words are drawn if one of its environments needs
-    some; a second `vmap` around turns that choice back into a select. The agents are the same.
+    A set with one member needs no random draw: floor(word * 1 / 2^32) is 0. For a batch, numbers are drawn if one of its environments
+    needs some. A second `vmap` around turns that choice back into a select. The agents are the same.
 
     Args:
       members: `[S]` unsigned, the sets as bits.
@@ -64,7 +64,7 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
 
 
 def _several(members: Array) -> Array:
-    """Returns whether some set has more than one member. What is left of each without its lowest is joined from the first axis on."""
+    """Returns whether some set has more than one member. The sets without their lowest members are joined, from the first axis on."""
     left = members & (members - 1)
     while left.ndim > 1:
         left = lax.reduce(left, left.dtype.type(0), lax.bitwise_or, (0,))  # along the last axis XLA makes no vector instructions

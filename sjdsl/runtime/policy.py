@@ -13,7 +13,7 @@ from jax import Array
 class MemoryPolicy:
     """A policy that remembers: `act(memory, key, observation) -> memory, actions`, from `start` at each episode's first step.
 
-    One that `reads_allowed` is told besides which actions the game allows: `act(memory, key, observation, allowed)`, `[N, A]` bool, of
+    With `reads_allowed` it also gets the actions that the game allows: `act(memory, key, observation, allowed)`, `[N, A]` bool, of
     `env.allowed_actions(state)`.
     """
 
@@ -60,7 +60,7 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
 
 
 def stay_policy(env: Any) -> Callable[[Array, Array], Array]:
-    """Returns the policy under which nobody does anything. Raises ValueError where no action is `stay`."""
+    """Returns the policy that always stays. Raises ValueError if the game has no action `stay`."""
     if "stay" not in env.action_names:
         raise ValueError(f"`stay` is no action of {env.name}; its actions are {', '.join(env.action_names)}")
     stay = jnp.full(env.num_agents, list(env.action_names).index("stay"), jnp.int32)

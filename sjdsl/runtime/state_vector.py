@@ -14,10 +14,10 @@ from sjdsl.runtime.module import GameModule
 def state_vector(module: GameModule, state: Any, row: Array, col: Array, length: Array) -> Array:
     """Returns the state as one vector, its entries from -1 to 1.
 
-    In this order: how much of the episode is over; of each agent its row and column as shares of the map, whether it is on the
-    map, and its heading; then every declared variable, those of cells, of agents and of the world. A word is one-hot; a number with
-    limits goes from 0 to 1; one without, such as a timer, x, is x / (1 + |x|); a set of agents has an entry an agent, and so has a
-    variable that names one agent. Marks, which last one step, are left out.
+    The order is: the share of the episode that is over; for each agent its row and column as shares of the map, whether it is on the
+    map, and its heading; then every declared variable, those of cells, of agents and of the world. A word is one-hot. A number with
+    limits is scaled to 0 .. 1, and one without, such as a timer x, to x / (1 + |x|). A set of agents has one entry for each agent, and
+    so has a variable that names one agent. Marks, which last one step, are left out.
 
     Args:
       module: the generated code, of which MAP, FIELDS and NUM_AGENTS are read.

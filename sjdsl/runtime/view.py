@@ -46,8 +46,8 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
 def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
     """Returns a plane with values in some of its cells.
 
-    For a large batch it is put together from runs of neighbouring cells, if they are long: a copy for each run instead of a
-    scatter cell by cell, which takes twice as long for 538 cells in 81 runs (docs/performance.md).
+    For a large batch it is assembled from runs of neighbouring cells, if they are long, with a copy for each run. A scatter cell by
+    cell takes twice as long for 538 cells in 81 runs (docs/performance.md).
 
     Args:
       plane: `[cells]` uint8.
@@ -105,7 +105,7 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
 def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> Array:
     """Returns the planes of all windows, each plane contiguous.
 
-    Bytes of several planes side by side would be written one by one: ten times as long on a CPU (docs/performance.md).
+    Interleaved bytes of several planes would be written one by one, which takes ten times as long on a CPU (docs/performance.md).
 
     Args:
       view: rows and columns of a window.

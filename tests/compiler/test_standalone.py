@@ -34,7 +34,7 @@ def loaded(path: Path) -> ModuleType:
     return module
 
 
-def course(env: Any, state: Any, actions: list[list[int]]) -> list[Any]:
+def trajectory(env: Any, state: Any, actions: list[list[int]]) -> list[Any]:
     seen = []
     for number, chosen in enumerate(actions):
         observation, state, reward, done, info = env.step(jax.random.key(number), state, jnp.asarray(chosen))
@@ -58,7 +58,7 @@ def test_it_plays_as_the_environment_does(game: str, observation: str, tmp_path:
     late = env.episode_length - STEPS // 2
     state, other = state.replace(step=state.step + late), other.replace(step=other.step + late)
     actions = [[(5 * t + agent * (t + 1)) % env.num_actions for agent in range(env.num_agents)] for t in range(STEPS)]
-    first, second = course(alone, state, actions), course(env, other, actions)
+    first, second = trajectory(alone, state, actions), trajectory(env, other, actions)
     assert sum(bool(step[3]) for step in first) == 1
     for (path, a), (_, b) in zip(*(jax.tree_util.tree_leaves_with_path(x) for x in (first, second)), strict=True):
         assert a.dtype == b.dtype, path
