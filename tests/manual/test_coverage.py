@@ -13,10 +13,11 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics import limits
 from sjdsl.compiler.diagnostics.explanations import all_codes
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate import declarations, expressions, lookup, observations, shapes
+from sjdsl.compiler.elaborate import expressions, lookup, observations, shapes
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.ir import types
 from sjdsl.interpreter.state import Facing
+from sjdsl.runtime import actions
 
 from .blocks import MANUAL, examples, frames
 
@@ -24,7 +25,7 @@ EXECUTED = [e for e in examples() if e.said("result")]
 WORDS_OF_RULES = {
     "units": UNITS,
     "functions": ("min", "max", "ramp", *expressions.ROW_FUNCTIONS, *expressions.MATRIX_CLASSES),
-    "actions": declarations.BUILT_IN_ACTIONS,
+    "actions": actions.BUILT_IN,
     "attributes": (*lookup.AGENT_ATTRIBUTES, *lookup.CELL_ATTRIBUTES),
     "shapes": (*shapes.BUILT_IN, "centre"),
     "facings": get_args(Facing),
