@@ -13,7 +13,7 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics import limits
 from sjdsl.compiler.diagnostics.explanations import all_codes
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate import expressions, lookup, observations, shapes
+from sjdsl.compiler.elaborate import declarations, expressions, lookup, observations, shapes
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.ir import types
 from sjdsl.interpreter.state import Facing
