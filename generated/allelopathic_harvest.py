@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.draws import below, ranks, threshold, words, words_at
+from sjdsl.runtime.random_bits import below, ranks, threshold, words, words_at
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     cells_of,

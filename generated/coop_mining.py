@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied, size_of_set, times_in
-from sjdsl.runtime.draws import below, next_threshold, threshold, words
+from sjdsl.runtime.random_bits import below, next_threshold, threshold, words
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve

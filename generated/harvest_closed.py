@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import count_near, occupied
-from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.random_bits import below, threshold, words
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     cells_of,

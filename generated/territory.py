@@ -9,7 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.bits import as_bits
 from sjdsl.runtime.counting import times_in
-from sjdsl.runtime.draws import below, threshold, words
+from sjdsl.runtime.random_bits import below, threshold, words
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     blocking,

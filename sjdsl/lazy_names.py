@@ -22,6 +22,3 @@ def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
         return value
 
     return load
-
-
-__all__ = ["lazy_names"]

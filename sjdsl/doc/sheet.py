@@ -3,11 +3,11 @@
 from sjdsl.compiler import ir
 from sjdsl.doc.checks import checks, episode, metrics
 from sjdsl.doc.defines import explained, vocabulary
-from sjdsl.doc.draws import draws
 from sjdsl.doc.entities import entities
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.observation import observation
 from sjdsl.doc.pictures import pictures
+from sjdsl.doc.randomness import draws
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
 from sjdsl.doc.statements import block, tick_lines

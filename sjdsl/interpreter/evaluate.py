@@ -9,8 +9,7 @@ from typing import Any, Literal, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter import numbers
-from sjdsl.interpreter.board import cells_of
-from sjdsl.interpreter.closed import is_closed
+from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found, agent_on, is_here
 from sjdsl.interpreter.shapes import Seen, lanes_from
@@ -19,7 +18,7 @@ from sjdsl.interpreter.state import HEADINGS, Cell, Value
 
 def evaluate(e: ir.Expr, here: Instance) -> Value:
     """Returns the value of an expression; reals as float32, numbers and words checked against what their type allows."""
-    if e.__class__ in _ONCE and is_closed(e, here.board):
+    if e.__class__ in _ONCE and _is_closed(e, here.board):
         known = here.known.get(id(e))
         if known is None:
             known = here.known[id(e)] = (e, _checked(e, here))
@@ -39,6 +38,27 @@ def _checked(e: ir.Expr, here: Instance) -> Value:
         case "word" if not type_.by:
             assert value in type_.words, (value, e)
     return value
+
+
+def _is_closed(e: ir.Expr, board: Board) -> bool:
+    """Returns whether all variables of an expression are bound inside it. The board keeps the answers."""
+    if id(e) not in board.closed:
+        board.closed[id(e)] = (e, _binds_all(e))
+    return board.closed[id(e)][1]
+
+
+def _binds_all(e: ir.Expr) -> bool:
+    used: set[str] = set()
+    bound: set[str] = set()
+    for node in ir.walk(e):
+        match node:
+            case ir.Member() | ir.Local():
+                used.add(node.name)
+            case ir.Domain():
+                bound |= {node.var.name} if node.on is None else {node.var.name, node.on.name}
+            case _:
+                pass
+    return used <= bound
 
 
 def _name(e: "ir.Member | ir.Local", here: Instance) -> Value:

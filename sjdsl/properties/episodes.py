@@ -15,8 +15,8 @@ from sjdsl.properties.biased_draws import POLICY, RESET, STEP
 from sjdsl.properties.compiled_values import Lowered, lower_checks, with_totals
 from sjdsl.properties.scripted_policies import WANDERS, allowed_by
 from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
-from sjdsl.runtime.draws import below, words_at
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.random_bits import below, words_at
 
 BATCH = 10  # episodes played side by side
 
@@ -161,5 +161,5 @@ def _read_totals(lowered: Lowered, totals: dict[str, Array], game: ir.Game) -> d
 
 
 def _derived_key(key: Array, stream: int, number: Array) -> Array:
-    """Returns the two numbers of a key made from another, as `draws.step_key` does."""
+    """Returns the two numbers of a key made from another."""
     return words_at(key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32))

@@ -158,6 +158,3 @@ def differences(mine: tuple[World, Outcome], theirs: tuple[World, Outcome]) -> l
 def _few(values: Any) -> str:
     shown = str(values if not isinstance(values, list) else [tuple(v) if isinstance(v, tuple) else v for v in values])
     return shown if len(shown) <= 60 else f"{shown[:57]}..."
-
-
-__all__ = ["TransformedGame", "compare_step", "one_sided_action", "transformed_games", "why_symmetric"]

@@ -3,9 +3,8 @@
 from typing import TYPE_CHECKING
 
 from sjdsl.lazy_names import lazy_names
-from sjdsl.replay.dataset import Dataset, DatasetWriter, Header
+from sjdsl.replay.dataset import Dataset, DatasetWriter, Header, load_recording
 from sjdsl.replay.episode import Episode
-from sjdsl.replay.files import load_recording
 from sjdsl.replay.recording import Recording, RecordingError, save_recording
 
 if TYPE_CHECKING:

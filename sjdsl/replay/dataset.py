@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from sjdsl.replay.episode import Episode, Observation
-from sjdsl.replay.recording import Recording, RecordingError
+from sjdsl.replay.recording import Recording, RecordingError, read_recording
 
 SUFFIX = ".npz"
 HEADER = "header"
@@ -167,3 +167,20 @@ def describe(header: Header) -> str:
     kept["environment"] = json.dumps(header.environment)
     wanted = ("game", "hash", "environment", "policy", "policy_digest", "seed", "episodes", "observation", "versions")
     return "\n".join(f"{name.replace('_', ' ')}: {kept[name]}" for name in wanted if kept[name] is not None)
+
+
+def load_recording(path: Path, episode: int = 0) -> Recording:
+    """Returns an episode of a file that `sjdsl play --record` or `sjdsl record` wrote. `episode`: its number in the file, from 0.
+
+    Raises:
+      RecordingError: there is no such file, no such episode, or something else in it.
+    """
+    if path.is_file() and is_dataset(path):
+        try:
+            return Dataset(path).recording(episode)
+        except IndexError as error:
+            raise RecordingError(str(error)) from None
+    recording = read_recording(path)
+    if episode != 0:
+        raise RecordingError(f"{path} has no episode {episode}: it has one, number 0")
+    return recording

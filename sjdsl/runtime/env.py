@@ -5,19 +5,20 @@ from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from sjdsl.runtime.auto_reset import reset_where
-from sjdsl.runtime.draws import key_words
 from sjdsl.runtime.module import GameModule
 from sjdsl.runtime.planes import TokenPlane, channel_names
-from sjdsl.runtime.roles import lasting_roles
+from sjdsl.runtime.random_bits import key_words
 from sjdsl.runtime.state_vector import state_vector
 from sjdsl.runtime.tokens import to_channels
 
 State = Any
 Params = Any
 Info = dict[str, Any]
+ALIKE = 8  # episodes that must begin with the same roles: chance roles of two agents would pass once in 2^7 games at most
 Step = Callable[..., tuple[Array, State, Array, Array, Info]]
 Encoding = Literal["tokens", "onehot"]  # of observations
 
@@ -181,10 +182,22 @@ class Environment:
         """
         if self.module.ROLE is None:
             return None
-        return lasting_roles(self.module.ROLE, lambda key: self.reset(key)[1])
+        return _lasting_roles(self.module.ROLE, lambda key: self.reset(key)[1])
 
     def cells(self, state: State) -> tuple[Array, Array]:
         """Returns the (row, col) of each agent on the map, int32 `[N]` each; negative for those who are away."""
         _, cols = self.module.FRAME
         pad = self.module.PAD
         return state.position // cols - pad, state.position % cols - pad
+
+
+def _lasting_roles(attribute: str, reset: Callable[[Array], Any]) -> tuple[int, ...] | None:
+    """Returns the number of each agent's role; None if it is drawn.
+
+    Args:
+      attribute: of the state, that holds the roles and that no step writes.
+      reset: key to the first state of an episode.
+    """
+    states = jax.vmap(reset)(jax.vmap(jax.random.key)(jnp.arange(ALIKE)))
+    roles = np.asarray(getattr(states, attribute))
+    return tuple(int(role) for role in roles[0]) if (roles == roles[0]).all() else None

@@ -9,7 +9,7 @@ from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime import bits
 from sjdsl.runtime.counting import size_of_set
-from sjdsl.runtime.draws import below
+from sjdsl.runtime.random_bits import below
 
 
 def pick(member: Array, word: Array) -> tuple[Array, Array]:

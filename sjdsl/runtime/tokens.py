@@ -3,9 +3,7 @@
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.runtime.planes import TokenPlane, channel_names
-
-__all__ = ["TokenPlane", "channel_names", "to_channels"]
+from sjdsl.runtime.planes import TokenPlane
 
 
 def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype, scale_numbers: bool = False) -> Array:

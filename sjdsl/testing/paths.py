@@ -9,6 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import World
 from sjdsl.near_names import meant
+from sjdsl.testing.states import held_values
 from sjdsl.testing.values import held, written
 
 _PATH = re.compile(r"(?:(\w+)\.)?(\w+)((?:\[\w+\])*)")
@@ -83,20 +84,9 @@ def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
             return None
 
 
-def _values(path: FieldPath, world: World) -> Any:
-    declared = path.declared
-    match declared.place:
-        case "agent":
-            return world.agents[declared.name]
-        case "cell":
-            return world.cells[declared.kind, declared.name]
-        case _:
-            return world.fields[declared.name]
-
-
 def read_field(path: FieldPath, world: World) -> Any:
     """Returns the values of a field as written: a list over agents or cells, or the world's one value."""
-    values = _values(path, world)
+    values = held_values(path.declared, world)
     if path.declared.place == "world":
         return written(_entry(values, path.keys), path.entry_type)
     return [written(_entry(value, path.keys), path.entry_type) for value in values]
@@ -107,7 +97,7 @@ def write_field(path: FieldPath, given: Any, board: Board, world: World) -> None
 
     Raises ValueError: an agent or cell that is not there, a value that does not fit.
     """
-    values, owners = _values(path, world), owners_of(path, board)
+    values, owners = held_values(path.declared, world), owners_of(path, board)
     if owners is None:
         world.fields[path.declared.name] = _changed(path, path.text, given, values, board)
         return

@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.draws import words
 from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, pick_of_sets, place
+from sjdsl.runtime.random_bits import words
 
 from . import references
 

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from sjdsl.runtime.draws import words, words_at
+from sjdsl.runtime.random_bits import words, words_at
 from tests.games.environments import NINE
 from tests.laws.corpus import game_of
 from tests.laws.streams import streams

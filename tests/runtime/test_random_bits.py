@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.draws import below, key_words, next_threshold, ranks, threshold, words, words_at
+from sjdsl.runtime.random_bits import below, key_words, next_threshold, ranks, threshold, words, words_at
 
 from . import references
 
