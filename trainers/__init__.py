@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from .algorithms import make_train
     from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
     from .evaluation import Estimate, Evaluation, estimate, evaluate, save_evaluation, summarise
     from .extensions import register
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
         trained_policy,
     )
     from .preset import Preset, load_preset
-    from .program import Train, TrainState, make_train
+    from .program import Train, TrainState
     from .resuming import RunError
     from .run import Result, resume, train
     from .step import Step
@@ -86,7 +87,7 @@ __getattr__ = lazy_names(
         "load_policy": "policies",
         "load_preset": "preset",
         "make_config": "config",
-        "make_train": "program",
+        "make_train": "algorithms",
         "mixed_policy": "policies",
         "random_policy": "policies",
         "register": "extensions",

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.runtime.policy import MemoryPolicy, Policy, mixed_policy, take_actions, with_memory
+from sjdsl.runtime.policy import MemoryPolicy, take_actions
 
 from .config import Config, ConfigError
 from .environment import Environment
@@ -53,30 +53,3 @@ class Partners:
 
 
 NOBODY = Partners((), MemoryPolicy((), lambda memory, _, observation: (memory, observation)))
-
-
-def make_partners(env: Environment, config: Config) -> Partners:
-    """Returns the agents that are held fixed, and how they act.
-
-    Raises:
-      ConfigError: they are not agents of the game. PolicyError: a policy cannot be found, or does not fit.
-    """
-    if not config.partners:
-        return NOBODY
-    learning_agents(env.num_agents, config)
-    return Partners(tuple(agent for agent, _ in config.partners), mixed_policy(env.num_agents, _parts(env, config)))
-
-
-def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:
-    """Returns a policy of the agents that learn, with the partners that they learnt with."""
-    if not config.partners:
-        return policy
-    own = (learning_agents(env.num_agents, config), with_memory(policy))
-    return mixed_policy(env.num_agents, [own, *_parts(env, config)])
-
-
-def _parts(env: Environment, config: Config) -> list[tuple[tuple[int, ...], Policy]]:
-    from .policies import find_policy  # which reads policies that were learnt with partners
-
-    names = dict.fromkeys(name for _, name in config.partners)
-    return [(tuple(agent for agent, own in config.partners if own == name), find_policy(name, env)) for name in names]

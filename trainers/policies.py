@@ -16,7 +16,7 @@ from .config import Config, ConfigError, PPOConfig, VDNConfig
 from .environment import Environment, abstract_key, reset_shapes
 from .extensions import find, is_own
 from .masks import masked, wants_masks
-from .partners import with_partners
+from .partners import NOBODY, Partners, learning_agents
 from .policy_file import Described, PolicyError, policy_path, read_policy
 from .policy_names import KNOWN, split_name
 from .vdn import best_action, explore, make_action_values
@@ -199,3 +199,28 @@ def _read(path: Path, env: Environment) -> tuple[Any, Described]:
             f"here are {env.num_actions} actions and observations {list(reset_shapes(env)[0].shape)}"
         )
     return parameters, described
+
+
+def make_partners(env: Environment, config: Config) -> Partners:
+    """Returns the agents that are held fixed, and how they act.
+
+    Raises:
+      ConfigError: they are not agents of the game. PolicyError: a policy cannot be found, or does not fit.
+    """
+    if not config.partners:
+        return NOBODY
+    learning_agents(env.num_agents, config)
+    return Partners(tuple(agent for agent, _ in config.partners), mixed_policy(env.num_agents, _parts(env, config)))
+
+
+def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:
+    """Returns a policy of the agents that learn, with the partners that they learnt with."""
+    if not config.partners:
+        return policy
+    own = (learning_agents(env.num_agents, config), with_memory(policy))
+    return mixed_policy(env.num_agents, [own, *_parts(env, config)])
+
+
+def _parts(env: Environment, config: Config) -> list[tuple[tuple[int, ...], Policy]]:
+    names = dict.fromkeys(name for _, name in config.partners)
+    return [(tuple(agent for agent, own in config.partners if own == name), find_policy(name, env)) for name in names]

@@ -18,7 +18,7 @@ from .episodes import mean_episode
 from .masks import allowed_in, masked, pack_mask, unpack_mask
 from .networks import Memory
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
-from .partners import learning_agents, make_partners
+from .partners import Partners, learning_agents
 from .program import Metrics, Train, TrainState, keep_if_finite
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
 from .shaping import make_shaping
@@ -56,7 +56,7 @@ class Batch:
 Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
 
 
-def make_ppo(env: Environment, config: PPOConfig) -> Train:
+def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     """Returns the pure functions of a run.
 
     Raises:
@@ -67,7 +67,6 @@ def make_ppo(env: Environment, config: PPOConfig) -> Train:
         config = config.model_copy(update={"clip_epsilon": config.clip_epsilon / env.num_agents})
     networks = make_actor_critics(env, config)
     shaping = make_shaping(config, env.num_agents)
-    partners = make_partners(env, config)
     learning = jnp.asarray(learning_agents(env.num_agents, config))
 
     def init(key: Array) -> TrainState:

@@ -1,18 +1,15 @@
 """A training run as pure functions (init, collect, learn), with one signature for every algorithm."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, get_args
+from dataclasses import dataclass
+from typing import Any
 
 import flax
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from .config import Config, PPOConfig, RewardMode, VDNConfig
-from .environment import Environment
 from .rollout import Worlds
-from .step import check_own_reward
 
 Metrics = dict[str, Any]
 
@@ -41,39 +38,6 @@ class Train:
     def update(self, state: TrainState) -> tuple[TrainState, Metrics]:
         """Plays and learns."""
         return self.learn(*self.collect(state))
-
-
-def make_train(env: Environment, config: Config) -> Train:
-    """Returns the pure functions of a run; nothing is computed yet.
-
-    Args:
-      env: one environment.
-      config: `seed` and `seeds` are not read here: `init` takes the key.
-    Raises:
-      ConfigError: the rollout does not divide into minibatches, or something else does not fit the environment.
-      PolicyError: the policy to start from, or one of partners, cannot be read or does not fit.
-    """
-    from .policies import load_parameters
-    from .ppo import make_ppo
-    from .vdn import make_vdn
-
-    if config.reward not in get_args(RewardMode):
-        check_own_reward(env, config)
-    match config:
-        case PPOConfig():
-            program = make_ppo(env, config)
-        case VDNConfig():
-            program = make_vdn(env, config)
-        case _:
-            raise TypeError(f"no algorithm takes a {type(config).__name__}")
-    return program if not config.init_from else starting_with(program, load_parameters(config.init_from, env, config))
-
-
-def starting_with(program: Train, parameters: Any) -> Train:
-    """Returns a run whose networks start with given parameters; all else, optimisers too, starts as it would."""
-    assert program.adopt is not None
-    adopt = program.adopt
-    return replace(program, init=lambda key: adopt(program.init(key), jax.tree.map(jnp.asarray, parameters)))
 
 
 def keep_if_finite(loss: Array, new: Any, old: Any, diverged: Array) -> tuple[Any, Array]:

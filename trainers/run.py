@@ -11,6 +11,7 @@ from typing import Any
 
 import jax
 
+from .algorithms import make_train
 from .checkpoints import Checkpoints
 from .compiled import NoMemoryError, compile_train, peak_megabytes
 from .config import Config, make_config
@@ -20,7 +21,6 @@ from .metric_rows import mean_row
 from .metrics_files import METRICS_JSONL, Row, read_rows
 from .policy_file import START, copy_policy
 from .processes import any_says, is_first
-from .program import make_train
 from .progress import ProgressStyle, show_progress
 from .recorder import open_recorders
 from .resuming import RunError, check_same_run, extended, restore_last

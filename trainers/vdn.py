@@ -20,7 +20,7 @@ from .episodes import mean_episode
 from .masks import allowed_in, draw_any, masked, pack_mask, unpack_mask, wants_masks
 from .networks import ActionValues
 from .packing import Packing
-from .partners import learning_agents, make_partners
+from .partners import Partners, learning_agents
 from .program import Metrics, Train, TrainState, keep_if_finite
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
 from .rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
@@ -66,7 +66,7 @@ def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
     )
 
 
-def make_vdn(env: Environment, config: VDNConfig) -> Train:
+def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     """Returns the pure functions of a run.
 
     Raises:
@@ -82,7 +82,6 @@ def make_vdn(env: Environment, config: VDNConfig) -> Train:
     optimiser = make_optimiser(config)
     packing = packing_of(env)
     masks = wants_masks(env, config)
-    partners = make_partners(env, config)
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)

@@ -1,0 +1,44 @@
+"""Makes the training run that a configuration asks for: its algorithm, with partners and the parameters it starts from."""
+
+from dataclasses import replace
+from typing import Any, get_args
+
+import jax
+import jax.numpy as jnp
+
+from .config import Config, PPOConfig, RewardMode, VDNConfig
+from .environment import Environment
+from .policies import load_parameters, make_partners
+from .ppo import make_ppo
+from .program import Train
+from .step import check_own_reward
+from .vdn import make_vdn
+
+
+def make_train(env: Environment, config: Config) -> Train:
+    """Returns the pure functions of a run; nothing is computed yet.
+
+    Args:
+      env: one environment.
+      config: `seed` and `seeds` are not read here: `init` takes the key.
+    Raises:
+      ConfigError: the rollout does not divide into minibatches, or something else does not fit the environment.
+      PolicyError: the policy to start from, or one of partners, cannot be read or does not fit.
+    """
+    if config.reward not in get_args(RewardMode):
+        check_own_reward(env, config)
+    match config:
+        case PPOConfig():
+            program = make_ppo(env, config, make_partners(env, config))
+        case VDNConfig():
+            program = make_vdn(env, config, make_partners(env, config))
+        case _:
+            raise TypeError(f"no algorithm takes a {type(config).__name__}")
+    return program if not config.init_from else starting_with(program, load_parameters(config.init_from, env, config))
+
+
+def starting_with(program: Train, parameters: Any) -> Train:
+    """Returns a run whose networks start with given parameters; all else, optimisers too, starts as it would."""
+    assert program.adopt is not None
+    adopt = program.adopt
+    return replace(program, init=lambda key: adopt(program.init(key), jax.tree.map(jnp.asarray, parameters)))
