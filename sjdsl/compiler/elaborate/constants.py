@@ -2,6 +2,7 @@
 
 from itertools import product
 from math import isfinite
+from typing import Any
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
@@ -28,7 +29,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     outside = [(keys, n) for keys, n in zip(product(*by), _flat(value), strict=True) if not low - 1e-9 <= n <= high + 1e-9]
     if outside:
         _report_outside(declared, outside, (low, high), scope)
-        if not by:
+        if not isinstance(value, tuple):
             value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
@@ -67,7 +68,7 @@ def _reason(declared: ast.Constant, scope: Scope) -> str:
     return f" ({reason.strip()})" if reason and declared.low is not None else ""
 
 
-def _overridden(declared: ast.Constant, override: object, by: tuple, scope: Scope) -> int | float:
+def _overridden(declared: ast.Constant, override: object, by: tuple[tuple[str, ...], ...], scope: Scope) -> int | float:
     whole = declared.unit.text in INTEGER_UNITS
     if by or isinstance(override, bool) or not isinstance(override, int | float) or (whole and override != int(override)):
         wanted = "a whole number" if whole else "a number"
@@ -89,7 +90,7 @@ def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, flo
     return own_low, own_high
 
 
-def _value(tree: ast.Expr | ast.Table, unit: str, scope: Scope) -> tuple[tuple[tuple[str, ...], ...], int | float | tuple]:
+def _value(tree: ast.Expr | ast.Table, unit: str, scope: Scope) -> tuple[tuple[tuple[str, ...], ...], int | float | tuple[Any, ...]]:
     """Returns the levels of words and the value (nested as the levels) of a number or table."""
     if not isinstance(tree, ast.Table):
         return (), _number(tree, unit, scope)

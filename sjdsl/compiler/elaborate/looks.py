@@ -1,6 +1,7 @@
 """Elaborates `look`: colours and sprites of cells and agents; no rule depends on them."""
 
 from dataclasses import replace
+from typing import Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
@@ -65,7 +66,7 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     if kinds is None:
         meant = near(name, ["agent", *static.kinds, *static.groups])
         raise scope.problems.fail(errors.UnknownName(look.what.span, name=name, near=meant))
-    what = "agent" if name == "agent" else "cell"
+    what: Literal["agent", "cell"] = "agent" if name == "agent" else "cell"
     test = None
     if look.where is not None:
         inner = scope.bind(name, ir.Member(name=name, who=what, kinds=kinds))

@@ -1,7 +1,7 @@
 """Name lookup: kinds, actions and words by name, the names a variable may have, and errors for unknown names."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from math import inf
 
 from sjdsl.compiler import ast, ir
@@ -56,7 +56,7 @@ def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
     if name.text in scope.variables:
         what = "a variable around this sentence"
     elif chosen:
-        tables = {
+        tables: dict[str, Container[str]] = {
             "a size": static.sizes,
             "a parameter": static.params,
             "a define": static.defines,

@@ -55,8 +55,7 @@ def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Si
     for kind, fields in static.kinds.items():
         for field in fields.values():
             if field.type.kind == "word" and not field.type.by:
-                key = ("cell", kind, field.name)
-                seen[key] = ir.Sight(what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin)
+                seen["cell", kind, field.name] = ir.Sight(what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin)
     seen["heading", "", ""] = ir.Sight(what="heading", type=words(HEADINGS))
     for sight in game.sights.values():
         with problems.survive():

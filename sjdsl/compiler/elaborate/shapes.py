@@ -1,5 +1,7 @@
 """Elaborates shapes such as beams: pictures and built-in forms become lanes of (ahead, right) offsets."""
 
+from collections.abc import Callable
+
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
@@ -93,13 +95,13 @@ def _reach(e: ast.Expr, scope: Scope) -> int:
 
 
 def _round(name: str, r: int, centre: bool) -> tuple[tuple[Offset, ...], ...]:
-    inside = {
+    within: dict[str, Callable[[int, int], bool]] = {
         "disc": lambda a, c: a * a + c * c <= r * r,
         "diamond": lambda a, c: abs(a) + abs(c) <= r,
         "square": lambda _a, _c: True,
-    }[name]
+    }
     span = range(-r, r + 1)
-    cells = tuple((a, c) for a in reversed(span) for c in span if inside(a, c) and (centre or (a, c) != (0, 0)))
+    cells = tuple((a, c) for a in reversed(span) for c in span if within[name](a, c) and (centre or (a, c) != (0, 0)))
     return (cells,)
 
 

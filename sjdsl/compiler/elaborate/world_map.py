@@ -73,12 +73,14 @@ def check_glyph(glyph: str) -> str:
     return "it is a blank" if glyph == " " else ""
 
 
-def check_rows(rows: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems, inline: tuple[ast.String, ...] = ()) -> bool:
+def check_rows(
+    given: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems, inline: tuple[ast.String, ...] = ()
+) -> bool:
     """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound.
 
     `span`: the map as a whole; `inline`: the rows as written in the game, to point at the very place.
     """
-    rows, spans = rows
+    rows, spans = given
     span = spans[0] if spans else span
     if not rows or not rows[0]:
         problems.add(errors.EmptyMap(span))
