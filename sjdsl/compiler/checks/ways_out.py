@@ -2,13 +2,13 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source, Span
 
 CONFLICTS = (errors.WriteConflict, errors.AddAndSet, errors.TwoDestinations)
@@ -19,8 +19,7 @@ Change = tuple[str, tuple[Edit, ...]]  # how it is named, and its edits
 Chain = list[tuple[ast.Block, int]]  # the blocks around a sentence, outermost first, and which of its sentences leads to it
 
 
-@dataclass(frozen=True)
-class Way:
+class Way(Record):
     """A changed text, and how the change is named."""
 
     says: str

@@ -2,10 +2,11 @@
 
 import unicodedata
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Severity
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source, Span
 
 WIDTH = 100  # columns of an excerpt; a longer line is cut around what the message is about
@@ -14,8 +15,7 @@ LINES = 4  # a longer span shows its first and last line only
 RED, YELLOW, BLUE, BOLD, PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[34m", "\x1b[1m", "\x1b[0m"
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(Record):
     """The part `start .. end` of one line, in characters from 0, with its sign and what to say beside it."""
 
     line: int

@@ -2,12 +2,12 @@
 
 import re
 import unicodedata
-from dataclasses import dataclass
 
 from lark import Token
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS
 from sjdsl.compiler.diagnostics.source import Source
 
@@ -24,8 +24,7 @@ NO_NAME = "name"  # what a word is read as of which no letter is known
 CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]")
 
 
-@dataclass(frozen=True)
-class Mended:
+class Mended(Record):
     """What was wrong, the token it is read as (None: nothing), and where reading goes on."""
 
     problem: Diagnostic

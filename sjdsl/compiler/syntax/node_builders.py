@@ -1,17 +1,17 @@
 """Builders of AST nodes whose fields are not simply the children of their grammar rule."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 
 Build = Callable[..., Any]
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(Record):
     """The content of an optional clause (`as x`, `where c`), named after its rule, for the rule around it."""
 
     rule: str

@@ -38,21 +38,20 @@ class NoAction(NotKnown, code="SJ105", title="No such action"):
     says = "`{name}` is not an action of the agents"
 
 
-class PhaseNotScheduled(Diagnostic, code="SJ106", title="Phase and schedule disagree"):
-    says = "phase `{name}` is written but not scheduled"
-    hints = ("add it to the schedule",)
+class StartScheduled(Diagnostic, code="SJ106", title="Phase and schedule disagree"):
+    says = "phase `{name}` is run at reset, not in the schedule"
     name: str
 
 
-class PhaseNotWritten(PhaseNotScheduled):
+class PhaseNotScheduled(StartScheduled):
+    says = "phase `{name}` is written but not scheduled"
+    hints = ("add it to the schedule",)
+
+
+class PhaseNotWritten(StartScheduled):
     says = "phase `{name}` is scheduled but not written"
     hints = ("did you mean `{nearest}`?",)
     nearest: str
-
-
-class StartScheduled(PhaseNotScheduled):
-    says = "phase `{name}` is run at reset, not in the schedule"
-    hints = ()
 
 
 class NoEvent(NotKnown, code="SJ107", title="Event not declared"):

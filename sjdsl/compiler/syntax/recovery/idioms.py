@@ -5,12 +5,13 @@ Assumes that the table refused a token; an idiom is believed only if what it sta
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 from lark import Token
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, reach, read
 from sjdsl.compiler.syntax.recovery.phrases import PHRASES, Phrase
@@ -28,8 +29,7 @@ READ_BEHIND = {
 Lex = Callable[[str], list[Token]]
 
 
-@dataclass(frozen=True)
-class Idiom:
+class Idiom(Record):
     """Tokens `start .. end` are a phrase of elsewhere; `instead` stands for them, `kinds` are its tokens, `stack` is behind them."""
 
     phrase: Phrase

@@ -6,11 +6,11 @@ meant literally. In what stands instead, `{1}` is the first part, `{minus1}` it 
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+
+from sjdsl.compiler.diagnostics.frozen import Record
 
 
-@dataclass(frozen=True)
-class Phrase:
+class Phrase(Record):
     """`explanation`: what is said instead of "write …"."""
 
     pattern: tuple[str, ...]

@@ -4,9 +4,10 @@ Assumes that the stack cannot read the next token; guarantees that it can read o
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_DEPTH
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, accepted, levels, open_braces, reach, read
 from sjdsl.near_names import nearest
@@ -48,8 +49,7 @@ NAMELIKE = frozenset(("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK"))
 REPEATED = 1.0  # what speaks for leaving out a token that stands there twice
 
 
-@dataclass(frozen=True)
-class Trouble:
+class Trouble(Record):
     """Where the table refused token `at`: `before` is the stack before the token that precedes it."""
 
     automaton: Automaton
@@ -66,8 +66,7 @@ class Trouble:
         return len(open_braces(self.automaton, self.stack)) - self.closing[self.at]
 
 
-@dataclass(frozen=True)
-class Repair:
+class Repair(Record):
     """A change at token `place`: the stack and the token to go on with.
 
     `kind`: the kind of token put in, `times` so often; `alone`: no other change is as good.
