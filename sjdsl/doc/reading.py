@@ -10,19 +10,19 @@ from sjdsl.doc.wording import Line, bullets
 ALWAYS = (
     Line("names `like this` are those of the game's file; a number in brackets behind a name is its default value"),
     Line("names *like this* are given by a sentence to an agent, a cell or a value, for this sentence and those inside it"),
-    Line('without such a name, "the agent" or "the … cell" is the one that the sentence around is about'),
+    Line('without such a name, "the agent" or "the … cell" is that of the enclosing sentence'),
     Line("a sentence about each member of a set holds for all of them at once"),
-    Line("a phase reads everything as it was when the phase began, and all that it changes shows when it is over"),
+    Line("a phase reads the state as it was when the phase began, and its changes appear when it is over"),
     Line("there is at most one agent on a cell"),
 )
 MOVEMENT = Line(
-    "Movement: all who move act at the same time",
+    "Movement: all agents move at the same time",
     (
-        Line("turning is done at once; a turn never changes the cell, a step never the heading"),
-        Line("who would leave the map, or enter a cell that no agent can enter, stays"),
+        Line("a turn changes only the heading, a step only the cell"),
+        Line("an agent that would leave the map, or enter a cell that no agent can enter, stays"),
         Line("two agents cannot change places: both stay"),
-        Line("of several agents that would enter one cell, one has it, chosen at random, all equally likely; the others stay"),
-        Line("nobody enters the cell of an agent that stays; the cell of an agent that leaves at the same time can be entered"),
+        Line("if several agents would enter one cell, one of them does, chosen at random with equal chances; the others stay"),
+        Line("no agent enters the cell of an agent that stays; a cell that its agent leaves at the same time can be entered"),
         Line("agents that the sentence does not name stay, whatever they chose"),
     ),
 )
@@ -30,25 +30,25 @@ NOTES: tuple[tuple[tuple[type, ...], Line], ...] = (
     ((ir.Step,), Line("the number of finished steps is 0 in the first step")),
     (
         (ir.Near,),
-        Line("a cell of a shape that is off the map does not exist, and a shape without its middle does not hold whom it goes around"),
+        Line("cells of a shape that are off the map do not exist; a shape without its middle does not contain the agent or cell that it goes around"),
     ),
     (
         (ir.Add,),
-        Line("all that is added to one field in one phase is summed first and then added at once, and only then kept within its range"),
+        Line("additions to one field in one phase are summed first, then added once, and only then kept within its range"),
     ),
     ((ir.Give,), Line("the rewards that an agent receives in a step are summed")),
-    ((ir.Chance, ir.Draw), Line("every draw is made anew in each step and for each member that a sentence is about, independent of all others")),
+    ((ir.Chance, ir.Draw), Line("every step, and each member that a sentence is about, has a random draw of its own, independent of all others")),
     (
         (ir.Chance,),
         Line('"otherwise, with probability p" is the probability if nothing above it happened; one draw decides between all of them'),
     ),
     (
         (ir.Pick,),
-        Line("who is chosen at random: different ones, every choice equally likely; inside another sentence each of its members has a choice of its own"),
+        Line("members chosen at random are different ones, every choice equally likely; inside another sentence each of its members has a choice of its own"),
     ),
     (
         (ir.First,),
-        Line("a lane is looked along from its nearest cell; what is not meant is passed over, and the cell that ends a lane is its last"),
+        Line("a lane is searched from its nearest cell; what does not match is passed over, and the cell that ends a lane is its last"),
     ),
     (
         (ir.Match,),
@@ -84,14 +84,16 @@ def _sending(sends: list[ir.Send]) -> Line:
         Line(
             "a cell is free if nobody stood on it when the phase began; the cells of agents that are sent there in the same phase count as free"
         ),
-        Line("who is sent to the same cells by several sentences is sent once"),
-        Line("agents that are sent to the same cells in one phase come to different ones; which, is random, all equally likely"),
+        Line("an agent that several sentences send to the same cells is sent once"),
+        Line("agents that are sent to the same cells in one phase get different ones, at random with equal chances"),
     ]
     if any(s.stay for s in sends):
-        found.append(Line("if some of those sent may have to stay, their cells do not count as free; cells go to the lowest numbers first"))
+        found.append(
+            Line("if some of the agents sent may have to stay, their cells do not count as free; cells go to the lowest numbers first")
+        )
     if any(s.facing is None for s in sends):
         found.append(Line("a random direction is one of four, equally likely"))
-    return Line("who is sent somewhere", tuple(found))
+    return Line("an agent that is sent somewhere", tuple(found))
 
 
 def _away(sends: list[ir.Send]) -> Line:
@@ -102,7 +104,7 @@ def _away(sends: list[ir.Send]) -> Line:
     if any(s.after is not None for s in sends):
         found.append(
             Line(
-                "it leaves at once, and comes back at the last of the ticks it waits for, to a cell that is free then; a wait of 0 ticks is none"
+                "it leaves at once, and comes back at the last of the ticks it waits for, to a cell that is free then; with a wait of 0 ticks it is never away"
             )
         )
     return Line("an agent that is away", tuple(found))
