@@ -64,7 +64,7 @@ def _read_map(game: Composition, static: Static, overrides: Overrides, problems:
 
 def _build_game(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
     kinds = build_kinds(game, static, problems)
-    checks_scope = Scope(static, problems, place="`checks`", events_readable=True)
+    checks_scope = Scope(static, problems, part="checks", events_readable=True)
     static.requires = requires(game, checks_scope)
     check_requires(game, checks_scope)
     scope = Scope(static, problems)
@@ -79,7 +79,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
     view = window(game, scope)
     seen = sights(game, static, problems)
     hidden = unseen(game, static, problems)
-    measured = measures(game, Scope(static, problems, place="`metrics`"))
+    measured = measures(game, Scope(static, problems, part="metrics"))
     checked = checks(game, checks_scope)
     drawn = looks(game, static, problems)
     counted: tuple[ir.Event, ...] = ()

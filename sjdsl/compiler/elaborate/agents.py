@@ -83,7 +83,7 @@ def _actions(game: Composition, problems: Problems) -> tuple[str, ...]:
 def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.Forbid, ...]:
     """Returns the `forbid` lines, which may read the agent's own fields and the world's."""
     found = []
-    scope = Scope(static, problems, place="`forbid`").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, part="forbid").bind("agent", ir.Member(name="agent", who="agent"))
     for forbid in game.forbids.values():
         with problems.survive():
             test = scope.condition(forbid.condition)

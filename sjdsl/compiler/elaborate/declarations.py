@@ -154,7 +154,7 @@ def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[
             if not isinstance(attribute, ast.Blocks):
                 continue
             with problems.survive():
-                found += _one_blocks(attribute, name, Scope(static, problems, place="`blocks`"))
+                found += _one_blocks(attribute, name, Scope(static, problems, part="blocks"))
         made.append(ir.Kind(name=name, glyph=kind.glyph.text, fields=tuple(fields.values()), blocks=tuple(found), origin=kind.span))
     return tuple(made)
 

@@ -1,5 +1,7 @@
 """Expands `define`s: the expression replaces the name, with its free variables bound where it is used."""
 
+from dataclasses import replace
+
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
@@ -25,14 +27,6 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
         raise Poisoned
     values = scope.expressions(arguments)
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
-    inner = Scope(
-        scope.static,
-        scope.problems,
-        variables,
-        scope.facts,
-        scope.place,
-        scope.events_readable,
-        (*scope.defining, name.text),
-    )
+    inner = replace(scope, variables=variables, defining=(*scope.defining, name.text), withheld={})
     value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

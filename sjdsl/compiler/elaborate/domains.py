@@ -7,7 +7,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.lookup import as_agent, check_free, kinds_named, unknown
-from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 
 
@@ -84,7 +84,7 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
     shape = shapes.used(ref, scope)
     member = _variable(anchor, scope)
-    if member.who == "agent" and scope.place == START:
+    if member.who == "agent" and scope.part == "start":
         raise scope.problems.fail(errors.NoPlaceYet(ref.span, what=f"{shape.name} of {anchor.text}"))
     if shape.directed and member.who == "cell":
         raise scope.problems.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))

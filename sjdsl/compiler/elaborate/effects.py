@@ -5,7 +5,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.elaborate.domains import domain, without_variables
 from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_somebody, not_a_word
-from sjdsl.compiler.elaborate.scope import START, Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.types import integer
@@ -79,7 +79,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
 def _instead_of_variables(s: ast.Send, scope: Scope) -> str:
     """Returns what to write where a destination should depend on who is sent."""
     shared = "all who are sent to one place in a phase draw lots for its cells"
-    if scope.place == START:
+    if scope.part == "start":
         return f"{shared}: give the places kinds of their own, and choose between them with `when`"
     asked = "agent.team is p"
     place = f"{s.domain.kind.text}.team is p"

@@ -22,7 +22,7 @@ from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
-BETWEEN_STEPS = ("`observe`", "`metrics`", "`checks`")  # places that speak of a state, not of a step
+BETWEEN_STEPS = ("observe", "metrics", "checks")  # parts of a game that speak of a state, not of a step
 
 
 def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -142,7 +142,7 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     bound = scope.variables.get(name)
     if isinstance(bound, str):
         name = bound
-    if scope.place in BETWEEN_STEPS:
+    if scope.part in BETWEEN_STEPS:
         said, what = f"{agent.name} chose {name}", "about what is done in a step"
         raise scope.problems.fail(errors.WrongSort(e.span, name=said, what=what, wanted="something about a state"))
     return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
@@ -244,7 +244,7 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         return matrix_class(e, scope.expression(e.arguments[0]), scope)
     if name in scope.static.defines:
         return use_define(e.name, e.arguments, scope)
-    classes = MATRIX_CLASSES if scope.place == "`checks`" else ()
+    classes = MATRIX_CLASSES if scope.part == "checks" else ()
     candidates = ["count", "sum", "min", "max", "ramp", *ROW_FUNCTIONS, *classes, *scope.static.defines]
     raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
 
@@ -296,7 +296,7 @@ def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
 
 
 def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
-    if scope.place != "`checks`":
+    if scope.part != "checks":
         raise scope.problems.fail(errors.WrongSort(e.name.span, name=e.name.text, what="a class of games", wanted="a value"))
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)

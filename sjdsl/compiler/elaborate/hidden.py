@@ -46,7 +46,7 @@ def _hidden(hide: ast.Hide, static: Static, problems: Problems) -> ir.Hidden:
     if kinds is None:
         meant = near(on.text, [*static.kinds, *static.groups, "agents"])
         raise problems.fail(errors.UnknownName(on.span, name=on.text, near=meant))
-    scope = Scope(static, problems, place="`observe`").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
     scope = scope.bind(on.text, ir.Member(name=on.text, who="cell", kinds=kinds))
     test = None if hide.condition is None else scope.condition(hide.condition)
     return ir.Hidden(what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span)

@@ -56,7 +56,7 @@ def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Loo
     found = []
     for look in (look for alike in game.looks.values() for look in alike):
         with problems.survive():
-            found.append(_look(look, Scope(replace(static, used=set()), problems, place="`look`")))
+            found.append(_look(look, Scope(replace(static, used=set()), problems, part="look")))
     return tuple(found)
 
 

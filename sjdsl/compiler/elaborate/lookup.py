@@ -112,7 +112,7 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
         if scope.defining:
             wanted = "a parameter"
             help_ = _with_parameter(scope.defining[-1], name.text, static)
-        elif scope.place in ("`metrics`", "`checks`"):
+        elif scope.part in ("metrics", "checks"):
             help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
         elif name.text != "agent" and "agent" in scope.variables:
             help_ = f"`each agent on {name.text}` binds the cell under each agent as well"

@@ -175,7 +175,7 @@ def path_text(path: ast.Path) -> str:
 
 
 def _scope(what: str, kind: str, static: Static, problems: Problems) -> Scope:
-    scope = Scope(static, problems, place="`observe`").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
     if what == "cell":
         return scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
     if what in ("other", "heading"):

@@ -13,7 +13,7 @@ from sjdsl.compiler.elaborate.lookup import (
     not_a_word,
     unknown,
 )
-from sjdsl.compiler.elaborate.scope import START, Declared, Scope
+from sjdsl.compiler.elaborate.scope import Declared, Scope
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, element, integer, words
@@ -100,7 +100,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         what = "the row or column of an agent that a field holds: it may be away"
         help_ = f"name it: `each agent as x in {text(owner)}` has those who are there, and `x.{name.text}`"
         raise scope.problems.fail(errors.Unsupported(name.span, what=what, help=help_))
-    if name.text in ("row", "col") and scope.place == START:
+    if name.text in ("row", "col") and scope.part == "start":
         raise scope.problems.fail(errors.NoPlaceYet(name.span, what=f"{text(owner)}.{name.text}"))
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]

@@ -5,7 +5,7 @@ from dataclasses import replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.elaborate.scope import START, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.statements import block
 from sjdsl.compiler.elaborate.streams import PhaseUse, Streams
 from sjdsl.compiler.ir.names import Names, phase_function
@@ -21,7 +21,7 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
         return None
     if phase.parameters:
         scope.problems.add(errors.WrongArguments(phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters)))
-    return _use(phase, "start", "start", {}, replace(scope, place=START))
+    return _use(phase, "start", "start", {}, replace(scope, part="start"))
 
 
 def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:

@@ -12,7 +12,7 @@ from sjdsl.compiler.ir.implications import Fact, facts
 from sjdsl.compiler.ir.types import describe, is_number
 from sjdsl.near_names import nearest
 
-START = "`phase start`"  # the place of a scope in which no agent stands anywhere
+Part = Literal["phase", "start", "blocks", "forbid", "observe", "metrics", "checks", "look"]
 
 
 class Declared(NamedTuple):
@@ -75,7 +75,7 @@ class Scope:
     """Variables and known facts at one place of the text.
 
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
-    `facts`: conditions that hold here. `place`: what this is, for messages about draws and events.
+    `facts`: conditions that hold here. `part`: of the game; in `start` no agent stands anywhere.
     `withheld`: variables around that cannot be used here, with what to write instead.
     """
 
@@ -83,7 +83,7 @@ class Scope:
     problems: Problems
     variables: "dict[str, ir.Expr | str | None]" = field(default_factory=dict)
     facts: tuple[Fact, ...] = ()
-    place: str = "a phase"
+    part: Part = "phase"
     events_readable: bool = False
     defining: tuple[str, ...] = ()
     withheld: Mapping[str, str] = field(default_factory=dict)
