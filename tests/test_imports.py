@@ -25,7 +25,6 @@ HEAVY = {
 }
 
 
-
 def _modules() -> dict[str, Path]:
     """Returns every file of the package by the name it is imported by."""
     files = [*(ROOT / "sjdsl").rglob("*.py"), *(path for folder in ("games", "trainers") for path in (ROOT / folder).rglob("*.py"))]

@@ -13,10 +13,11 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.queries import all_fields, marking_phases
 from sjdsl.compiler.lower import expressions
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype, indexed, iota
-from sjdsl.compiler.lower.cell_appearance import marking_phases, token_planes
+from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.environment import events, role_attribute
 from sjdsl.compiler.lower.environment import state_fields as described_fields
 from sjdsl.compiler.lower.map_tables import Layout
@@ -27,7 +28,7 @@ from sjdsl.compiler.lower.relocation import finish as finish_sends
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.state import outcome_fields, param_value, params_fields, state_fields
 from sjdsl.compiler.lower.statements import block, mark_size
-from sjdsl.compiler.lower.writer import Module, Writer, all_fields, replaced
+from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
 from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.fields import StateField

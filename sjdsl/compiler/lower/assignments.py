@@ -6,6 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
@@ -24,7 +25,7 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
-from sjdsl.compiler.lower.writer import Writer, all_fields
+from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
 

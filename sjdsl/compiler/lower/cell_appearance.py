@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import kinds_by_glyph, marking_phases
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.runtime.planes import TokenPlane
@@ -59,7 +60,7 @@ def sight_words(sight: ir.Sight) -> tuple[str, ...]:
 def looks(game: ir.Game) -> tuple[Look, ...]:
     """Returns the looks of all kinds in declaration order."""
     raw, labels = 1, content_labels(game)
-    glyphs = {g.glyph: g.kind for g in game.glyphs}
+    glyphs = kinds_by_glyph(game)
     there = {glyphs[g] for row in game.rows for g in row}
     found: dict[str, Look] = {}
     for kind in game.kinds:
@@ -90,7 +91,7 @@ def _as_another(look: Look, game: ir.Game) -> str | None:
     name = look.sights[0].labels[-1].name if len(look.labels) == 1 else ""
     if not name or any(kind in hidden.kinds for hidden in game.hidden for kind in (look.kind.name, name)):
         return None
-    glyphs = {g.glyph: g.kind for g in game.glyphs}
+    glyphs = kinds_by_glyph(game)
     there = name in {glyphs[g] for row in game.rows for g in row} and all(s.kind != name for s in game.sights)
     return name if name == OUTSIDE or there else None
 
@@ -148,11 +149,6 @@ def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
     for sight in _sights_of(kind, game):
         names = [f"{n} {sight.field}={w}" for n in names for w in sight_words(sight)]
     return names
-
-
-def marking_phases(game: ir.Game) -> tuple[ir.Phase, ...]:
-    """Returns the phase uses that mark cells, `start` first, then in schedule order."""
-    return tuple(p for p in (game.start, *game.schedule) if isinstance(p, ir.Phase) and p.marks)
 
 
 def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import blocks_always, glyphs_of
 from sjdsl.compiler.program.expressions import Expression, Literal, Name, call, constant
 from sjdsl.runtime import geometry
 
@@ -58,7 +59,7 @@ class Layout:
 
     def glyphs(self, kinds: tuple[str, ...]) -> str:
         """Returns the glyphs that stand for cells of the kinds."""
-        return "".join(g.glyph for g in self.game.glyphs if g.kind in kinds)
+        return glyphs_of(self.game, kinds)
 
     def cells(self, kinds: tuple[str, ...]) -> np.ndarray:
         """Returns the `[S]` int32 cells of the kinds, in reading order."""
@@ -98,7 +99,7 @@ class Layout:
 
     def blocking_glyphs(self, what: str) -> str:
         """Returns the glyphs of cells that always block agents, or a shape's lanes."""
-        kinds = tuple(k.name for k in self.game.kinds if any(b.what == what and b.condition is None for b in k.blocks))
+        kinds = tuple(kind.name for kind in self.game.kinds if blocks_always(kind, what))
         return self.glyphs(kinds)
 
     def blocking_table(self, what: str) -> Table:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
+from sjdsl.compiler.ir.queries import event_named
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, iota, literal, reduce, select
 from sjdsl.compiler.lower.domains import in_set
 from sjdsl.compiler.lower.expressions import owner, real, to_words
@@ -31,7 +32,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
 
 def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     """Counts an event."""
-    event = next(e for e in w.module.game.events if e.name == s.event)
+    event = event_named(w.module.game, s.event)
     attribute = f"event_{param_attribute(s.event)}"
     amount = literal(1, "i32") if s.amount is None else as_dtype(w.value(s.amount, scope.always()), "i32")
     if s.word is None:

@@ -2,12 +2,12 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, param_attribute
+from sjdsl.compiler.ir.queries import all_fields, marking_phases
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.cell_appearance import marking_phases
 from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.movement import stores_moved
 from sjdsl.compiler.lower.statements import mark_size
-from sjdsl.compiler.lower.writer import Writer, all_fields
+from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import Field
 from sjdsl.compiler.program import expressions as array
 

@@ -9,6 +9,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
+from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, shape_named
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout, Table
 from sjdsl.compiler.lower.scope import IterationScope, Variable
@@ -108,7 +109,7 @@ class Module:
     @cached_property
     def can_be_away(self) -> bool:
         """Whether agents can be off the map during a step."""
-        return self.stores_away or any(isinstance(n, ir.Remove) for n in ir.walk(self.game))
+        return can_be_away(self.game)
 
     @cached_property
     def stores_away(self) -> bool:
@@ -122,15 +123,10 @@ class Module:
 
     def field(self, read: ir.FieldRead, kind: str = "") -> ir.VarField:
         """Returns the declaration of a field."""
-        if read.place == "world":
-            return next(f for f in self.game.fields if f.name == read.name)
-        if read.place == "agent":
-            return next(f for f in self.game.agents.fields if f.name == read.name)
-        declared = next(k for k in self.game.kinds if k.name == (kind or read.kinds[0]))
-        return next(f for f in declared.fields if f.name == read.name)
+        return declared_field(self.game, read, kind)
 
     def shape(self, name: str) -> ir.Shape:
-        return next(s for s in self.game.shapes if s.name == name)
+        return shape_named(self.game, name)
 
 
 @dataclass
@@ -230,8 +226,3 @@ class Writer:
 def replaced(name: str, changes: dict[str, Expression]) -> Expression:
     """Returns a state or outcome with new values of some attributes."""
     return Call(path(f"{name}.replace"), (), tuple(changes.items())) if changes else Name(name)
-
-
-def all_fields(game: ir.Game) -> list[ir.VarField]:
-    """Returns every field of a game in the order of State."""
-    return [*(f for k in game.kinds for f in k.fields), *game.agents.fields, *game.fields]
