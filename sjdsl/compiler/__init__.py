@@ -3,13 +3,12 @@
 Source -> Composition -> ir.Game -> Program -> text
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ast import printer as ast_printer
 from sjdsl.compiler.checks.placement import check_placement
 from sjdsl.compiler.checks.state_names import check_state_names
 from sjdsl.compiler.checks.timers import check_timers
@@ -23,14 +22,9 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.elaborate.declaration_labels import with_declaration_labels
-from sjdsl.compiler.emit.listing import listing
-from sjdsl.compiler.ir import printer as ir_printer
 from sjdsl.compiler.lower import NotSupported, lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.program import Program
-from sjdsl.compiler.syntax.parse import parse
-
-STAGES = ("ast", "ir", "optimised", "program", "python")
 
 
 @dataclass(frozen=True)
@@ -106,22 +100,3 @@ def _with_ways_out(found: list[Diagnostic], game: Composition, overrides: Overri
         return name_accepted(d, found, tried)
 
     return [replace(d, accepted=Tried(partial(accepted, d))) if isinstance(d, CONFLICTS) else d for d in found]
-
-
-def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True) -> Iterator[str]:
-    """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir` and `optimised`."""
-    if stage == "ast":
-        yield from ast_printer.lines(parse(source))
-        return
-    made = build(source, variants)
-    match stage:
-        case "ir":
-            yield from ir_printer.game(made.game, positions).splitlines()
-        case "optimised":
-            yield from ir_printer.game(optimise(made.game), positions).splitlines()
-        case "program":
-            yield from listing(lower_build(made, source))
-        case "python":
-            yield from compile_build(made, source).splitlines()
-        case _:
-            raise ValueError(f"no stage `{stage}`; the stages are {', '.join(STAGES)}")

@@ -5,7 +5,7 @@ import json
 import pytest
 from command_line import Sjdsl
 
-from sjdsl.compiler import STAGES
+from sjdsl.cli.dump import STAGES
 from sjdsl.games_folder import bundled
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl import __version__
-from sjdsl.compiler import STAGES, dump
+from sjdsl.cli.dump import STAGES, dump
 from sjdsl.compiler.syntax.read import read_source
 
 TESTS = Path(__file__).parent.parent
