@@ -41,7 +41,7 @@ def codes(body: str) -> list[str]:
 
 
 SAFE = [
-    # one way of a sentence that is met once
+    # one way of a statement that is met once
     "chance p { each agent { set agent.bag = 1 } } otherwise { each agent { set agent.bag = agent.index } }",
     "when step > 3 { pick 1 agent { set king = agent } } otherwise { set king = nobody }",
     "pick 1 tree { each agent { set agent.bag = 1 } } otherwise { each agent as a { set a.bag = 2 } }",
@@ -63,7 +63,7 @@ REFUSED = [
     # the branch is met once for each agent
     "each agent as a { chance p { each tree { set tree.fruit = none } } otherwise { each tree { set tree.fruit = ripe } } }",
     "each agent as a { when a.bag > 3 { set king = a } otherwise { set king = nobody } }",
-    # two sentences, not two branches of one
+    # two statements, not two branches of one
     "chance p { each agent { set agent.bag = 1 } } chance p { each agent { set agent.bag = 2 } }",
     # kinds that overlap
     "each agent on tree { set agent.bag = 1 } each agent on wet { set agent.bag = 2 }",

@@ -112,7 +112,7 @@ def test_the_examples_of_an_explanation_are_in_the_language(code: str) -> None:
 
 
 def _syntax_errors(text: str) -> list[set[str]]:
-    """Returns the codes found in a text read as a file, as declarations, and as sentences."""
+    """Returns the codes found in a text read as a file, as declarations, and as statements."""
     frames = ("{}", "sj 1\n{}", "sj 1\ngame x {{\n{}\n}}", "sj 1\ngame x {{\nphase p {{\n{}\n}}\n}}")
     found = []
     for frame in frames:

@@ -39,8 +39,8 @@ def found_in(text: str) -> list[Diagnostic]:
     return found
 
 
-def in_phase(sentences: str) -> str:
-    return f"{HEAD}phase p {{\n{sentences}\n}}\n}}\n"
+def in_phase(statements: str) -> str:
+    return f"{HEAD}phase p {{\n{statements}\n}}\n}}\n"
 
 
 ONE_MESSAGE = {

@@ -33,11 +33,11 @@ def codes(text: str) -> list[str]:
     return [d.code for d in problems(text)]
 
 
-def in_phase(sentences: str) -> str:
-    return f"sj 1\ngame x {{\n  phase p {{\n    {sentences}\n  }}\n}}\n"
+def in_phase(statements: str) -> str:
+    return f"sj 1\ngame x {{\n  phase p {{\n    {statements}\n  }}\n}}\n"
 
 
-def sentences(text: str) -> tuple[ast.Stmt, ...]:
+def statements(text: str) -> tuple[ast.Stmt, ...]:
     (phase,) = parse(Source("game.sj", in_phase(text))).game.sections
     assert isinstance(phase, ast.Phase)
     return phase.block.statements
@@ -122,13 +122,13 @@ def test_games_parse_and_every_node_knows_its_text(path: Path) -> None:
     ],
 )
 def test_expressions(text: str, tree: str) -> None:
-    (let,) = sentences(f"let a = {text}")
+    (let,) = statements(f"let a = {text}")
     assert plain(let) == f"Let(a, {tree})"
 
 
 def test_spans_of_chains_and_brackets() -> None:
     text = in_phase("let a = (a + b) * c - 1")
-    (let,) = sentences("let a = (a + b) * c - 1")
+    (let,) = statements("let a = (a + b) * c - 1")
     assert isinstance(let, ast.Let)
     assert isinstance(let.value, ast.Binary)
     whole, left = let.value.span, let.value.left.span
@@ -174,9 +174,9 @@ def test_spans_of_chains_and_brackets() -> None:
         ("mark disc(2) of a", "Mark(ShapeRef(disc, [2]), a)"),
     ],
 )
-def test_sentences(text: str, tree: str) -> None:
-    (sentence,) = sentences(text)
-    assert plain(sentence) == tree
+def test_statements(text: str, tree: str) -> None:
+    (statement,) = statements(text)
+    assert plain(statement) == tree
 
 
 @pytest.mark.parametrize(
@@ -332,15 +332,15 @@ def test_a_brace_too_many_is_pointed_at() -> None:
 
 
 @pytest.mark.parametrize(
-    ("sentences", "help_"),
+    ("statements", "help_"),
     [
         ("when a = b { }", "numbers are compared with `==`, words with `is`"),
         ('kind b "c"', "a declaration stands outside the phases"),
         ("wehn", "did you mean `when`?"),
     ],
 )
-def test_help(sentences: str, help_: str) -> None:
-    (found,) = problems(in_phase(sentences))
+def test_help(statements: str, help_: str) -> None:
+    (found,) = problems(in_phase(statements))
     assert found.hint == help_
 
 

@@ -34,7 +34,7 @@ STEPS = 50
 pytestmark = pytest.mark.usefixtures("strict_jax")
 
 FRAME = """sj 1
-game frame "A frame for sentences" {{
+game frame "A frame for statements" {{
   param luck : probability = 0.5
   episode 10
   kind grass "."
@@ -68,7 +68,7 @@ def shown(game: ir.Game) -> list[str]:
     return [re.sub(r"  : .*", "", line) for line in lines[begin:end] if "stream:" not in line]
 
 
-# pass, sentences before, sentences after
+# pass, statements before, statements after
 CHANGES: list[tuple[Pass, str, str]] = [
     (fold_constants, "each agent { when 2 + 3 * 2 > 7 and agent chose shake { give 1 to agent } }", "each agent { when agent chose shake { give 1 to agent } }"),
     (fold_constants, "each agent { when 1 > 2 or agent chose shake { give 1 to agent } }", "each agent { when agent chose shake { give 1 to agent } }"),
@@ -174,7 +174,7 @@ def assert_passes_change_nothing(game: ir.Game) -> int:
 
 # Harvest with things to optimise in its rules: it must play exactly as Harvest
 DULL = """sj 1
-game dull "Harvest with idle sentences" extends "harvest_open.sj" {
+game dull "Harvest with idle statements" extends "harvest_open.sj" {
   kind marsh "~" { field depth : { low, high } = low }
   phase eat {
     each agent on soil where soil.fruit is ripe and 1 < 2 {
@@ -232,8 +232,8 @@ def test_a_constant_condition_among_others() -> None:
     assert_passes_change_nothing(framed("each agent on grass { when 1 > 2 { give 7 to agent } otherwise { give 1 to agent } }"))
 
 
-def test_idle_sentences_change_no_draw() -> None:
-    """The dull game plays as the game it extends: streams come from a sentence's own text."""
+def test_idle_statements_change_no_draw() -> None:
+    """The dull game plays as the game it extends: streams come from a statement's own text."""
     plain = build(read_source(ROOT / "games/harvest_open.sj")).game
     dull, expected = history(optimise(variation("dull harvest"))), history(plain)
     for name in ("position", "heading", "soil_fruit", "mark_fire"):

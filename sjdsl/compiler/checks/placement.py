@@ -36,7 +36,7 @@ def _check_start(game: ir.Game, problems: Problems) -> None:
 
 
 def _always_sent(body: tuple[ir.Stmt, ...], agent: int) -> bool:
-    """Returns whether the sentences certainly send this agent (they stand in an `each agent`)."""
+    """Returns whether the statements certainly send this agent (they stand in an `each agent`)."""
     for s in body:
         match s:
             case ir.Send() if s.after is None and not s.stay:

@@ -33,7 +33,7 @@ def _check_sides(game: ir.Game, timers: list[ir.VarField], problems: Problems) -
 
 
 def _sets(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
-    """Returns the sentences that set a timer to something that can be above 0."""
+    """Returns the statements that set a timer to something that can be above 0."""
     found = []
     for node in (n for t in turns for n in ir.walk(t)):
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == timer.name:

@@ -16,7 +16,7 @@ MOST_NAMED = 3
 
 Edit = tuple[int, int, str]
 Change = tuple[str, tuple[Edit, ...]]  # how it is named, and its edits
-Chain = list[tuple[ast.Block, int]]  # the blocks around a sentence, outermost first, and which of its sentences leads to it
+Chain = list[tuple[ast.Block, int]]  # the blocks around a statement, outermost first, and which of its statements leads to it
 
 
 class Way(Record):
@@ -77,9 +77,9 @@ def _contains(around: Span, span: Span) -> bool:
 
 
 def _chain(block: ast.Block, span: Span) -> Chain:
-    for at, sentence in enumerate(block.statements):
-        if _contains(sentence.span, span):
-            inner = next((found for b in _blocks(sentence) if (found := _chain(b, span))), [])
+    for at, statement in enumerate(block.statements):
+        if _contains(statement.span, span):
+            inner = next((found for b in _blocks(statement) if (found := _chain(b, span))), [])
             return [(block, at), *inner]
     return []
 
@@ -105,7 +105,7 @@ def _text(source: Source, span: Span) -> str:
 
 
 def _head(source: Source, s: ast.Each | ast.When | ast.Chance) -> str:
-    """Returns a sentence up to its block."""
+    """Returns a statement up to its block."""
     return " ".join(source.text[s.span.start : s.block.span.start].split())
 
 
@@ -146,7 +146,7 @@ def _choosing(chain: Chain, source: Source) -> Iterator[Change]:
 
 
 def _excluding(a: Chain, b: Chain, source: Source) -> Iterator[Change]:
-    """Two sentences of one block of which only one shall happen."""
+    """Two statements of one block of which only one shall happen."""
     level = next((k for k, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), None)
     if level is None or a[level][0] is not b[level][0]:
         return
@@ -176,7 +176,7 @@ def _is_open(s: ast.When | ast.Chance) -> bool:
 
 
 def _merged(a: ast.Each, b: ast.Each, source: Source) -> Iterator[Change]:
-    """Two sentences about the same members become one whose branches exclude each other."""
+    """Two statements about the same members become one whose branches exclude each other."""
     if a.domain.where is None:
         a, b = b, a
     if a.domain.where is None:
@@ -198,7 +198,7 @@ def _without_where(d: ast.Domain, source: Source) -> str:
 
 
 def _separating(phase: ast.Phase, a: Chain, b: Chain, source: Source, game: Composition) -> Iterator[Change]:
-    """The second sentence in a phase of its own, behind the first."""
+    """The second statement in a phase of its own, behind the first."""
     level = next((k for k, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), None)
     turns = [] if game.schedule is None else [t for t in game.schedule.turns if t.name.text == phase.name.text]
     if level is None or phase.parameters or len(turns) != 1 or turns[0].span.file != source.name:

@@ -22,18 +22,18 @@ from sjdsl.compiler.ir.queries import declared_field, phases_of, written_field
 
 @dataclass(frozen=True)
 class Frame:
-    """One quantifier: the sentence, the variables it binds, and whether it gives at most one instance for each around it."""
+    """One quantifier: the statement, the variables it binds, and whether it gives at most one instance for each around it."""
 
-    sentence: ir.Stmt
+    statement: ir.Stmt
     binds: tuple[ir.Member, ...]
     single: bool
 
 
 @dataclass(frozen=True)
 class Branch:
-    """One way through a sentence with several. `once`: the sentence is met once in the phase, so only one of its ways is taken."""
+    """One way through a statement with several. `once`: the statement is met once in the phase, so only one of its ways is taken."""
 
-    sentence: ir.Stmt
+    statement: ir.Stmt
     way: int
     once: bool
 
@@ -57,7 +57,7 @@ class Write:
     owner: ir.Expr | None
     value: Form
     depends: frozenset[str]
-    sentence: ir.Stmt
+    statement: ir.Stmt
     frames: tuple[Frame, ...]
     branches: tuple[Branch, ...]
     facts: tuple[Fact, ...]
@@ -77,7 +77,7 @@ PLACE = Target("place")
 
 @dataclass(frozen=True)
 class Around:
-    """What surrounds a sentence. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
+    """What surrounds a statement. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
 
     frames: tuple[Frame, ...] = ()
     branches: tuple[Branch, ...] = ()
@@ -87,7 +87,7 @@ class Around:
 
 
 def check_conflicts(game: ir.Game, problems: Problems) -> None:
-    """Reports every pair of writes of one phase that could disagree, and `move` beside other sentences."""
+    """Reports every pair of writes of one phase that could disagree, and `move` beside other statements."""
     for phase in phases_of(game):
         _check_phase(phase, game, problems)
 
@@ -247,9 +247,9 @@ def is_own(w: Write) -> bool:
                 return False
             continue
         alone = all(f.single for f in frames)
-        domain = None if isinstance(frame.sentence, ir.Match) else frame.sentence.domain  # type: ignore[union-attr]
+        domain = None if isinstance(frame.statement, ir.Match) else frame.statement.domain  # type: ignore[union-attr]
         place = None if domain is None else domain.place
-        if isinstance(place, ir.Among) and frames and isinstance(frames[-1].sentence, ir.Match):
+        if isinstance(place, ir.Among) and frames and isinstance(frames[-1].statement, ir.Match):
             names = {m.name for m in place.members}
         elif place is None or frame.single:
             return alone
@@ -287,7 +287,7 @@ def _compatible(a: Write, b: Write) -> bool:
 
 def _exclusive(a: Write, b: Write) -> bool:
     """Returns whether the two writes can never reach the same target in one phase."""
-    apart = [x for x in a.branches for y in b.branches if x.sentence is y.sentence and x.way != y.way]
+    apart = [x for x in a.branches for y in b.branches if x.statement is y.statement and x.way != y.way]
     if any(x.once for x in apart):
         return True
     if is_own(a) and is_own(b):
@@ -303,14 +303,14 @@ def _shared_frames(a: Write, b: Write) -> bool:
     if a.owner is None and b.owner is None:
         return True
     same = isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name == b.owner.name
-    return same and bool(a.frames) and bool(b.frames) and a.frames[0].sentence is b.frames[0].sentence
+    return same and bool(a.frames) and bool(b.frames) and a.frames[0].statement is b.frames[0].statement
 
 
 def _two_sides(a: Write, b: Write) -> bool:
     """Returns whether the targets are the two sides of one `match`: always different members."""
-    if not (a.frames and b.frames and a.frames[0].sentence is b.frames[0].sentence):
+    if not (a.frames and b.frames and a.frames[0].statement is b.frames[0].statement):
         return False
-    if not isinstance(a.frames[0].sentence, ir.Match) or len(a.frames) != 1 or len(b.frames) != 1:
+    if not isinstance(a.frames[0].statement, ir.Match) or len(a.frames) != 1 or len(b.frames) != 1:
         return False
     return isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name != b.owner.name
 
@@ -322,7 +322,7 @@ def _name(w: Write) -> str:
 
 
 def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
-    span, other = b.sentence.origin, a.sentence.origin
+    span, other = b.statement.origin, a.statement.origin
     assert span is not None and other is not None
     labels = () if a is b else (Label(other, "the other write is here"),)
     if a.sort == b.sort == "place":
@@ -336,12 +336,12 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
 
 def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:
     """An `add` that several instances can make at once is provably in range only if the field is capped (or endless)."""
-    assert isinstance(w.sentence, ir.Add) and w.sentence.origin is not None
-    declared = declared_field(game, written_field(w.sentence.target))
+    assert isinstance(w.statement, ir.Add) and w.statement.origin is not None
+    declared = declared_field(game, written_field(w.statement.target))
     type_, reached = declared.type, "the sum of several adds"
-    found = errors.FieldRange(w.sentence.origin, name=_name(w), declared=declared.name, low=type_.low, high=type_.high, reached=reached)
+    found = errors.FieldRange(w.statement.origin, name=_name(w), declared=declared.name, low=type_.low, high=type_.high, reached=reached)
     problems.add(found)
 
 
 def _is_capped(w: Write, game: ir.Game) -> bool:
-    return isinstance(w.sentence, ir.Add) and declared_field(game, written_field(w.sentence.target)).capped
+    return isinstance(w.statement, ir.Add) and declared_field(game, written_field(w.statement.target)).capped

@@ -131,7 +131,7 @@ def _in_plain_text(d: Diagnostic) -> str:
 
 
 class Near(Record):
-    """What a name that is not known may have been meant for: the nearest known one, and a sentence that lists them all."""
+    """What a name that is not known may have been meant for: the nearest known one, and a statement that lists them all."""
 
     nearest: str = ""
     listed: str = ""

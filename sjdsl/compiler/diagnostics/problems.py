@@ -23,7 +23,7 @@ class Named(Protocol):
 
 
 class Poisoned(Exception):
-    """An expression or sentence could not be built; the reason has been reported."""
+    """An expression or statement could not be built; the reason has been reported."""
 
 
 @dataclass
