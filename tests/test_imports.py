@@ -101,6 +101,13 @@ def test_stages_import_earlier_ones() -> None:
     ] == []
 
 
+def test_the_interpreter_reads_the_typed_game_and_nothing_else() -> None:
+    """It is what compiled games are compared with: nothing of lowering, of the runtime or of their tables decides what it does."""
+    read = {name for module in MODULES if module.startswith("sjdsl.interpreter") for name, _ in imports(module) if name.startswith("sjdsl")}
+    assert len(read) > 10
+    assert [name for name in sorted(read) if not name.startswith(("sjdsl.interpreter", "sjdsl.compiler.ir"))] == []
+
+
 def test_no_imports_go_in_circles() -> None:
     graph = {module: {name for name, _ in imports(module) if name in MODULES and name != module} for module in MODULES}
     try:
