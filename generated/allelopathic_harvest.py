@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
+from sjdsl.runtime.bits import from_bits
 from sjdsl.runtime.counting import occupied
 from sjdsl.runtime.random_bits import below, ranks, threshold, words, words_at
 from sjdsl.runtime.fields import StateField
@@ -468,8 +469,7 @@ def sow_sow_red_red(state: State, out: Outcome, params: Params, actions: Array, 
     active = present & (actions == ACTION_SOW_RED)  # allelopathic_harvest.sj:65
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
     seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
-    # allelopathic_harvest.sj:65
-    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
+    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:65
     marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
     agent_bag = jnp.where(active, AGENT_RED, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
@@ -485,8 +485,7 @@ def sow_sow_green_green(
     active = present & (actions == ACTION_SOW_GREEN)  # allelopathic_harvest.sj:65
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
     seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
-    # allelopathic_harvest.sj:65
-    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
+    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:65
     marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
     agent_bag = jnp.where(active, AGENT_GREEN, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
@@ -499,8 +498,7 @@ def sow_sow_blue_blue(state: State, out: Outcome, params: Params, actions: Array
     active = present & (actions == ACTION_SOW_BLUE)  # allelopathic_harvest.sj:65
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
     seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
-    # allelopathic_harvest.sj:65
-    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
+    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:65
     marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
     agent_bag = jnp.where(active, AGENT_BLUE, state.agent_bag)  # allelopathic_harvest.sj:65
     agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
@@ -514,8 +512,7 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
     present = state.position != NOWHERE  # allelopathic_harvest.sj:67
     seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:67
     seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:67
-    # allelopathic_harvest.sj:67
-    seeds_reached = ((seeds_bits[:, None] >> jnp.arange(NUM_SEEDS_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
+    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:67
     seeds_bush = SITE_OF_BUSH[seeds_cells]  # allelopathic_harvest.sj:67
     # allelopathic_harvest.sj:67
     sows = (actions == ACTION_SOW_RED) | (actions == ACTION_SOW_GREEN) | (actions == ACTION_SOW_BLUE)

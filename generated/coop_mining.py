@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
+from sjdsl.runtime.bits import from_bits
 from sjdsl.runtime.counting import occupied, size_of_set, times_in
 from sjdsl.runtime.random_bits import below, next_threshold, threshold, words
 from sjdsl.runtime.fields import StateField
@@ -246,8 +247,7 @@ def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     active = actions == ACTION_MINE  # coop_mining.sj:45
     ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # coop_mining.sj:46
     ray_bits = RAY_REACH[state.position * 4 + state.heading]  # coop_mining.sj:46
-    # coop_mining.sj:46
-    ray_reached = ((ray_bits[:, None] >> jnp.arange(NUM_RAY_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
+    ray_reached = from_bits(ray_bits, NUM_RAY_CELLS)  # coop_mining.sj:46
     marked = jnp.where(active[:, None] & ray_reached, ray_cells, NOWHERE).reshape(-1)  # coop_mining.sj:46
     ray_rock = SITE_OF_ROCK[ray_cells]  # coop_mining.sj:47
     eligible = (ray_rock < NUM_ROCK) & ray_reached & (state.rock_ore[ray_rock] != ROCK_NONE)  # coop_mining.sj:47

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
+from sjdsl.runtime.bits import from_bits
 from sjdsl.runtime.counting import count_near, occupied
 from sjdsl.runtime.random_bits import below, threshold, words
 from sjdsl.runtime.fields import StateField
@@ -292,8 +293,7 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     active = actions == ACTION_ZAP  # harvest_open.sj:60
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # harvest_open.sj:61
     beam_bits = BEAM_REACH[state.position * 4 + state.heading]  # harvest_open.sj:61
-    # harvest_open.sj:61
-    beam_reached = ((beam_bits[:, None] >> jnp.arange(NUM_BEAM_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
+    beam_reached = from_bits(beam_bits, NUM_BEAM_CELLS)  # harvest_open.sj:61
     marked = jnp.where(active[:, None] & beam_reached, beam_cells, NOWHERE).reshape(-1)  # harvest_open.sj:61
     # harvest_open.sj:62
     in_beam = jnp.any((beam_cells[:, :, None] == state.position[None, None, :]) & beam_reached[:, :, None], axis=1)

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.bits import as_bits
+from sjdsl.runtime.bits import as_bits, from_bits
 from sjdsl.runtime.counting import times_in
 from sjdsl.runtime.random_bits import below, threshold, words
 from sjdsl.runtime.fields import StateField
@@ -392,8 +392,7 @@ def claim(state: State, out: Outcome, params: Params, actions: Array, key: Array
     active = present & (actions == ACTION_PAINT)  # territory.sj:52
     paint_cells = state.position[:, None] + PAINT_OFFSETS[state.heading]  # territory.sj:52
     paint_bits = PAINT_REACH[state.position * 4 + state.heading]  # territory.sj:52
-    # territory.sj:52
-    paint_reached = ((paint_bits[:, None] >> jnp.arange(NUM_PAINT_CELLS, dtype=jnp.uint8)[None, :]) & 1) != 0
+    paint_reached = from_bits(paint_bits, NUM_PAINT_CELLS)  # territory.sj:52
     marked = jnp.where(active[:, None] & paint_reached, paint_cells, NOWHERE).reshape(-1)  # territory.sj:52
     paint_brick = SITE_OF_BRICK[paint_cells]  # territory.sj:52
     # territory.sj:52
@@ -413,9 +412,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     active = state.brick_rivals != 0  # territory.sj:55
     present = state.position != NOWHERE  # territory.sj:56
     winner, found = pick(  # territory.sj:56
-        present[None, :]
-        & (((state.brick_rivals[:, None] >> jnp.arange(NUM_AGENTS, dtype=jnp.uint32)[None, :]) & 1) != 0),
-        words(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0],
+        present[None, :] & from_bits(state.brick_rivals, NUM_AGENTS), words(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0]
     )
     active_2 = active & found & (winner != state.brick_owner) & (state.brick_damage < 2)  # territory.sj:57
     brick_owner = jnp.where(active_2, winner, state.brick_owner)  # territory.sj:58

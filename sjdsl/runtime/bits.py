@@ -21,6 +21,12 @@ def as_bits(members: Array, dtype: jnp.dtype) -> Array:
     return jnp.sum(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1, dtype=dtype)
 
 
+def from_bits(sets: Array, size: int) -> Array:
+    """Returns the members of sets kept as bits: `[...]` unsigned -> `[..., size]` bool, entry i for bit i."""
+    place = jnp.arange(size, dtype=sets.dtype).reshape((1,) * sets.ndim + (-1,))
+    return ((sets[..., None] >> place) & 1) != 0
+
+
 def unpack(words: Array, size: int) -> Array:
     """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
     places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * words.ndim + (-1,))

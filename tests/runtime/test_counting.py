@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.bits import as_bits
+from sjdsl.runtime.bits import as_bits, from_bits
 from sjdsl.runtime.counting import count_near, occupied, size_of_set, times_in
 from sjdsl.runtime.geometry import near_masks
 from sjdsl.runtime.rows import entry, highest, lowest, mix, ramp
@@ -86,13 +86,15 @@ def test_ramp() -> None:
 
 
 @pytest.mark.parametrize(("dtype", "most"), [(jnp.uint8, 8), (jnp.uint32, 32)])
-def test_sets_as_bits(dtype: jnp.dtype, most: int) -> None:
+def test_sets_as_bits_and_back(dtype: jnp.dtype, most: int) -> None:
     random = np.random.default_rng(most)
     for agents in (1, most - 1, most):
         members = random.random((6, agents)) < 0.5
         found = as_bits(jnp.asarray(members), dtype)
         assert found.dtype == dtype
         assert found.tolist() == [sum(2**i for i in range(agents) if row[i]) for row in members]
+        np.testing.assert_array_equal(from_bits(found, agents), members)
+        np.testing.assert_array_equal(from_bits(found[0], agents), members[0])
     assert as_bits(jnp.ones(most, bool), dtype).tolist() == 2**most - 1
 
 

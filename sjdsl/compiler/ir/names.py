@@ -8,7 +8,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 
 KERNELS = {
-    "sjdsl.runtime.bits": ("as_bits",),
+    "sjdsl.runtime.bits": ("as_bits", "from_bits"),
     "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
     "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
     "sjdsl.runtime.fields": ("StateField",),

@@ -16,6 +16,7 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     indexed,
     iota,
+    joined,
     literal,
     reduce,
     select,
@@ -307,7 +308,7 @@ def finish(w: Writer) -> None:
         dtype = state_reads.storage(declared, w)
         node = as_dtype(Value(w.current(attribute), dtype), "i32" if declared.type.kind == "int" else "f32").node
         for total in sums:
-            node = array.Binary("+", node, total.node)
+            node = joined("+", node, total.node)
         if declared.capped:
             node = array.call("jnp.clip", node, array.Literal(int(declared.type.low)), array.Literal(int(declared.type.high)))
         if dtype not in ("i32", "f32"):
@@ -315,6 +316,6 @@ def finish(w: Writer) -> None:
         w.assign(attribute, node)
     for attribute, sets in w.joined.items():
         node = w.current(attribute)
-        for joined in sets:
-            node = array.Binary("|", node, joined)
+        for added in sets:
+            node = array.Binary("|", node, added)
         w.assign(attribute, node)

@@ -133,6 +133,8 @@ def as_dtype(value: Value, dtype: DType) -> Value:
         return value
     if isinstance(value.node, Literal):
         return literal(value.number, dtype, value.node.name)
+    if isinstance(value.node, Cast) and value.node.source in ("u8", "bool") and (value.dtype, dtype) == ("i32", "f32"):
+        return replace(value, node=Cast(value.node.value, dtype, value.node.source), dtype=dtype)
     return replace(value, node=Cast(value.node, dtype, value.dtype), dtype=dtype)
 
 
@@ -152,14 +154,18 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
     left, right = (aligned(x, axes, levels) for x in (a, b))
-    return Value(_joined(op, left, right), dtype, axes, levels)
+    return Value(joined(op, left, right), dtype, axes, levels)
 
 
-def _joined(op: str, left: Expression, right: Expression) -> Expression:
-    """Returns an operation; a & (b & c) is (a & b) & c."""
-    if op in "&|" and isinstance(right, Binary) and right.op == op:
-        return Binary(op, _joined(op, left, right.left), right.right)
-    return Binary(op, left, right)
+def joined(op: str, left: Expression, right: Expression) -> Expression:
+    """Returns an operation; a & (b & c) is (a & b) & c, and a + -1 is a - 1."""
+    match right:
+        case Binary(op=inner) if inner == op and op in "&|":
+            return Binary(op, joined(op, left, right.left), right.right)
+        case Literal(value=int() | float() as number, name="") if op == "+" and number < 0:
+            return Binary("-", left, Literal(-number))
+        case _:
+            return Binary(op, left, right)
 
 
 def _as_kept(value: Value, other: Value) -> Value:

@@ -43,13 +43,8 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
 
 def in_set(members: Value, axis: Axis) -> Value:
     """Returns which agents, along an axis, are in a set that is kept as bits."""
-    return _bit(members, iota(axis, members.dtype))
-
-
-def _bit(bits: Value, number: Value) -> Value:
-    """Returns whether a bit of a number is 1."""
-    bit = binary("&", binary(">>", bits, number, bits.dtype), literal(1, bits.dtype), bits.dtype)
-    return binary("!=", bit, literal(0, bits.dtype), "bool")
+    assert all(axis.order > a.order for a in members.axes)
+    return Value(call("from_bits", members.node, axis.extent), "bool", (*members.axes, axis))
 
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
@@ -215,7 +210,7 @@ def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value
     table = w.module.constant(f"{ident}_reach", w.module.layout.reach_table(shape), comment)
     entry = binary("+", binary("*", at, literal(4, "i32"), "i32"), replace(facing, axes=at.axes), "i32")
     bits = w.keep(f"{ident}_bits", Value(Index(table, (entry.node,)), dtype, at.axes))
-    return w.keep(f"{ident}_reached", _bit(bits, iota(axis, dtype)))
+    return w.keep(f"{ident}_reached", Value(call("from_bits", bits.node, axis.extent), "bool", (*at.axes, axis)))
 
 
 def _walked(shape: ir.Shape, on_map: Value, cells: Value, axis: Axis, w: Writer) -> Value:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.queries import event_named
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, iota, literal, reduce, select
+from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, iota, joined, literal, reduce, select
 from sjdsl.compiler.lower.domains import in_set
 from sjdsl.compiler.lower.expressions import owner, real, to_words
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
@@ -44,14 +44,14 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         return
     agents = _one_each(s.receiver, scope)
     if agents is not None and s.receiver is not None:  # all columns at once: one sum instead of an update for each
-        word = w.axis("word", w.module.num_words(event.by))
-        here = scope.when(binary("==", key, iota(word, "u8"), "bool"))
+        column = w.axis("word", w.module.num_words(event.by))
+        here = scope.when(binary("==", key, iota(column, "u8"), "bool"))
         got = per_agent(s.receiver, amount, here, w)
-        deliver(attribute, (), replace(got, node=aligned(got, (agents, word))), w)  # the word may be the same for all agents
+        deliver(attribute, (), replace(got, node=aligned(got, (agents, column))), w)  # the word may be the same for all agents
         return
-    for number in range(len(event.by)):  # the word differs from instance to instance: one column at a time
-        here = scope.when(binary("==", key, literal(number, "u8"), "bool"))
-        _count(s, attribute, w.module.word(event.by[number], event.by).node, amount, here, w)
+    for word in (w.module.word(name, event.by) for name in event.by):  # it differs from instance to instance: one column at a time
+        here = scope.when(binary("==", key, word, "bool"))
+        _count(s, attribute, word.node, amount, here, w)
 
 
 def _count(s: ir.Tally, attribute: str, column: Expression | None, amount: Value, scope: IterationScope, w: Writer) -> None:
@@ -72,7 +72,7 @@ def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w:
     if got.literal and not got.number:
         return
     before = w.total(attribute)
-    w.accumulate(attribute, Update(before, keys, "add", got.node) if keys else Binary("+", before, got.node))
+    w.accumulate(attribute, Update(before, keys, "add", got.node) if keys else joined("+", before, got.node))
 
 
 def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer) -> Value:

@@ -5,7 +5,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.assignments import add, set_
-from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, reduce, select
+from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, joined, reduce, select
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
@@ -16,7 +16,7 @@ from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.selection import first, pick
 from sjdsl.compiler.lower.state_reads import nowhere
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal, Name
+from sjdsl.compiler.program.expressions import Attribute, Call, Literal, Name
 
 
 def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends) -> None:
@@ -74,7 +74,7 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             mark(s, scope, w)
         case ir.End():
             active = scope.mask or TRUE
-            w.accumulate("ended", Binary("|", w.total("ended"), reduce("any", active, active.axes).node))
+            w.accumulate("ended", joined("|", w.total("ended"), reduce("any", active, active.axes).node))
         case ir.Let() | ir.Draw():
             raise AssertionError(s)
         case _:
