@@ -14,7 +14,7 @@ from sjdsl.compiler.ir.types import describe, is_number, join_units
 
 
 def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
-    """Returns the field (or entry of a row) a sentence writes, and its declaration."""
+    """Returns the field (or entry of a row) a statement writes, and its declaration."""
     target = scope.expression(path)
     field = target
     while isinstance(field, ir.At):

@@ -57,7 +57,7 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
 
 
 def without_variables(scope: Scope, instead: str) -> Scope:
-    """Returns a scope that sees neither agents, cells and values of the sentences around nor what is known of them."""
+    """Returns a scope that sees neither agents, cells and values of the statements around nor what is known of them."""
     fixed: dict[str, ir.Expr | str | None] = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
     facts = tuple(f for f in scope.facts if not free_variables(f.condition))
     withheld = {n: instead for n in scope.variables if n not in fixed}

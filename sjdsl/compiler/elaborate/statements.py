@@ -19,12 +19,12 @@ from sjdsl.compiler.ir.types import integer, words
 
 
 def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
-    """Returns the sentences of a block; `let` and `draw` bind to its end."""
+    """Returns the statements of a block; `let` and `draw` bind to its end."""
     built: list[ir.Stmt] = []
     for statement in b.statements:
         try:
-            sentence, scope = stmt(statement, scope, use)
-            built.append(sentence)
+            typed, scope = stmt(statement, scope, use)
+            built.append(typed)
         except Poisoned:
             if isinstance(statement, ast.Let | ast.Draw):
                 scope = scope.bind(statement.name.text, None)
@@ -32,7 +32,7 @@ def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
 
 
 def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
-    """Returns one sentence and the scope after it."""
+    """Returns one statement and the scope after it."""
     match s:
         case ast.Let():
             return let(s, scope)
@@ -70,7 +70,7 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
 
 
 def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
-    """Returns a block inside a sentence; the sentence's text becomes part of the inner streams' names."""
+    """Returns a block inside a statement; the statement's text becomes part of the inner streams' names."""
     use.streams.around.append(header)
     built = block(b, scope, use)
     use.streams.around.pop()
@@ -88,23 +88,23 @@ def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
 
 def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
     check_free(s.name, scope, chosen=True)
-    stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
+    stream = use.streams.of_statement(use.streams.header(s.span, s.span.end))
     name = s.name.text
     match s.source:
         case ast.Words():
             names = tuple(n.text for n in s.source.names)
             _check_declared(s.source.names, scope)
-            sentence = ir.Draw(name=name, type=words(names), words=names, stream=stream, origin=s.span)
+            statement = ir.Draw(name=name, type=words(names), words=names, stream=stream, origin=s.span)
         case ast.Table():
-            sentence = _weighted(s, s.source, scope, stream)
+            statement = _weighted(s, s.source, scope, stream)
         case _:
             assert s.high is not None
             low = scope.number(s.source, ("count", "steps", "cells"), "a whole number")
             high = scope.number(s.high, ("count", "steps", "cells"), "a whole number")
             type_ = _draw_range(s, low, high, scope)
-            sentence = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
-    local = ir.Local(type=sentence.type, name=name, origin=s.name.span)
-    return sentence, scope.bind(name, local)
+            statement = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
+    local = ir.Local(type=statement.type, name=name, origin=s.name.span)
+    return statement, scope.bind(name, local)
 
 
 def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
@@ -171,7 +171,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     if how_many is not None and how_many.type.low < 0:
         raise scope.problems.fail(errors.Negative(s.number.span, name="the number picked"))  # type: ignore[union-attr]
     built, inner = _domain(s, header, scope, use)
-    stream = use.streams.of_sentence(header)
+    stream = use.streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
         raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
     body = inside(s.block, header, inner, use)
@@ -190,7 +190,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
 
 
 def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Domain, Scope]:
-    """Returns a domain; if it is wrong, the sentences inside are read all the same, for their own mistakes."""
+    """Returns a domain; if it is wrong, the statements inside are read all the same, for their own mistakes."""
     try:
         return domain(s.domain, scope)
     except Poisoned:
@@ -211,14 +211,14 @@ def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> 
     if isinstance(b, ast.Block):
         return inside(b, header, scope, use)
     use.streams.around.append(header)
-    sentence = when(b, scope, use) if isinstance(b, ast.When) else chance(b, scope, use)
+    statement = when(b, scope, use) if isinstance(b, ast.When) else chance(b, scope, use)
     use.streams.around.pop()
-    return (sentence,)
+    return (statement,)
 
 
 def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
     header = use.streams.header(s.span, s.block.span.start)
-    stream = use.streams.of_sentence(header)
+    stream = use.streams.of_statement(header)
     left, inner = domain(s.left, scope)
     right, inner = domain(s.right, inner)
     if s.first and not isinstance(right.place, ir.Near):
@@ -283,7 +283,7 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
 
 def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
     header = use.streams.header(s.span, s.block.span.start)
-    stream = use.streams.of_sentence(header)
+    stream = use.streams.of_statement(header)
     branches: list[ir.Branch] = []
     otherwise: tuple[ir.Stmt, ...] = ()
     current = s
@@ -322,5 +322,5 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     movers, _ = domain(s.domain, scope)
     if movers.var.who != "agent":
         raise scope.problems.fail(errors.WrongSort(s.domain.kind.span, name=s.domain.kind.text, what="a kind of cell", wanted="`agent`"))
-    stream = use.streams.of_sentence(use.streams.header(s.span, s.span.end))
+    stream = use.streams.of_statement(use.streams.header(s.span, s.span.end))
     return ir.Move(domain=movers, stream=stream, origin=s.span)

@@ -25,17 +25,17 @@ class Streams:
     seen: Counter[str] = field(default_factory=Counter)
 
     def header(self, span: Span, end: int) -> str:
-        """Returns the text of a sentence up to its block."""
+        """Returns the text of a statement up to its block."""
         return layout_free(self.sources[span.file], span.start, end)
 
-    def of_sentence(self, text: str) -> int:
-        """Returns the stream of a sentence; identical ones in identical surroundings are numbered."""
+    def of_statement(self, text: str) -> int:
+        """Returns the stream of a statement; identical ones in identical surroundings are numbered."""
         full = "\n".join((*self.around, text))
         self.seen[full] += 1
         return number(self.label, f"{full}\n{self.seen[full]}")
 
     def shared(self, purpose: str, text: str) -> int:
-        """Returns the stream that all sentences of this phase use share for one purpose."""
+        """Returns the stream that all statements of this phase use share for one purpose."""
         return number(self.label, f"{purpose}\n{text}")
 
 

@@ -1,4 +1,4 @@
-"""What a phase does, in one sentence for the docstring of its function: who, what is chosen, what changes; conditions are left out."""
+"""What a phase does, in one statement for the docstring of its function: who, what is chosen, what changes; conditions are left out."""
 
 from typing import assert_never
 
