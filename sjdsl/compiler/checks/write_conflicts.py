@@ -21,7 +21,7 @@ from sjdsl.compiler.ir.queries import declared_field, phases_of, written_field
 
 
 @dataclass(frozen=True)
-class Frame:
+class Quantifier:
     """One quantifier: the statement, the variables it binds, and whether it gives at most one instance for each around it."""
 
     statement: ir.Stmt
@@ -58,7 +58,7 @@ class Write:
     value: Form
     depends: frozenset[str]
     statement: ir.Stmt
-    frames: tuple[Frame, ...]
+    quantifiers: tuple[Quantifier, ...]
     branches: tuple[Branch, ...]
     facts: tuple[Fact, ...]
     bounded: bool = False
@@ -79,7 +79,7 @@ PLACE = Target("place")
 class Around:
     """What surrounds a statement. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
 
-    frames: tuple[Frame, ...] = ()
+    quantifiers: tuple[Quantifier, ...] = ()
     branches: tuple[Branch, ...] = ()
     facts: tuple[Fact, ...] = ()
     locals: dict[str, frozenset[str]] = field(default_factory=dict)
@@ -126,8 +126,8 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
             case ir.Match():
                 left, right = s.left, s.right
                 known = tuple(f for d in (left, right) if d.where is not None for f in facts(d.where))
-                frame = Frame(s, (*_bound(left), *_bound(right)), single=False)
-                inner = replace(around, frames=(*around.frames, frame), facts=around.facts + known)
+                quantifier = Quantifier(s, (*_bound(left), *_bound(right)), single=False)
+                inner = replace(around, quantifiers=(*around.quantifiers, quantifier), facts=around.facts + known)
                 yield from _writes(s.body, inner)
             case ir.When() | ir.Chance():
                 yield from _branched(s, around)
@@ -155,10 +155,10 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Wri
         single = isinstance(s.domain.place, ir.Near) and around.lanes[s.domain.place.shape] <= 1
     else:
         single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
-    inner = replace(around, frames=(*around.frames, Frame(s, _bound(s.domain), single)), facts=around.facts + known)
+    inner = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single)), facts=around.facts + known)
     other = around
     if isinstance(s, ir.First) and not single:  # both ways can be taken, each in some lanes
-        other = replace(around, frames=(*around.frames, Frame(s, (), single)))
+        other = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, (), single)))
     else:
         inner = replace(inner, branches=(*around.branches, _branch(s, 0, around)))
         other = replace(around, branches=(*around.branches, _branch(s, 1, around)))
@@ -173,7 +173,7 @@ def _standing(d: ir.Domain) -> tuple[Fact, ...]:
 
 
 def _branch(s: ir.Stmt, way: int, around: Around) -> Branch:
-    return Branch(s, way, all(f.single for f in around.frames))
+    return Branch(s, way, all(q.single for q in around.quantifiers))
 
 
 def _branched(s: ir.When | ir.Chance, around: Around) -> Iterator[Write]:
@@ -226,7 +226,7 @@ def _write(
     s: ir.Stmt,
     around: Around,
 ) -> Write:
-    return Write(sort, target, kinds, owner, value, depends, s, around.frames, around.branches, around.facts)
+    return Write(sort, target, kinds, owner, value, depends, s, around.quantifiers, around.branches, around.facts)
 
 
 def is_own(w: Write) -> bool:
@@ -235,23 +235,23 @@ def is_own(w: Write) -> bool:
     A quantifier that gives at most one instance for each of those around it does not multiply.
     """
     if w.owner is None:
-        return all(f.single for f in w.frames)
+        return all(q.single for q in w.quantifiers)
     if not isinstance(w.owner, ir.Member):
         return False
     names = {w.owner.name}
-    frames = list(w.frames)
-    while frames:
-        frame = frames.pop()
-        if not any(m.name in names for m in frame.binds):
-            if not frame.single:
+    quantifiers = list(w.quantifiers)
+    while quantifiers:
+        quantifier = quantifiers.pop()
+        if not any(m.name in names for m in quantifier.binds):
+            if not quantifier.single:
                 return False
             continue
-        alone = all(f.single for f in frames)
-        domain = None if isinstance(frame.statement, ir.Match) else frame.statement.domain  # type: ignore[union-attr]
+        alone = all(q.single for q in quantifiers)
+        domain = None if isinstance(quantifier.statement, ir.Match) else quantifier.statement.domain  # type: ignore[union-attr]
         place = None if domain is None else domain.place
-        if isinstance(place, ir.Among) and frames and isinstance(frames[-1].statement, ir.Match):
+        if isinstance(place, ir.Among) and quantifiers and isinstance(quantifiers[-1].statement, ir.Match):
             names = {m.name for m in place.members}
-        elif place is None or frame.single:
+        elif place is None or quantifier.single:
             return alone
         else:
             return False
@@ -291,26 +291,26 @@ def _exclusive(a: Write, b: Write) -> bool:
     if any(x.once for x in apart):
         return True
     if is_own(a) and is_own(b):
-        if apart and _shared_frames(a, b):
+        if apart and _shared_quantifier(a, b):
             return True
         if _two_sides(a, b):
             return True
     return any(contradict(x, y) for x in a.about_target for y in b.about_target)
 
 
-def _shared_frames(a: Write, b: Write) -> bool:
+def _shared_quantifier(a: Write, b: Write) -> bool:
     """Returns whether both targets are the variable of one and the same quantifier."""
     if a.owner is None and b.owner is None:
         return True
     same = isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name == b.owner.name
-    return same and bool(a.frames) and bool(b.frames) and a.frames[0].statement is b.frames[0].statement
+    return same and bool(a.quantifiers) and bool(b.quantifiers) and a.quantifiers[0].statement is b.quantifiers[0].statement
 
 
 def _two_sides(a: Write, b: Write) -> bool:
     """Returns whether the targets are the two sides of one `match`: always different members."""
-    if not (a.frames and b.frames and a.frames[0].statement is b.frames[0].statement):
+    if not (a.quantifiers and b.quantifiers and a.quantifiers[0].statement is b.quantifiers[0].statement):
         return False
-    if not isinstance(a.frames[0].statement, ir.Match) or len(a.frames) != 1 or len(b.frames) != 1:
+    if not isinstance(a.quantifiers[0].statement, ir.Match) or len(a.quantifiers) != 1 or len(b.quantifiers) != 1:
         return False
     return isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name != b.owner.name
 
