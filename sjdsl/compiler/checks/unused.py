@@ -5,6 +5,7 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.scope import Declared, Static
+from sjdsl.compiler.ir.queries import phases_of
 from sjdsl.runtime.actions import MOVES
 
 
@@ -32,7 +33,7 @@ def _check_actions(game: ir.Game, composition: Composition, problems: Problems) 
 
 def _check_events(game: ir.Game, static: Static, problems: Problems) -> None:
     """Warns of events that no rule counts."""
-    counted = {n.event for phase in (game.start, *game.schedule) for n in ir.walk(phase) if isinstance(n, ir.Tally)}
+    counted = {n.event for phase in phases_of(game) for n in ir.walk(phase) if isinstance(n, ir.Tally)}
     for name, event in static.events.items():
         if name not in counted:
             path = name if event.by is None else f"{name}[{event.by.names[0].text}]"

@@ -4,7 +4,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 """
 
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Shape
-from sjdsl.compiler.ir.game import Event, Game, GlyphMeaning, Kind, Phase, VarField
+from sjdsl.compiler.ir.game import Event, Game, GlyphMeaning, Kind, Phase, Sight, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.statements import Remove, Send
 from sjdsl.compiler.ir.traverse import walk
@@ -34,6 +34,11 @@ def written_field(target: Expr) -> FieldRead:
         target = target.row
     assert isinstance(target, FieldRead), target
     return target
+
+
+def shown_field(game: Game, sight: Sight) -> VarField:
+    """Returns the declaration of the variable, of agents or of the world, that an observation shows."""
+    return next(f for f in (game.fields if sight.what == "world" else game.agents.fields) if f.name == sight.field)
 
 
 def kind_named(game: Game, name: str) -> Kind:

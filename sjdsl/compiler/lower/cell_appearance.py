@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import kinds_by_glyph, marking_phases
+from sjdsl.compiler.ir.queries import kinds_by_glyph, marking_phases, shown_field
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.runtime.planes import TokenPlane
@@ -193,8 +193,7 @@ def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
 
 def number_bound(sight: ir.Sight, game: ir.Game) -> float:
     """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
-    fields = game.fields if sight.what == "world" else game.agents.fields
-    field = next(f for f in fields if f.name == sight.field)
+    field = shown_field(game, sight)
     if not field.timer:
         return field.type.high
     bound = 0.0

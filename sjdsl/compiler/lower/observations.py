@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import shown_field
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks
@@ -206,9 +207,8 @@ def _field_sight(sight: ir.Sight, who: AgentVar | None, place: IterationScope, w
     if sight.labels:
         words = tuple(dict.fromkeys(x.name for x in sight.labels))
         return _sight(sight.model_copy(update={"hidden_when": None}), words, {}, place, w)
-    fields = w.module.game.agents.fields if who is not None else w.module.game.fields
-    declared = next(f for f in fields if f.name == sight.field)
-    read = ir.FieldRead(type=declared.type, owner=None, place="agent" if who is not None else "world", name=sight.field)
+    declared = shown_field(w.module.game, sight)
+    read = ir.FieldRead(type=declared.type, owner=None, place=declared.place, name=sight.field)
     stored = state_reads.field(read, who, w)
     if sight.word is not None:
         by = declared.type.by[0]
