@@ -1,4 +1,4 @@
-"""Interprets `send` and `remove`: a random free cell as destination, time away, and the respawn of agents at a `tick`."""
+"""Interprets `send` and `remove`: a random free cell, a delay away from the map, and the respawn of agents at a `tick`."""
 
 from functools import lru_cache
 

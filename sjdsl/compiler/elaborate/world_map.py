@@ -1,4 +1,4 @@
-"""Elaborates the map: text in the game or in a file beside it, checked against the legend row by row."""
+"""Elaborates the map: text in the game or in a file beside it; refuses ragged rows and unknown glyphs."""
 
 import re
 import unicodedata

@@ -1,4 +1,4 @@
-"""SJ3xx: maps and shapes."""
+"""SJ3xx: maps (unknown glyphs, ragged rows, missing files) and shapes."""
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 

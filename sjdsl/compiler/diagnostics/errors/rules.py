@@ -1,4 +1,4 @@
-"""SJ4xx writes of one phase, SJ5xx time and use, SJ6xx limits of the compiler."""
+"""SJ4xx: write conflicts in a phase; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Tried
 

@@ -1,4 +1,4 @@
-"""SJ2xx: types, units and ranges."""
+"""SJ2xx: types, units that do not mix, ranges and proofs."""
 
 from math import inf
 
