@@ -77,12 +77,12 @@ def rewrite(node: N, rule: Callable[[Any], Any]) -> N:
 
 
 def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
-    if _is_node(type(value)):
+    if _is_node(value.__class__):
         return rewrite(value, rule)
-    if isinstance(value, tuple) and any(_is_node(type(v)) for v in value):
+    if isinstance(value, tuple) and any(_is_node(v.__class__) for v in value):
         items: list[Any] = []
         for item in value:
-            new = rewrite(item, rule) if _is_node(type(item)) else item
+            new = rewrite(item, rule) if _is_node(item.__class__) else item
             items.extend(new if isinstance(new, tuple) else (new,))
         if len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True)):
             return value

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from types import EllipsisType
+from typing import Any, TypeAlias
 from typing import Literal as OneOf
-from typing import TypeAlias
 
 from sjdsl.compiler.diagnostics.source import Span
 
@@ -261,12 +261,12 @@ def shape_of(sizes: tuple[Expression, ...]) -> Expression:
 
 def walk(node: object) -> Iterator[object]:
     """Yields a node and all nodes below it, outermost first."""
-    waiting = [node]
+    waiting: list[Any] = [node]
     while waiting:
         following = waiting.pop()
         if isinstance(following, tuple):
             waiting += reversed(following)
-        elif (parts := _parts(type(following))) is not None:
+        elif (parts := _parts(following.__class__)) is not None:
             yield following
             waiting += [getattr(following, name) for name in reversed(parts)]
 
