@@ -12,11 +12,11 @@ Feature = tuple[object, ...]
 MANY = 3  # more instances of a statement in one step than this are not told apart
 
 
-def features_of(told: Iterable[Account]) -> frozenset[Feature]:
+def features_of(accounts: Iterable[Account]) -> frozenset[Feature]:
     """Returns the features of a step: (ran, id), (times, id, n), (branch, id, which), (added, label, field, n), (both, id, id)."""
     ran: Counter[StatementId] = Counter()
     found: set[Feature] = set()
-    for account in told:
+    for account in accounts:
         if not isinstance(account.turn, ir.Phase):
             continue
         label = STARTING if account.turn.name == STARTING else account.turn.label
