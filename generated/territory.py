@@ -571,7 +571,7 @@ def observe(state: State, params: Params) -> Array:
         * 3
         + jnp.where(brick_damage == 0, 0, jnp.where(brick_damage < 2, jnp.uint8(1), jnp.uint8(2)))
         + 3,
-        raw + (raw >= GATE_LOOK).astype(jnp.uint8) * -63,
+        raw - (raw >= GATE_LOOK).astype(jnp.uint8) * 63,
     )
     agent = seen_1 & AGENT_MASK  # territory.sj:89
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # territory.sj:89

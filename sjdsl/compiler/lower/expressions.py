@@ -29,6 +29,7 @@ from sjdsl.compiler.lower.writer import NOBODY, Writer
 from sjdsl.compiler.program import expressions as array
 
 LARGE = 8  # nodes of a defined condition from which on it keeps its name
+ARMS = 4  # of one nested selection
 ABSENT = 255  # the number of a word in a set that does not have it
 
 
@@ -295,9 +296,16 @@ def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
         if e.type.kind == "word":
             value = to_words(value, arm.value.type.words, e.type.words, w)
         values.append(as_dtype(value, dtypes[e.type.kind]))
-    result = values[-1]
-    for arm, value in reversed(list(zip(e.arms[:-1], values[:-1], strict=True))):
-        result = select(_arm_test(e, arm, subject, w), value, result)
+    tests = [_arm_test(e, arm, subject, w) for arm in e.arms[:-1]]
+    return first_of(list(zip(tests, values[:-1], strict=True)), values[-1], w)
+
+
+def first_of(arms: list[tuple[Value, Value]], otherwise: Value, w: Writer) -> Value:
+    """Returns the value of the first arm whose test holds; of many arms a few at a time, so that brackets do not pile up."""
+    result = otherwise
+    for number, (test, value) in enumerate(reversed(arms)):
+        result = w.keep("chosen", result) if number and number % ARMS == 0 else result
+        result = select(test, value, result)
     return result
 
 

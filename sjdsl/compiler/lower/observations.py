@@ -7,6 +7,7 @@ from sjdsl.compiler.ir.queries import shown_field
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks
+from sjdsl.compiler.lower.expressions import first_of
 from sjdsl.compiler.lower.map_tables import Table
 from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, paint_planes, parts_of, shift_of
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
@@ -82,11 +83,13 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     for look in (look for look in found if look.same):  # those before this one may show more or fewer values than are painted
         if look.final - look.raw != shift:
             from_here = as_dtype(binary(">=", raw, first_look(look, w), "bool"), "u8")
-            shown = binary("+", shown, binary("*", from_here, literal(look.final - look.raw - shift, "u8"), "u8"), "u8")
+            more = look.final - look.raw - shift
+            shown = binary("+" if more > 0 else "-", shown, binary("*", from_here, literal(abs(more), "u8"), "u8"), "u8")
             shift = look.final - look.raw
     for look in found:
         if not look.same:
-            shown = select(w.keep(f"is_{look.kind.name}", _inside(look, raw, w)), _shown(look, raw, axes, w), shown)
+            is_kind = w.keep(f"is_{look.kind.name}", _inside(look, raw, w))
+            shown = w.keep("content", select(is_kind, _shown(look, raw, axes, w), shown))
     return shown
 
 
@@ -106,11 +109,10 @@ def _shown(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
 
 def _labelled(sight: ir.Sight, numbers: dict[str, int], place: IterationScope, w: Writer) -> Value:
     """Returns the number of the first label whose condition holds, else that of the last."""
-    result = literal(numbers[sight.labels[-1].name], "u8")
-    for label in reversed(sight.labels[:-1]):
-        assert label.condition is not None
-        result = select(_asked(label.condition, place, w), literal(numbers[label.name], "u8"), result)
-    return result
+    number = {label.name: literal(numbers[label.name], "u8") for label in sight.labels}
+    shown = [(label.condition, number[label.name]) for label in sight.labels]
+    arms = [(_asked(condition, place, w), value) for condition, value in reversed(shown) if condition is not None]
+    return first_of(arms[::-1], number[sight.labels[-1].name], w)
 
 
 def _values(look: Look, raw: Value, w: Writer) -> dict[str, Value]:
@@ -254,7 +256,7 @@ def _without_hidden(marks: Value, planes: dict[str, Value], axes: tuple[Axis, ..
             if hidden.when is not None:
                 place = _seen_cell(look, hidden.name, _values(look, raw, w), axes)
                 there = binary("&", there, w.value(hidden.when, place), "bool")
-            marks = select(there, literal(0, "u8"), marks)
+            marks = w.keep("marks", select(there, literal(0, "u8"), marks))
     return marks
 
 

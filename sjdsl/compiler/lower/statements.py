@@ -92,7 +92,9 @@ def _inside(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: 
 def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
     """Branches in order: each where its condition holds and none before it did."""
     rest = scope
-    for branch in s.branches:
+    for number, branch in enumerate(s.branches):
+        if number > 2 and rest.mask is not None:  # of many branches the conditions would pile up
+            rest = replace(rest, mask=w.keep("rest", rest.mask))
         test = w.value(branch.test, scope.always())
         if len(s.branches) > 1 or s.otherwise:
             test = w.keep("holds", test)
