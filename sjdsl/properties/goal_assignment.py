@@ -12,8 +12,9 @@ from sjdsl.interpreter.board import Board, board_of, cells_of
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.properties.preconditions import Goal, Precondition, Role, choose_precondition, roles_towards
 from sjdsl.properties.reachability import can_go, closed_to, moves_until, node_of, others_of, stands
-from sjdsl.properties.shortest_paths import FAR, STEPS, TURNS
+from sjdsl.properties.shortest_paths import FAR
 from sjdsl.properties.statements import StatementId
+from sjdsl.runtime.actions import STEPS, TURNS
 
 AT_ONCE = 0.9  # how often agents with goals wait for each other, where a statement is to run for several of them
 TOGETHER = 0.6  # how often otherwise
