@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import can_be_away, marking_phases
+from sjdsl.compiler.ir.queries import can_be_away, marking_phases, sight_of_headings
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
@@ -38,7 +38,7 @@ def window(v: Vocabulary) -> str:
 
 
 def _agents(v: Vocabulary) -> Line:
-    heading = next((s for s in v.game.sights if s.what == "heading"), None)
+    heading = sight_of_headings(v.game)
     who = "whether no agent, it itself or another agent stands there"
     if heading is None:
         return Line(f"{who}; not which way others look")

@@ -1,7 +1,7 @@
 """The process section of a rule sheet: the order of events in a step, and what each phase can change."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import written_field
+from sjdsl.compiler.ir.queries import all_fields, written_field
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import capital, code, codes, joined
 
@@ -16,7 +16,7 @@ def overview(v: Vocabulary) -> list[str]:
 
 
 def _tick(v: Vocabulary) -> str:
-    found = ["timers fall"] if any(isinstance(n, ir.VarField) and n.timer for n in v.nodes) else []
+    found = ["timers fall"] if any(field.timer for field in all_fields(v.game)) else []
     found += ["agents that are away come nearer"] if v.waits else []
     return f"`tick`: {joined(found) if found else 'nothing'}"
 

@@ -73,7 +73,7 @@ def _build(game: ir.Game) -> Board:
         world_fields={f.name: f for f in game.fields},
         cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},
         pools=_pools(game),
-        moving=frozenset(id(turn) for turn in (game.start, *game.schedule) if contains(turn, ir.Move)),
+        moving=frozenset(id(phase) for phase in phases_of(game) if contains(phase, ir.Move)),
     )
 
 

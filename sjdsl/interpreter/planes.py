@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import marking_phases
+from sjdsl.compiler.ir.queries import marking_phases, sight_of_headings
 
 HIDDEN = "hidden"
 OUTSIDE = "outside"
@@ -92,10 +92,10 @@ def field_name(sight: ir.Sight) -> str:
 
 
 def _agent_labels(game: ir.Game) -> tuple[str, ...]:
-    headings = [s for s in game.sights if s.what == "heading"]
-    if not headings:
+    headings = sight_of_headings(game)
+    if headings is None:
         return ("none", "self", "other")
-    return AGENT_WORDS if headings[0].hidden_when is None else (*AGENT_WORDS, "other")
+    return AGENT_WORDS if headings.hidden_when is None else (*AGENT_WORDS, "other")
 
 
 def _field_plane(sight: ir.Sight, agent: int | None) -> Plane:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import contains
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.interpreter.step import read
@@ -55,7 +56,7 @@ def _still(
     scenario, params, stay = runner.scenario(policies, episode.number), params_of(game, ()), game.agents.actions.index("stay")
     draws = draws_of(scenario, where.at - 1)
     moment = take_step(game, world, episode.actions[where.at - 1], params, draws)
-    if any(isinstance(n, ir.EventTotal) for n in ir.walk(check)):
+    if contains(check, ir.EventTotal):
         return moment  # totals are those of the episode as it went
     wrong = [read(game, moment.world, e) for e in check.values]
     for agent in range(game.agents.number):

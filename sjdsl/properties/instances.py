@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
-from sjdsl.compiler.ir.queries import blocks_always, glyphs_of, kinds_by_glyph
+from sjdsl.compiler.ir.queries import blocks_always, glyphs_of, kinds_by_glyph, phases_of
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -89,7 +89,7 @@ class GameFamily:
     def destinations(self) -> tuple[tuple[ir.Send, tuple[str, ...]], ...]:
         """Each `send` that places agents, and the glyphs of cells that are free for it at the start."""
         found: dict[str, tuple[ir.Send, tuple[str, ...]]] = {}
-        for phase in (self.own.start, *self.own.schedule):
+        for phase in phases_of(self.own):
             for node in ir.walk(phase):
                 if isinstance(node, ir.Send):
                     glyphs = self._free_glyphs(node.domain)

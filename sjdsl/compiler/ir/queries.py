@@ -91,6 +91,11 @@ def blocks_always(kind: Kind, what: str = "agents") -> bool:
     return any(block.what == what and block.condition is None for block in kind.blocks)
 
 
+def sight_of_headings(game: Game) -> Sight | None:
+    """Returns what is seen of the headings of others, if anything is."""
+    return next((sight for sight in game.sights if sight.what == "heading"), None)
+
+
 def can_be_away(game: Game) -> bool:
     """Returns whether an agent can be off the map: sent away for some ticks, or removed."""
     return any(isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None) for node in walk(game))

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import kinds_by_glyph, marking_phases, shown_field
+from sjdsl.compiler.ir.queries import kinds_by_glyph, marking_phases, shown_field, sight_of_headings
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.runtime.planes import TokenPlane
@@ -159,7 +159,7 @@ def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
 def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     """Returns what each plane of a `tokens` observation means, in order."""
     planes = [TokenPlane("content", "word", content_labels(game), len(content_labels(game)) - 1)]
-    heading = next((s for s in game.sights if s.what == "heading"), None)
+    heading = sight_of_headings(game)
     if heading is None:
         labels: tuple[str, ...] = ("none", "self", "other")
     else:

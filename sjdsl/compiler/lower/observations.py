@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import shown_field
+from sjdsl.compiler.ir.queries import shown_field, sight_of_headings
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks
@@ -160,7 +160,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
     self_ = array.Index(myself, (array.NEW_AXIS,))
     agent = w.keep("agent", agent)
-    heading = next((s for s in game.sights if s.what == "heading"), None)
+    heading = sight_of_headings(game)
     somebody = binary("!=", agent, literal(0, "u8"), "bool").node
     if not by_id:
         other: array.Expression = array.scalar(array.Literal(OTHER_FACING), "u8")
