@@ -9,7 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.bits import from_bits
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.random_bits import below, ranks, threshold, words, words_at
+from sjdsl.runtime.random_bits import below, ranks, random_bits, random_bits_at, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     cells_of,
@@ -25,7 +25,7 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "allelopathic_harvest"
 TITLE = "Allelopathic Harvest"
@@ -368,10 +368,10 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     agent_taste = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) % 2 == 1, AGENT_GREEN, state.agent_taste)
     bush_young = jnp.full_like(state.bush_young, params.patience)  # allelopathic_harvest.sj:50
     position, placed = place(  # allelopathic_harvest.sj:49
-        CELLS_FLOOR, jnp.full(NUM_FLOOR, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+        CELLS_FLOOR, jnp.full(NUM_FLOOR, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
     # allelopathic_harvest.sj:49
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     away = jnp.where(placed, 0, state.away)  # allelopathic_harvest.sj:49
     return (
         state.replace(agent_taste=agent_taste, bush_young=bush_young, position=position, heading=heading, away=away),
@@ -399,9 +399,9 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     floor_under = SITE_OF_FLOOR[state.position]  # allelopathic_harvest.sj:78
     free = ~occupied(floor_under, NUM_FLOOR)  # allelopathic_harvest.sj:78
     # allelopathic_harvest.sj:78
-    position, placed = place(CELLS_FLOOR, free, words(key, STREAM_TICK, NUM_AGENTS), state.position, back)
+    position, placed = place(CELLS_FLOOR, free, random_bits(key, STREAM_TICK, NUM_AGENTS), state.position, back)
     facing = jnp.where(  # allelopathic_harvest.sj:78
-        state.away_facing == ANY_HEADING, below(words(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
+        state.away_facing == ANY_HEADING, below(random_bits(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
     )
     facing = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing)  # allelopathic_harvest.sj:78
     heading = jnp.where(placed, facing, state.heading)  # allelopathic_harvest.sj:78
@@ -421,7 +421,7 @@ def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array
         state.bush_colour == BUSH_RED, num_bush, jnp.where(state.bush_colour == BUSH_GREEN, num_bush_2, num_bush_3)
     )
     # allelopathic_harvest.sj:56
-    happens = (words(key, STREAM_RIPEN, NUM_BUSH) >> 1) < threshold(params.growth * alike.astype(jnp.float32))
+    happens = (random_bits(key, STREAM_RIPEN, NUM_BUSH) >> 1) < threshold(params.growth * alike.astype(jnp.float32))
     bush_fruit = jnp.where(  # allelopathic_harvest.sj:56
         (state.bush_fruit == BUSH_UNRIPE) & (state.bush_young == 0) & ~covered & happens, BUSH_RIPE, state.bush_fruit
     )
@@ -436,7 +436,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[chosen]  # allelopathic_harvest.sj:58
     # allelopathic_harvest.sj:58
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # allelopathic_harvest.sj:58
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # allelopathic_harvest.sj:58
     return state.replace(heading=heading, position=position), out
 
 
@@ -529,7 +529,7 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
     pairs = present[:, None] & found  # allelopathic_harvest.sj:67
     # allelopathic_harvest.sj:67
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_BUSH + bush).astype(jnp.uint32)
-    order = ranks(words_at(key, STREAM_PLANT, instance), pairs)  # allelopathic_harvest.sj:67
+    order = ranks(random_bits_at(key, STREAM_PLANT, instance), pairs)  # allelopathic_harvest.sj:67
     bush_2 = pair_reached(bush, order, NUM_BUSH, alike=False)  # allelopathic_harvest.sj:67
     matched = bush_2 < NUM_BUSH  # allelopathic_harvest.sj:67
     to_bush = jnp.where(matched, bush_2, NUM_BUSH)  # allelopathic_harvest.sj:68

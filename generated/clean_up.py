@@ -9,7 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.bits import as_bits
 from sjdsl.runtime.counting import occupied, times_in
-from sjdsl.runtime.random_bits import below, threshold, words
+from sjdsl.runtime.random_bits import below, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     cells_of,
@@ -25,7 +25,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import ramp
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "clean_up"
 TITLE = "Clean Up"
@@ -250,9 +250,9 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """Phase `start`, before the first step: for each agent, sends agent to gate."""
     sent = jnp.full(NUM_AGENTS, True)  # clean_up.sj:45
     position, placed = place(  # clean_up.sj:45
-        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:45
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:45
     return state.replace(position=position, heading=heading), out
 
 
@@ -263,7 +263,7 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     num_water = jnp.sum(state.water_state == WATER_DIRTY, dtype=jnp.int32)  # clean_up.sj:50
     dirt = num_water.astype(jnp.float32) / 167.0  # clean_up.sj:50
     growth = params.best_rate * ramp(dirt, params.spoiled_at, params.perfect_at)  # clean_up.sj:50
-    happens = (words(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)  # clean_up.sj:50
+    happens = (random_bits(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)  # clean_up.sj:50
     orchard_fruit = jnp.where(  # clean_up.sj:50
         (state.orchard_fruit == ORCHARD_NONE) & ~covered & happens, ORCHARD_RIPE, state.orchard_fruit
     )
@@ -272,9 +272,9 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `pollute`: by chance picks 1 water, sets water.state to dirty."""
-    happens = (words(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # clean_up.sj:54
+    happens = (random_bits(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # clean_up.sj:54
     active = (state.step >= params.grace) & happens  # clean_up.sj:54
-    water, found = pick(state.water_state == WATER_CLEAN, words(key, STREAM_POLLUTE_2, 1)[0])  # clean_up.sj:54
+    water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2, 1)[0])  # clean_up.sj:54
     to_water = jnp.where(active & found, water, NUM_WATER)  # clean_up.sj:54
     water_state = state.water_state.at[to_water].set(WATER_DIRTY, mode="drop")  # clean_up.sj:54
     return state.replace(water_state=water_state), out
@@ -286,7 +286,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[actions]  # clean_up.sj:57
     # clean_up.sj:57
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # clean_up.sj:57
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # clean_up.sj:57
     return state.replace(heading=heading, position=position), out
 
 
@@ -327,7 +327,7 @@ def rinse(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     active = state.water_cleaners != 0  # clean_up.sj:68
     picked, found = pick_of_sets(  # clean_up.sj:69
-        jnp.where(active, state.water_cleaners, 0), key, lambda key: words(key, STREAM_RINSE, NUM_WATER, 1)[:, 0]
+        jnp.where(active, state.water_cleaners, 0), key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER, 1)[:, 0]
     )
     cleaner = picked.astype(jnp.int32)  # clean_up.sj:69
     # clean_up.sj:69
@@ -355,8 +355,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     others = jnp.where(sent, NUM_GATE, gate_under)  # clean_up.sj:76
     free = ~occupied(others, NUM_GATE)  # clean_up.sj:76
     # clean_up.sj:76
-    position, placed = place(CELLS_GATE, free, words(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(words(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:76
+    position, placed = place(CELLS_GATE, free, random_bits(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:76
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 

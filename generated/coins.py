@@ -8,13 +8,13 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.random_bits import below, threshold, words
+from sjdsl.runtime.random_bits import below, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "coins"
 TITLE = "Coins"
@@ -181,9 +181,9 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     # coins.sj:32
     agent_colour = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 1, AGENT_GREEN, state.agent_colour)
     position, placed = place(  # coins.sj:31
-        CELLS_CORNER, jnp.full(NUM_CORNER, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+        CELLS_CORNER, jnp.full(NUM_CORNER, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # coins.sj:31
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # coins.sj:31
     return state.replace(agent_colour=agent_colour, position=position, heading=heading), out
 
 
@@ -191,9 +191,9 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """Phase `grow`: for each tile, by chance sets tile.coin to colour."""
     tile_under = SITE_OF_TILE[state.position]  # coins.sj:39
     covered = occupied(tile_under, NUM_TILE)  # coins.sj:39
-    happens = (words(key, STREAM_GROW, NUM_TILE) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:40
+    happens = (random_bits(key, STREAM_GROW, NUM_TILE) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:40
     active = (state.tile_coin == TILE_NONE) & ~covered & happens  # coins.sj:40
-    colour = below(words(key, STREAM_GROW_2, NUM_TILE), 2).astype(jnp.uint8)  # coins.sj:41
+    colour = below(random_bits(key, STREAM_GROW_2, NUM_TILE), 2).astype(jnp.uint8)  # coins.sj:41
     tile_coin = jnp.where(active, colour + 1, state.tile_coin)  # coins.sj:42
     return state.replace(tile_coin=tile_coin), out
 
@@ -204,7 +204,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[actions]  # coins.sj:46
     # coins.sj:46
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # coins.sj:46
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # coins.sj:46
     return state.replace(heading=heading, position=position), out
 
 

@@ -9,13 +9,13 @@ from jax import Array
 
 from sjdsl.runtime.bits import from_bits
 from sjdsl.runtime.counting import occupied, size_of_set, times_in
-from sjdsl.runtime.random_bits import below, next_threshold, threshold, words
+from sjdsl.runtime.random_bits import below, next_threshold, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "coop_mining"
 TITLE = "Coop Mining"
@@ -226,9 +226,10 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """Phase `start`, before the first step: for each agent, sends agent to camp."""
     sent = jnp.full(NUM_AGENTS, True)  # coop_mining.sj:39
     position, placed = place(  # coop_mining.sj:39
-        CELLS_CAMP, jnp.full(NUM_CAMP, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+        CELLS_CAMP, jnp.full(NUM_CAMP, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # coop_mining.sj:39
+    # coop_mining.sj:39
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
@@ -238,7 +239,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[actions]  # coop_mining.sj:43
     # coop_mining.sj:43
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # coop_mining.sj:43
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # coop_mining.sj:43
     return state.replace(heading=heading, position=position), out
 
 
@@ -271,7 +272,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     """
     active = (state.rock_miners != 0) & (state.rock_ore == ROCK_IRON)  # coop_mining.sj:51
     picked, found = pick_of_sets(  # coop_mining.sj:52
-        jnp.where(active, state.rock_miners, 0), key, lambda key: words(key, STREAM_SETTLE, NUM_ROCK, 1)[:, 0]
+        jnp.where(active, state.rock_miners, 0), key, lambda key: random_bits(key, STREAM_SETTLE, NUM_ROCK, 1)[:, 0]
     )
     winner = picked.astype(jnp.int32)  # coop_mining.sj:52
     active_2 = active & found  # coop_mining.sj:52
@@ -328,7 +329,7 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """Phase `grow`: for each rock, by chance sets rock.ore to iron or else sets rock.ore to gold."""
     rock_under = SITE_OF_ROCK[state.position]  # coop_mining.sj:75
     covered = occupied(rock_under, NUM_ROCK)  # coop_mining.sj:75
-    word = words(key, STREAM_GROW, NUM_ROCK) >> 1  # coop_mining.sj:76
+    word = random_bits(key, STREAM_GROW, NUM_ROCK) >> 1  # coop_mining.sj:76
     limit = threshold(params.spawn_iron)  # coop_mining.sj:76
     happens = word < limit  # coop_mining.sj:76
     limit_2 = next_threshold(limit, params.spawn_gold)  # coop_mining.sj:76

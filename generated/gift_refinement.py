@@ -8,14 +8,14 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.random_bits import below, threshold, words
+from sjdsl.runtime.random_bits import below, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import entry, lowest
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "gift_refinement"
 TITLE = "Gift Refinement"
@@ -224,10 +224,10 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """Phase `start`, before the first step: for each agent, sends agent to camp."""
     sent = jnp.full(NUM_AGENTS, True)  # gift_refinement.sj:36
     position, placed = place(  # gift_refinement.sj:36
-        CELLS_CAMP, jnp.full(NUM_CAMP, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+        CELLS_CAMP, jnp.full(NUM_CAMP, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
     # gift_refinement.sj:36
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
@@ -235,7 +235,7 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """Phase `grow`: for each ground, by chance sets ground.token to raw."""
     ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:40
     covered = occupied(ground_under, NUM_GROUND)  # gift_refinement.sj:40
-    happens = (words(key, STREAM_GROW, NUM_GROUND) >> 1) < threshold(params.spawn)  # gift_refinement.sj:40
+    happens = (random_bits(key, STREAM_GROW, NUM_GROUND) >> 1) < threshold(params.spawn)  # gift_refinement.sj:40
     # gift_refinement.sj:40
     ground_token = jnp.where((state.ground_token == GROUND_NONE) & ~covered & happens, GROUND_RAW, state.ground_token)
     return state.replace(ground_token=ground_token), out
@@ -247,7 +247,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[actions]  # gift_refinement.sj:41
     # gift_refinement.sj:41
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # gift_refinement.sj:41
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # gift_refinement.sj:41
     return state.replace(heading=heading, position=position), out
 
 

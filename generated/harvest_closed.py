@@ -9,7 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.bits import from_bits
 from sjdsl.runtime.counting import count_near, occupied
-from sjdsl.runtime.random_bits import below, threshold, words
+from sjdsl.runtime.random_bits import below, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     cells_of,
@@ -25,7 +25,7 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "harvest_closed"
 TITLE = "Commons Harvest: Closed"
@@ -239,13 +239,14 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     holds = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 2  # harvest_open.sj:39
     sent = ~holds  # harvest_open.sj:39
     position, placed = place(  # harvest_open.sj:39
-        CELLS_DEN, jnp.full(NUM_DEN, True), words(key, STREAM_START, NUM_AGENTS), state.position, holds
+        CELLS_DEN, jnp.full(NUM_DEN, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, holds
     )
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # harvest_open.sj:39
+    # harvest_open.sj:39
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     position, placed_2 = place(  # harvest_open.sj:39
-        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START_3, NUM_AGENTS), position, sent
+        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent
     )
-    heading = jnp.where(placed_2, below(words(key, STREAM_START_4, NUM_AGENTS), 4), heading)  # harvest_open.sj:39
+    heading = jnp.where(placed_2, below(random_bits(key, STREAM_START_4, NUM_AGENTS), 4), heading)  # harvest_open.sj:39
     return state.replace(position=position, heading=heading), out
 
 
@@ -255,11 +256,13 @@ def regrow(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     covered = occupied(soil_under, NUM_SOIL)  # harvest_open.sj:46
     active = (state.soil_fruit == SOIL_NONE) & ~covered  # harvest_open.sj:46
     near = count_near(state.soil_fruit == SOIL_RIPE, NEAR_DISC_2_SOIL)  # harvest_open.sj:47
-    happens = (words(key, STREAM_REGROW, NUM_SOIL) >> 1) < threshold(  # harvest_open.sj:48
-        jnp.where(
-            near == 0,
-            0.0,
-            jnp.where(near == 1, params.regrow_1, jnp.where(near == 2, params.regrow_2, params.regrow_3)),
+    happens = (  # harvest_open.sj:48
+        (random_bits(key, STREAM_REGROW, NUM_SOIL) >> 1) < threshold(
+            jnp.where(
+                near == 0,
+                0.0,
+                jnp.where(near == 1, params.regrow_1, jnp.where(near == 2, params.regrow_2, params.regrow_3)),
+            )
         )
     )
     soil_fruit = jnp.where(active & happens, SOIL_RIPE, state.soil_fruit)  # harvest_open.sj:48
@@ -272,7 +275,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[actions]  # harvest_open.sj:51
     # harvest_open.sj:51
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # harvest_open.sj:51
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # harvest_open.sj:51
     return state.replace(heading=heading, position=position), out
 
 
@@ -305,8 +308,9 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     others = jnp.where(sent, NUM_GATE, gate_under)  # harvest_open.sj:63
     free = ~occupied(others, NUM_GATE)  # harvest_open.sj:63
     # harvest_open.sj:63
-    position, placed = place(CELLS_GATE, free, words(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(words(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # harvest_open.sj:63
+    position, placed = place(CELLS_GATE, free, random_bits(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
+    # harvest_open.sj:63
+    heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 

@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.random_bits import below, threshold, words
+from sjdsl.runtime.random_bits import below, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     cells_of,
@@ -23,7 +23,7 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "mushrooms"
 TITLE = "Externality Mushrooms"
@@ -247,8 +247,9 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     sent = jnp.full(NUM_AGENTS, True)  # mushrooms.sj:49
     free = state.ground_grows == GROUND_NONE  # mushrooms.sj:49
     # mushrooms.sj:49
-    position, placed = place(CELLS_GROUND, free, words(key, STREAM_START, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # mushrooms.sj:49
+    position, placed = place(CELLS_GROUND, free, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
+    # mushrooms.sj:49
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
@@ -264,7 +265,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[actions]  # mushrooms.sj:53
     # mushrooms.sj:53
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # mushrooms.sj:53
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # mushrooms.sj:53
     return state.replace(heading=heading, position=position), out
 
 
@@ -310,10 +311,11 @@ def sprout_red(state: State, out: Outcome, params: Params, actions: Array, key: 
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
     covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
     member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
-    # mushrooms.sj:66
-    taken = choose(member, words(key, STREAM_SPROUT_RED, 20), state.world_trials[WORLD_TRIALS_RED].astype(jnp.int32))
+    taken = choose(  # mushrooms.sj:66
+        member, random_bits(key, STREAM_SPROUT_RED, 20), state.world_trials[WORLD_TRIALS_RED].astype(jnp.int32)
+    )
     # mushrooms.sj:67
-    happens = (words(key, STREAM_SPROUT_RED_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_RED])
+    happens = (random_bits(key, STREAM_SPROUT_RED_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_RED])
     ground_grows = jnp.where(active & taken & happens, GROUND_RED, state.ground_grows)  # mushrooms.sj:67
     world_trials = state.world_trials.at[WORLD_TRIALS_RED].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
@@ -327,10 +329,10 @@ def sprout_green(state: State, out: Outcome, params: Params, actions: Array, key
     covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
     member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
     taken = choose(  # mushrooms.sj:66
-        member, words(key, STREAM_SPROUT_GREEN, 20), state.world_trials[WORLD_TRIALS_GREEN].astype(jnp.int32)
+        member, random_bits(key, STREAM_SPROUT_GREEN, 20), state.world_trials[WORLD_TRIALS_GREEN].astype(jnp.int32)
     )
     # mushrooms.sj:67
-    happens = (words(key, STREAM_SPROUT_GREEN_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_GREEN])
+    happens = (random_bits(key, STREAM_SPROUT_GREEN_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_GREEN])
     ground_grows = jnp.where(active & taken & happens, GROUND_GREEN, state.ground_grows)  # mushrooms.sj:67
     world_trials = state.world_trials.at[WORLD_TRIALS_GREEN].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
@@ -343,10 +345,11 @@ def sprout_blue(state: State, out: Outcome, params: Params, actions: Array, key:
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
     covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
     member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
-    # mushrooms.sj:66
-    taken = choose(member, words(key, STREAM_SPROUT_BLUE, 20), state.world_trials[WORLD_TRIALS_BLUE].astype(jnp.int32))
+    taken = choose(  # mushrooms.sj:66
+        member, random_bits(key, STREAM_SPROUT_BLUE, 20), state.world_trials[WORLD_TRIALS_BLUE].astype(jnp.int32)
+    )
     # mushrooms.sj:67
-    happens = (words(key, STREAM_SPROUT_BLUE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_BLUE])
+    happens = (random_bits(key, STREAM_SPROUT_BLUE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_BLUE])
     ground_grows = jnp.where(active & taken & happens, GROUND_BLUE, state.ground_grows)  # mushrooms.sj:67
     world_trials = state.world_trials.at[WORLD_TRIALS_BLUE].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
@@ -360,10 +363,11 @@ def sprout_orange(state: State, out: Outcome, params: Params, actions: Array, ke
     covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
     member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
     taken = choose(  # mushrooms.sj:66
-        member, words(key, STREAM_SPROUT_ORANGE, 20), state.world_trials[WORLD_TRIALS_ORANGE].astype(jnp.int32)
+        member, random_bits(key, STREAM_SPROUT_ORANGE, 20), state.world_trials[WORLD_TRIALS_ORANGE].astype(jnp.int32)
     )
-    # mushrooms.sj:67
-    happens = (words(key, STREAM_SPROUT_ORANGE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_ORANGE])
+    happens = (  # mushrooms.sj:67
+        (random_bits(key, STREAM_SPROUT_ORANGE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_ORANGE])
+    )
     ground_grows = jnp.where(active & taken & happens, GROUND_ORANGE, state.ground_grows)  # mushrooms.sj:67
     world_trials = state.world_trials.at[WORLD_TRIALS_ORANGE].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
@@ -384,8 +388,8 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:76
     free = ~occupied(ground_under, NUM_GROUND) & (state.ground_grows == GROUND_NONE)  # mushrooms.sj:76
     # mushrooms.sj:76
-    position, placed = place(CELLS_GROUND, free, words(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(words(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # mushrooms.sj:76
+    position, placed = place(CELLS_GROUND, free, random_bits(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # mushrooms.sj:76
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 

@@ -8,7 +8,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.random_bits import below, ranks, threshold, words, words_at
+from sjdsl.runtime.random_bits import below, ranks, random_bits, random_bits_at, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     cells_of,
@@ -24,7 +24,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import mix
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "pd_arena"
 TITLE = "Prisoner's Dilemma in the matrix: Arena"
@@ -247,9 +247,9 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """Phase `start`, before the first step: for each agent, sends agent to gate."""
     sent = jnp.full(NUM_AGENTS, True)  # pd_arena.sj:42
     position, placed = place(  # pd_arena.sj:42
-        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:42
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:42
     return state.replace(position=position, heading=heading), out
 
 
@@ -257,7 +257,7 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """Phase `grow`: for each patch, by chance sets patch.stock to ripe."""
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:46
     covered = occupied(patch_under, NUM_PATCH)  # pd_arena.sj:46
-    happens = (words(key, STREAM_GROW, NUM_PATCH) >> 1) < threshold(params.regrow)  # pd_arena.sj:46
+    happens = (random_bits(key, STREAM_GROW, NUM_PATCH) >> 1) < threshold(params.regrow)  # pd_arena.sj:46
     # pd_arena.sj:46
     patch_stock = jnp.where((state.patch_stock == PATCH_NONE) & ~covered & happens, PATCH_RIPE, state.patch_stock)
     return state.replace(patch_stock=patch_stock), out
@@ -275,7 +275,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     stride = STEP_BY[actions]  # pd_arena.sj:47
     # pd_arena.sj:47
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # pd_arena.sj:47
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # pd_arena.sj:47
     return state.replace(heading=heading, position=position), out
 
 
@@ -313,7 +313,7 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     pairs = (  # pd_arena.sj:56
         in_reach & ((actions == ACTION_INTERACT) & ready)[:, None] & ready[None, :] & ~jnp.eye(NUM_AGENTS, dtype=bool)
     )
-    order = ranks(words(key, STREAM_MEET, NUM_AGENTS, NUM_AGENTS), pairs)  # pd_arena.sj:56
+    order = ranks(random_bits(key, STREAM_MEET, NUM_AGENTS, NUM_AGENTS), pairs)  # pd_arena.sj:56
     column = pair(order, alike=True)  # pd_arena.sj:56
     matched = column < NUM_AGENTS  # pd_arena.sj:56
     expected_row = jnp.sum(  # pd_arena.sj:57
@@ -342,7 +342,7 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     )
     # pd_arena.sj:60
     instance = ((jnp.arange(NUM_AGENTS, dtype=jnp.int32) * NUM_AGENTS)[:, None] + one).astype(jnp.uint32)
-    word = words_at(key, STREAM_MEET_2, instance)  # pd_arena.sj:60
+    word = random_bits_at(key, STREAM_MEET_2, instance)  # pd_arena.sj:60
     rest = below(word, params.rest_hi - params.rest_lo + 1) + params.rest_lo  # pd_arena.sj:60
     to_agent = jnp.where(active, one, NUM_AGENTS)  # pd_arena.sj:61
     agent_resting = state.agent_resting.at[to_agent].set(rest.astype(jnp.uint8), mode="drop")  # pd_arena.sj:61
@@ -358,8 +358,8 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     others = jnp.where(sent, NUM_GATE, gate_under)  # pd_arena.sj:61
     free = ~occupied(others, NUM_GATE)  # pd_arena.sj:61
     # pd_arena.sj:61
-    position, placed = place(CELLS_GATE, free, words(key, STREAM_MEET_3, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(words(key, STREAM_MEET_4, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:61
+    position, placed = place(CELLS_GATE, free, random_bits(key, STREAM_MEET_3, NUM_AGENTS), state.position, sent)
+    heading = jnp.where(placed, below(random_bits(key, STREAM_MEET_4, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:61
     return (
         state.replace(
             agent_resting=agent_resting, agent_bag=agent_bag, position=position, heading=heading, mark_meet=marked

@@ -8,13 +8,13 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.random_bits import below, ranks, threshold, words, words_at
+from sjdsl.runtime.random_bits import below, ranks, random_bits, random_bits_at, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "predator_prey"
 TITLE = "Predator and Prey: Open"
@@ -320,14 +320,16 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     agent_role = jnp.where(holds, AGENT_PREDATOR, state.agent_role)  # predator_prey.sj:47
     sent = ~holds  # predator_prey.sj:47
     position, placed = place(  # predator_prey.sj:47
-        CELLS_LAIR, jnp.full(NUM_LAIR, True), words(key, STREAM_START, NUM_AGENTS), state.position, holds
+        CELLS_LAIR, jnp.full(NUM_LAIR, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, holds
     )
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # predator_prey.sj:47
+    # predator_prey.sj:47
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     away = jnp.where(placed, 0, state.away)  # predator_prey.sj:47
     position, placed_2 = place(  # predator_prey.sj:47
-        CELLS_NEST, jnp.full(NUM_NEST, True), words(key, STREAM_START_3, NUM_AGENTS), position, sent
+        CELLS_NEST, jnp.full(NUM_NEST, True), random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent
     )
-    heading = jnp.where(placed_2, below(words(key, STREAM_START_4, NUM_AGENTS), 4), heading)  # predator_prey.sj:47
+    # predator_prey.sj:47
+    heading = jnp.where(placed_2, below(random_bits(key, STREAM_START_4, NUM_AGENTS), 4), heading)
     away = jnp.where(placed_2, 0, away)  # predator_prey.sj:47
     return state.replace(agent_role=agent_role, position=position, heading=heading, away=away), out
 
@@ -337,12 +339,12 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     tree_under = SITE_OF_TREE[state.position]  # predator_prey.sj:53
     covered = occupied(tree_under, NUM_TREE)  # predator_prey.sj:53
-    happens = (words(key, STREAM_GROW, NUM_TREE) >> 1) < threshold(params.apples)  # predator_prey.sj:53
+    happens = (random_bits(key, STREAM_GROW, NUM_TREE) >> 1) < threshold(params.apples)  # predator_prey.sj:53
     # predator_prey.sj:53
     tree_fruit = jnp.where((state.tree_fruit == TREE_NONE) & ~covered & happens, TREE_RIPE, state.tree_fruit)
     oak_under = SITE_OF_OAK[state.position]  # predator_prey.sj:54
     covered_2 = occupied(oak_under, NUM_OAK)  # predator_prey.sj:54
-    happens_2 = (words(key, STREAM_GROW_2, NUM_OAK) >> 1) < threshold(params.acorns)  # predator_prey.sj:54
+    happens_2 = (random_bits(key, STREAM_GROW_2, NUM_OAK) >> 1) < threshold(params.acorns)  # predator_prey.sj:54
     # predator_prey.sj:54
     oak_fruit = jnp.where((state.oak_fruit == OAK_NONE) & ~covered_2 & happens_2, OAK_RIPE, state.oak_fruit)
     return state.replace(tree_fruit=tree_fruit, oak_fruit=oak_fruit), out
@@ -359,9 +361,9 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     lair_under = SITE_OF_LAIR[state.position]  # predator_prey.sj:77
     free = ~occupied(lair_under, NUM_LAIR)  # predator_prey.sj:77
     # predator_prey.sj:77
-    position, placed = place(CELLS_LAIR, free, words(key, STREAM_TICK, NUM_AGENTS), state.position, back)
+    position, placed = place(CELLS_LAIR, free, random_bits(key, STREAM_TICK, NUM_AGENTS), state.position, back)
     facing = jnp.where(  # predator_prey.sj:77
-        state.away_facing == ANY_HEADING, below(words(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
+        state.away_facing == ANY_HEADING, below(random_bits(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
     )
     facing = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing)  # predator_prey.sj:77
     heading = jnp.where(placed, facing, state.heading)  # predator_prey.sj:77
@@ -370,10 +372,11 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     back_2 = due & (state.away_pool == 3)  # predator_prey.sj:78
     nest_under = SITE_OF_NEST[state.position]  # predator_prey.sj:78
     free_2 = ~occupied(nest_under, NUM_NEST)  # predator_prey.sj:78
-    # predator_prey.sj:78
-    position_2, placed_2 = place(CELLS_NEST, free_2, words(key, STREAM_TICK_3, NUM_AGENTS), state.position, back_2)
+    position_2, placed_2 = place(  # predator_prey.sj:78
+        CELLS_NEST, free_2, random_bits(key, STREAM_TICK_3, NUM_AGENTS), state.position, back_2
+    )
     facing_2 = jnp.where(  # predator_prey.sj:78
-        state.away_facing == ANY_HEADING, below(words(key, STREAM_TICK_4, NUM_AGENTS), 4), state.away_facing
+        state.away_facing == ANY_HEADING, below(random_bits(key, STREAM_TICK_4, NUM_AGENTS), 4), state.away_facing
     )
     facing_2 = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing_2)  # predator_prey.sj:78
     heading_2 = jnp.where(placed_2, facing_2, state.heading)  # predator_prey.sj:78
@@ -400,7 +403,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         state.position,
         target,
     )
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # predator_prey.sj:56
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # predator_prey.sj:56
     return state.replace(heading=heading, position=position), out
 
 
@@ -495,7 +498,7 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     pairs = present[:, None] & eligible & (target != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
     # predator_prey.sj:73
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_AGENTS + target).astype(jnp.uint32)
-    order = ranks(words_at(key, STREAM_HUNT, instance), pairs)  # predator_prey.sj:73
+    order = ranks(random_bits_at(key, STREAM_HUNT, instance), pairs)  # predator_prey.sj:73
     target_2 = pair_reached(target, order, NUM_AGENTS, alike=True)  # predator_prey.sj:73
     matched = target_2 < NUM_AGENTS  # predator_prey.sj:73
     agent_resting = jnp.where(matched, params.rest, state.agent_resting)  # predator_prey.sj:75

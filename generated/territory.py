@@ -9,7 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.bits import as_bits, from_bits
 from sjdsl.runtime.counting import times_in
-from sjdsl.runtime.random_bits import below, threshold, words
+from sjdsl.runtime.random_bits import below, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
     blocking,
@@ -25,8 +25,8 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.shapes import reached
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.line_of_sight import reached
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "territory"
 TITLE = "Territory: Rooms"
@@ -319,9 +319,10 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """Phase `start`, before the first step: for each agent, sends agent to gate."""
     sent = jnp.full(NUM_AGENTS, True)  # territory.sj:41
     position, placed = place(  # territory.sj:41
-        CELLS_GATE, jnp.full(NUM_GATE, True), words(key, STREAM_START, NUM_AGENTS), state.position, sent
+        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(words(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # territory.sj:41
+    # territory.sj:41
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
@@ -348,7 +349,7 @@ def age(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     """Phase `age`: for each brick, sets brick.paint to dry; for each brick, by chance adds -1 to brick.damage."""
     # territory.sj:46
     brick_paint = jnp.where((state.brick_paint == BRICK_WET) & (state.brick_wetness == 0), BRICK_DRY, state.brick_paint)
-    happens = (words(key, STREAM_AGE, NUM_BRICK) >> 1) < threshold(params.mend)  # territory.sj:47
+    happens = (random_bits(key, STREAM_AGE, NUM_BRICK) >> 1) < threshold(params.mend)  # territory.sj:47
     brick_damage_added = jnp.where(  # territory.sj:47
         (state.brick_damage > 0) & (state.brick_damage < 2) & (state.brick_dust == 0) & happens,
         jnp.int32(-1),
@@ -373,7 +374,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         state.position,
         target,
     )
-    position = resolve(state.position, target, words(key, STREAM_WALK, NUM_AGENTS))  # territory.sj:49
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # territory.sj:49
     return state.replace(heading=heading, position=position), out
 
 
@@ -412,7 +413,8 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     active = state.brick_rivals != 0  # territory.sj:55
     present = state.position != NOWHERE  # territory.sj:56
     winner, found = pick(  # territory.sj:56
-        present[None, :] & from_bits(state.brick_rivals, NUM_AGENTS), words(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0]
+        present[None, :] & from_bits(state.brick_rivals, NUM_AGENTS),
+        random_bits(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0],
     )
     active_2 = active & found & (winner != state.brick_owner) & (state.brick_damage < 2)  # territory.sj:57
     brick_owner = jnp.where(active_2, winner, state.brick_owner)  # territory.sj:58
@@ -507,7 +509,7 @@ def fall(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def pay(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """Phase `pay`: for each brick (b), by chance gives a reward to b.owner, counts paid."""
-    happens = (words(key, STREAM_PAY, NUM_BRICK) >> 1) < threshold(params.rate)  # territory.sj:78
+    happens = (random_bits(key, STREAM_PAY, NUM_BRICK) >> 1) < threshold(params.rate)  # territory.sj:78
     active = (state.brick_paint == BRICK_DRY) & (state.brick_owner != NOBODY) & happens  # territory.sj:78
     # territory.sj:78
     times = times_in(jnp.where(active, jnp.uint32(1) << state.brick_owner.astype(jnp.uint32), 0), NUM_AGENTS)

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
         trained_policy,
     )
     from .preset import Preset, load_preset
-    from .program import Train, TrainState
     from .resuming import RunError
     from .run import Result, resume, train
-    from .step import Step
+    from .step_record import Step
+    from .training_functions import Train, TrainState
     from .updates import Update
 
 __all__ = [
@@ -76,9 +76,9 @@ __getattr__ = lazy_names(
         "Preset": "preset",
         "Result": "run",
         "RunError": "resuming",
-        "Step": "step",
-        "Train": "program",
-        "TrainState": "program",
+        "Step": "step_record",
+        "Train": "training_functions",
+        "TrainState": "training_functions",
         "Update": "updates",
         "VDNConfig": "config",
         "estimate": "evaluation",

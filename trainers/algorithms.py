@@ -10,8 +10,8 @@ from .config import Config, PPOConfig, RewardMode, VDNConfig
 from .environment import Environment
 from .policies import load_parameters, make_partners
 from .ppo import make_ppo
-from .program import Train
-from .step import check_own_reward
+from .step_record import check_own_reward
+from .training_functions import Train
 from .vdn import make_vdn
 
 

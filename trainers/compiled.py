@@ -11,8 +11,8 @@ import psutil
 from jax import Array
 
 from .config import Config
-from .program import Metrics, Train, TrainState
 from .sharding import Placement, make_placement
+from .training_functions import Metrics, Train, TrainState
 
 MEGABYTE = 1_000_000
 

@@ -19,10 +19,10 @@ from .masks import allowed_in, masked, pack_mask, unpack_mask
 from .networks import Memory
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
 from .partners import Partners, learning_agents
-from .program import Metrics, Train, TrainState, keep_if_finite
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
 from .shaping import make_shaping
 from .teams import Bundle
+from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 
 @flax.struct.dataclass

@@ -9,8 +9,8 @@ from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled
 from .config import ConfigError, make_config
 from .environment import Environment
-from .program import TrainState
 from .run_folder import MANIFEST, describe_game, own_files, versions
+from .training_functions import TrainState
 
 PARTS = ("game", "config", "versions")  # of a manifest, without which nothing can be gone on with
 

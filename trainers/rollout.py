@@ -13,7 +13,7 @@ from .environment import Environment
 from .episodes import EpisodeSums, FinishedEpisodes, add_step, hand_over, zero_sums
 from .partners import NOBODY, Partners
 from .shaping import Shaping
-from .step import Step
+from .step_record import Step
 
 
 @flax.struct.dataclass

@@ -13,7 +13,7 @@ from jax import Array
 
 from .config import Config, ConfigError, RewardMode
 from .extensions import find
-from .step import Step
+from .step_record import Step
 
 
 @dataclass(frozen=True)

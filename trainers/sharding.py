@@ -11,7 +11,7 @@ import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from .config import Config, ConfigError
-from .program import TrainState
+from .training_functions import TrainState
 
 ENVS = "envs"
 

@@ -23,9 +23,9 @@ from .metric_rows import flatten_metrics, mean_row
 from .metrics_files import Row
 from .policies import Policy, trained_policy
 from .processes import any_says
-from .program import TrainState
 from .recorder import Recorder
 from .resuming import RunError
+from .training_functions import TrainState
 
 Show = Callable[[Row], None]  # what is done with a row for people to see
 

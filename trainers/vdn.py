@@ -21,10 +21,10 @@ from .masks import allowed_in, draw_any, masked, pack_mask, unpack_mask, wants_m
 from .networks import ActionValues
 from .packing import Packing
 from .partners import Partners, learning_agents
-from .program import Metrics, Train, TrainState, keep_if_finite
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
 from .rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
 from .shaping import make_shaping
+from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 
 @flax.struct.dataclass

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sjdsl.cli.environment import describe_environment, make_environment
+from sjdsl.cli.environment_options import describe_environment, make_environment
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
 if TYPE_CHECKING:

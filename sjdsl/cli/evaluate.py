@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, make_environment
+from sjdsl.cli.environment_options import SEED, make_environment
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import warnings_as_notes

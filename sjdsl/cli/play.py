@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, build_game, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment_options import SEED, build_game, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import NAMES, check_policy, choose_policy
 from sjdsl.cli.stages import stages

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment_options import (
+    SEED,
+    check_environment,
+    describe_environment,
+    environment_options,
+    make_environment,
+    read_assignments,
+)
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages

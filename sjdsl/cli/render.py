@@ -5,7 +5,14 @@ from typing import Any
 
 import click
 
-from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment_options import (
+    SEED,
+    check_environment,
+    describe_environment,
+    environment_options,
+    make_environment,
+    read_assignments,
+)
 from sjdsl.cli.film import check_film, save_film, told
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, policy_option

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sjdsl.cli.environment import build_game, make_environment
+from sjdsl.cli.environment_options import build_game, make_environment
 from sjdsl.cli.film import SPEED, check_film, told, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.play import begin_session, describe_returns, play_on

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, build_game, environment_options, read_assignments
+from sjdsl.cli.environment_options import SEED, build_game, environment_options, read_assignments
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.near_names import meant

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment_options import (
+    SEED,
+    check_environment,
+    describe_environment,
+    environment_options,
+    make_environment,
+    read_assignments,
+)
 from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.policies import check_policy
 from sjdsl.cli.stages import LOADING, stages

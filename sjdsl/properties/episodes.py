@@ -16,7 +16,7 @@ from sjdsl.properties.compiled_values import Lowered, lower_checks, with_totals
 from sjdsl.properties.scripted_policies import WANDERS, allowed_by
 from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
 from sjdsl.runtime.env import Environment
-from sjdsl.runtime.random_bits import below, words_at
+from sjdsl.runtime.random_bits import below, random_bits_at
 
 BATCH = 10  # episodes played side by side
 
@@ -114,7 +114,7 @@ class Player:
         """Returns an action for each agent, as `scripted_policies.choose` does on the interpreter."""
         table, count, seek = script
         agents = self.env.num_agents
-        bits = words_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
+        bits = random_bits_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
         actions = jnp.take_along_axis(table, below(bits[:, 0], count)[:, None], axis=1)[:, 0]
         if self._shortest_paths is None:
             return actions
@@ -162,4 +162,4 @@ def _read_totals(lowered: Lowered, totals: dict[str, Array], game: ir.Game) -> d
 
 def _derived_key(key: Array, stream: int, number: Array) -> Array:
     """Returns the two numbers of a key made from another."""
-    return words_at(key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32))
+    return random_bits_at(key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32))

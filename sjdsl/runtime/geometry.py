@@ -1,4 +1,4 @@
-"""Static geometry: tables of a padded map, so that no window or shape leaves it, and the line of sight along a shape's lanes.
+"""Static geometry: tables of a padded map, so that no window or shape leaves it, and where a beam ends at a wall (`lane_reach`).
 
 A cell is its index in the padded frame, `(row + pad) * columns + column + pad`; cell 0, in the padding, is nowhere. Everything
 here runs once, when a module is loaded, on NumPy arrays.

@@ -27,7 +27,7 @@ def key_words(key: Array) -> Array:
     return key
 
 
-def words_at(key: Array, stream: int, numbers: Array) -> Array:
+def random_bits_at(key: Array, stream: int, numbers: Array) -> Array:
     """Returns the 32-bit random numbers of a stream with the given indices.
 
     Args:
@@ -67,13 +67,13 @@ def _mixed(x0: Array, x1: Array, rotation: Array) -> tuple[Array, Array]:
     return x0, x0 ^ (x1 << rotation | x1 >> (jnp.uint32(32) - rotation))
 
 
-def words(key: Array, stream: int, *shape: int) -> Array:
-    """Returns the first words of a stream, `shape` uint32, numbered in row-major order.
+def random_bits(key: Array, stream: int, *shape: int) -> Array:
+    """Returns the first random numbers of a stream, `shape` uint32, numbered in row-major order.
 
     Each block is computed twice, once for each of its two numbers. It then fuses with the operations on the numbers, which costs
     less than interleaving pairs.
     """
-    return words_at(key, stream, jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape))
+    return random_bits_at(key, stream, jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape))
 
 
 def threshold(probability: Array) -> Array:

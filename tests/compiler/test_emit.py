@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from sjdsl.compiler import build, compile_source, lower_build
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.emit.expressions import PRECEDENCE, pieces, text
+from sjdsl.compiler.emit.expressions import PYTHON_PRECEDENCE, pieces, text
 from sjdsl.compiler.emit.layout import WIDTH, layout
 from sjdsl.compiler.emit.statements import statement_lines
 from sjdsl.compiler.program.expressions import (
@@ -138,7 +138,7 @@ def trees(draw: st.DrawFn, depth: int = 4) -> Any:
 
         dtype, name = draw(st.sampled_from(list(DTYPES))), draw(NAMES)
         kinds = (
-            *[lambda: Binary(draw(st.sampled_from(sorted(PRECEDENCE))), below(), below())] * 5,
+            *[lambda: Binary(draw(st.sampled_from(sorted(PYTHON_PRECEDENCE))), below(), below())] * 5,
             lambda: Unary(draw(st.sampled_from("~-")), below()),
             lambda: Attribute(below(), name),
             lambda: Index(below(), keys()),

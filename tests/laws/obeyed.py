@@ -99,8 +99,8 @@ def _interpreted(
 
 def _compiled(env: OnNumPy, start: World, actions: list[int], words: Table, wanted: tuple[World, Any]) -> str:
     state = numpy_state(env, start)
-    env.module.words = lambda _, stream, *shape: _of(words, stream, np.arange(int(np.prod(shape, dtype=int))).reshape(shape))
-    env.module.words_at = lambda _, stream, numbers: _of(words, stream, np.asarray(numbers))
+    env.module.random_bits = lambda _, stream, *shape: _of(words, stream, np.arange(int(np.prod(shape, dtype=int))).reshape(shape))
+    env.module.random_bits_at = lambda _, stream, numbers: _of(words, stream, np.asarray(numbers))
     with np.errstate(all="ignore"):  # what a guard protects is computed and not used
         state, reward, _, info = env.advance((0, 0), state, actions)
         mask = np.asarray(env.module.allowed_actions(state, env.params))

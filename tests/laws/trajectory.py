@@ -66,7 +66,7 @@ def parting(mine: list[Any], theirs: list[Any]) -> str:
 
 def _enliven(env: OnNumPy) -> None:
     """Makes half of the words of a module small, by as much as they say themselves."""
-    drawn = {name: getattr(env.module, name) for name in ("words", "words_at") if hasattr(env.module, name)}
+    drawn = {name: getattr(env.module, name) for name in ("random_bits", "random_bits_at") if hasattr(env.module, name)}
     for name, function in drawn.items():
 
         def lively(*given: Any, function: Any = function) -> Any:

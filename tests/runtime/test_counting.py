@@ -8,8 +8,8 @@ import pytest
 from sjdsl.runtime.bits import as_bits, from_bits
 from sjdsl.runtime.counting import count_near, occupied, size_of_set, times_in
 from sjdsl.runtime.geometry import near_masks
+from sjdsl.runtime.line_of_sight import reached
 from sjdsl.runtime.rows import entry, highest, lowest, mix, ramp
-from sjdsl.runtime.shapes import reached
 
 
 @pytest.mark.parametrize(("members", "sites"), [(1, 1), (31, 4), (32, 5), (33, 6), (64, 64), (147, 20)])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, pick_of_sets, place
-from sjdsl.runtime.random_bits import words
+from sjdsl.runtime.random_bits import random_bits
 
 from . import references
 
@@ -85,7 +85,7 @@ def test_pick_of_many_sets(several: bool, batched: str) -> None:
     sets = random.choice([0, 1, 2, 4, 128], (3, size))
     sets[1, 5] = 0b1011 if several else 8
     keys = jnp.asarray(random.integers(0, 2**32, (3, 2)), jnp.uint32)
-    draw = lambda key: words(key, 0x1234, size)  # noqa: E731
+    draw = lambda key: random_bits(key, 0x1234, size)  # noqa: E731
     picked = lambda members, key: pick_of_sets(members, key, draw)  # noqa: E731
     sets = jnp.asarray(sets, jnp.uint8)
     axes = {"sets": (0, None), "keys": (None, 0), "both": (0, 0), "twice": (0, 0)}.get(batched)

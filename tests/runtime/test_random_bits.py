@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.random_bits import below, key_words, next_threshold, ranks, threshold, words, words_at
+from sjdsl.runtime.random_bits import below, key_words, next_threshold, random_bits, random_bits_at, ranks, threshold
 
 from . import references
 
@@ -34,7 +34,7 @@ def test_published_vectors(key: tuple[int, int], counter: tuple[int, int], outpu
     assert references.threefry(key, counter) == output
     if counter[1] < 2**31:  # word numbers are 32 bits
         numbers = jnp.array([2 * counter[1], 2 * counter[1] + 1], jnp.uint32)
-        assert words_at(key_of(key), counter[0], numbers).tolist() == list(output)
+        assert random_bits_at(key_of(key), counter[0], numbers).tolist() == list(output)
 
 
 def test_words_are_threefry_of_stream_and_number() -> None:
@@ -44,28 +44,28 @@ def test_words_are_threefry_of_stream_and_number() -> None:
         stream = int(random.choice([0, 1, LAST, *random.integers(0, 2**32, 3)]))
         numbers = np.array([0, 1, LAST, *random.integers(0, 2**32, 20)], np.uint32)
         expected = [references.threefry(key, (stream, int(n) // 2))[int(n) % 2] for n in numbers]
-        assert words_at(key_of(key), stream, jnp.asarray(numbers)).tolist() == expected
+        assert random_bits_at(key_of(key), stream, jnp.asarray(numbers)).tolist() == expected
 
 
 def test_words_are_numbered_in_row_major_order() -> None:
     key = key_of((3, 4))
-    line = words(key, 77, 24)
+    line = random_bits(key, 77, 24)
     assert line.dtype == jnp.uint32
     assert line.tolist() == [references.threefry((3, 4), (77, i // 2))[i % 2] for i in range(24)]
-    np.testing.assert_array_equal(words(key, 77, 2, 3, 4), line.reshape(2, 3, 4))
-    np.testing.assert_array_equal(words(key, 77, 7), line[:7])  # how many are drawn changes none
-    assert words(key, 77).shape == ()
-    assert int(words(key, 77)) == int(line[0])
+    np.testing.assert_array_equal(random_bits(key, 77, 2, 3, 4), line.reshape(2, 3, 4))
+    np.testing.assert_array_equal(random_bits(key, 77, 7), line[:7])  # how many are drawn changes none
+    assert random_bits(key, 77).shape == ()
+    assert int(random_bits(key, 77)) == int(line[0])
 
 
 def test_streams_and_keys_differ() -> None:
-    found = np.stack([words(key_of(key), stream, 64) for key in ((0, 0), (0, 1), (1, 0)) for stream in (0, 1, 2, LAST)])
+    found = np.stack([random_bits(key_of(key), stream, 64) for key in ((0, 0), (0, 1), (1, 0)) for stream in (0, 1, 2, LAST)])
     assert len(np.unique(found)) == found.size
 
 
 def test_words_of_a_batch_of_keys() -> None:
     keys = jax.random.bits(jax.random.key(0), (5, 2), jnp.uint32)
-    batch = jax.vmap(lambda k: words(k, 9, 6))(keys)
+    batch = jax.vmap(lambda k: random_bits(k, 9, 6))(keys)
     assert batch.tolist() == [[references.threefry(tuple(k), (9, i // 2))[i % 2] for i in range(6)] for k in keys.tolist()]
 
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.view import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 from . import references
 

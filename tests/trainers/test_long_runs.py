@@ -17,8 +17,8 @@ from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_t
 from sjdsl.trainers.checkpoint_pace import CheckpointPace
 from sjdsl.trainers.compiled import Compiled
 from sjdsl.trainers.metrics_files import cut_metrics, read_rows, thinned_rows
-from sjdsl.trainers.program import TrainState
 from sjdsl.trainers.recorder import open_recorders
+from sjdsl.trainers.training_functions import TrainState
 
 MINUTE = 60.0
 

@@ -25,8 +25,8 @@ from sjdsl.trainers.ppo import (
     ppo_loss,
     take_epochs,
 )
-from sjdsl.trainers.program import keep_if_finite
 from sjdsl.trainers.rollout import Rollout
+from sjdsl.trainers.training_functions import keep_if_finite
 
 CENTRAL = {"algorithm": "mappo"}
 VARIANTS = {

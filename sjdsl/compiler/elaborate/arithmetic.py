@@ -1,4 +1,4 @@
-"""Elaborates arithmetic and comparison: units that may be mixed, intervals of results, constant folding."""
+"""Elaborates arithmetic and comparison: refuses units that do not mix, such as reward and steps; intervals of results."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors

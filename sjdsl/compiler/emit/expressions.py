@@ -11,7 +11,7 @@ from typing import assert_never
 from sjdsl.compiler.program import expressions as array
 
 COMPARISON, UNARY, ATOM = 0, 6, 7
-PRECEDENCE = {
+PYTHON_PRECEDENCE = {
     **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), COMPARISON),
     "|": 1,
     "^": 1,
@@ -163,7 +163,7 @@ def _strength(node: array.Expression) -> int:
     """Returns how tightly the outermost operation of an expression binds."""
     match node:
         case array.Binary():
-            return PRECEDENCE[node.op]
+            return PYTHON_PRECEDENCE[node.op]
         case array.Unary():
             return UNARY
         case array.Literal(value=bool()):
@@ -184,11 +184,11 @@ def _operand(node: array.Expression, least: int) -> Piece:
 
 def _operation(node: array.Binary) -> Operation:
     """Returns an operation; `(a + b) + c` is one of three operands."""
-    strength = PRECEDENCE[node.op]
+    strength = PYTHON_PRECEDENCE[node.op]
     inner = UNARY if node.op in BITWISE else strength + 1
     right = _operand(node.right, inner)
     left = node.left
-    if isinstance(left, array.Binary) and strength != COMPARISON and PRECEDENCE[left.op] == strength:
+    if isinstance(left, array.Binary) and strength != COMPARISON and PYTHON_PRECEDENCE[left.op] == strength:
         if left.op == node.op or node.op not in BITWISE:
             before = _operation(left)
             return Operation(before.first, (*before.rest, (node.op, right)))

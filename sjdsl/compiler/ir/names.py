@@ -10,7 +10,7 @@ from sjdsl.compiler.ir.queries import all_fields, marking_phases
 KERNELS = {
     "sjdsl.runtime.bits": ("as_bits", "from_bits"),
     "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
-    "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "threshold", "words", "words_at"),
+    "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "random_bits", "random_bits_at", "threshold"),
     "sjdsl.runtime.fields": ("StateField",),
     "sjdsl.runtime.geometry": (
         "blocking",
@@ -30,8 +30,8 @@ KERNELS = {
     "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place"),
     "sjdsl.runtime.planes": ("TokenPlane",),
     "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp"),
-    "sjdsl.runtime.shapes": ("reached",),
-    "sjdsl.runtime.view": ("fill", "paint", "planes_of", "windows"),
+    "sjdsl.runtime.line_of_sight": ("reached",),
+    "sjdsl.runtime.egocentric_windows": ("fill", "paint", "planes_of", "windows"),
 }
 RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step", "observe", "measures", "tick", "allowed",

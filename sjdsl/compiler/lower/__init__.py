@@ -18,12 +18,12 @@ from sjdsl.compiler.lower import expressions
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype, indexed, iota
 from sjdsl.compiler.lower.cell_appearance import token_planes
-from sjdsl.compiler.lower.environment import events, role_attribute
-from sjdsl.compiler.lower.environment import state_fields as described_fields
+from sjdsl.compiler.lower.environment_facts import events, role_attribute
+from sjdsl.compiler.lower.environment_facts import state_fields as described_fields
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe, view_size
 from sjdsl.compiler.lower.phase_summary import summary
-from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, returns
+from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
 from sjdsl.compiler.lower.relocation import finish as finish_sends
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.state import outcome_fields, param_value, params_fields, state_fields
@@ -205,7 +205,7 @@ def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
         if w.changed:
             w.set(STATE, replaced("state", w.changed))
             w.changed.clear()
-        returns(pools, w)
+        bring_back(pools, w)
     w.give_back(replaced("state", w.changed), OUT)
     doc = "All timers fall by one; agents whose time away is over return." if module.stores_away else "All timers fall by one."
     return _function(w, "tick", PHASE, "tuple[State, Outcome]", doc)

@@ -10,16 +10,16 @@ from sjdsl.compiler.program.expressions import DTYPES, Arange, Cast, Expression,
 KEY = Name("key")
 
 
-def words(stream: int, scope: IterationScope, w: Writer, extra: Axis | None = None) -> Value:
+def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | None = None) -> Value:
     """Returns 32 random bits an instance; with `extra` for each member of that axis too (numbered inside the instance)."""
     digits = scope.digits if extra is None else (*scope.digits, (iota(extra), extra.extent))
     if need_no_state(digits):
         axes = tuple(digit.axes[0] for digit, _ in digits)
-        return Value(call("words", KEY, w.stream(stream), *(a.extent for a in axes)), "u32", axes)
+        return Value(call("random_bits", KEY, w.stream(stream), *(a.extent for a in axes)), "u32", axes)
     number = literal(0, "i32")
     for digit, radix in digits:
         number = binary("+", binary("*", number, Value(radix, "i32"), "i32"), digit, "i32")
-    bits = call("words_at", KEY, w.stream(stream), w.keep("instance", Value(_unsigned(number), "u32", number.axes)).node)
+    bits = call("random_bits_at", KEY, w.stream(stream), w.keep("instance", Value(_unsigned(number), "u32", number.axes)).node)
     return w.keep("word", Value(bits, "u32", number.axes))
 
 
@@ -37,7 +37,7 @@ def _unsigned(number: Value) -> Expression:
 
 def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value], Value]:
     """Returns when each branch of a chain happens, and when none does: one word, compared with rising thresholds."""
-    word = binary(">>", words(s.stream, scope, w), literal(1, "u32"), "u32")
+    word = binary(">>", random_bits(s.stream, scope, w), literal(1, "u32"), "u32")
     word = w.keep("word", word) if len(s.branches) > 1 or s.otherwise else word
     happens: list[Value] = []
     before: Value | None = None
@@ -66,7 +66,7 @@ def _array(p: Value, axes: tuple[Axis, ...] | None = None) -> Expression:
 
 def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     """Returns a drawn number or word."""
-    word = words(s.stream, scope, w)
+    word = random_bits(s.stream, scope, w)
     if s.words and not s.weights:
         return w.keep(s.name, Value(Cast(call("below", word.node, Literal(len(s.words))), "u8"), "u8", word.axes))
     if s.weights:

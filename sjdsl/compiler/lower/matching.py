@@ -54,7 +54,7 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     if alike:
         pairs = Binary("&", pairs, Unary("~", call("jnp.eye", size, dtype=Name("bool"))))
     pairs = w.keep("pairs", Value(pairs, "bool", (rows, cols))).node
-    drawn = call("words", KEY, w.stream(s.stream), rows.extent, cols.extent)
+    drawn = call("random_bits", KEY, w.stream(s.stream), rows.extent, cols.extent)
     ranks = w.keep("order", Value(call("ranks", drawn, pairs), "u32", (rows, cols)))
     return Value(call("pair", ranks.node, alike=Literal(alike)), "i32", (rows,))
 
@@ -69,6 +69,6 @@ def _among_reached(s: ir.Match, index: Value, mask: Value | None, axes: tuple[Ax
         happens = Binary("&", happens, Binary("!=", reached, mine))
     numbers: Expression = Cast(Binary("+", Binary("*", mine, size), reached), "u32")
     happens = w.keep("pairs", Value(happens, "bool", axes)).node
-    drawn = call("words_at", KEY, w.stream(s.stream), w.keep("instance", Value(numbers, "u32", axes)).node)
+    drawn = call("random_bits_at", KEY, w.stream(s.stream), w.keep("instance", Value(numbers, "u32", axes)).node)
     ranks = w.keep("order", Value(call("ranks", drawn, happens), "u32", axes))
     return Value(call("pair_reached", reached, ranks.node, size, alike=Literal(alike)), "i32", (rows,))

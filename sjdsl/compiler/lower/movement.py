@@ -38,7 +38,7 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     stays = Binary("==", stride, w.module.number("no_step", NO_STEP))
     target = w.bind("target", Where(stays, POSITION, next_cell))
     _conditional_blocks(agent, target, w)
-    w.assign("position", call("resolve", POSITION, target, call("words", KEY, w.stream(s.stream), w.module.agents)))
+    w.assign("position", call("resolve", POSITION, target, call("random_bits", KEY, w.stream(s.stream), w.module.agents)))
     if stores_moved(game):
         w.assign("moved", Binary("!=", w.current("position"), POSITION))
 

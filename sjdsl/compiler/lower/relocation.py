@@ -195,7 +195,7 @@ def place(pool: Pool, sent: array.Expression, leaving: array.Expression | None, 
     assert isinstance(position, array.Name)
     w.changed["position"] = position
     stream = w.stream(pool.send.order_stream ^ stream_change)
-    bits = array.call("words", KEY, stream, w.module.agents)
+    bits = array.call("random_bits", KEY, stream, w.module.agents)
     w.unpack((position, placed), array.call("place", state_reads.cells_of(kinds, w), free.node, bits, before, sent))
     return placed
 
@@ -203,7 +203,7 @@ def place(pool: Pool, sent: array.Expression, leaving: array.Expression | None, 
 def _any_heading(pool: Pool, w: Writer, stream_change: int = 0) -> array.Expression:
     """Returns a random heading for each agent."""
     stream = w.stream(pool.send.heading_stream ^ stream_change)
-    return array.call("below", array.call("words", KEY, stream, w.module.agents), array.Literal(4))
+    return array.call("below", array.call("random_bits", KEY, stream, w.module.agents), array.Literal(4))
 
 
 def _headings(pool: Pool, parts: list[tuple[ir.Send, array.Expression]], placed: array.Name, w: Writer) -> None:
@@ -214,8 +214,8 @@ def _headings(pool: Pool, parts: list[tuple[ir.Send, array.Expression]], placed:
         _put("heading", who, _any_heading(pool, w) if s.facing is None else heading_number(s.facing, w), w)
 
 
-def returns(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
-    """Writes the part of `tick` that brings back those whose time away is over: pool by pool, each on the map as it then is."""
+def bring_back(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
+    """Writes the part of `tick` in which respawn delays count down and agents return whose delay is over: pool by pool, each on the map as it then is."""
     is_nowhere = array.Binary("==", array.path("state.position"), state_reads.nowhere(w).node)
     due = w.bind("due", array.Binary("&", is_nowhere, array.Binary("==", AWAY, array.Literal(1))))
     waiting = array.Cast(array.Binary("&", is_nowhere, array.Binary(">", AWAY, array.Literal(1))), "i32")

@@ -24,7 +24,7 @@ from sjdsl.compiler.lower.axes import (
     union,
 )
 from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, shape_name, sites_in, stand_on, sweep, whole_set
-from sjdsl.compiler.lower.draws import KEY, need_no_state, words
+from sjdsl.compiler.lower.draws import KEY, need_no_state, random_bits
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
@@ -53,7 +53,7 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     turns = w.axis("turn", min(s.most, total.size))
     if number == literal(1, "i32"):
         return _pick_one(s, scope, inner, turns, total, w)
-    word = words(s.stream, scope, w, turns)
+    word = random_bits(s.stream, scope, w, turns)
     outer_axes = union(word.axes[:-1], tuple(a for a in (inner.mask or TRUE).axes if a != axis))
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
@@ -69,7 +69,7 @@ def _pick_one(
     """A `pick 1`: the number of the member instead of a mask over all."""
     axis, name = inner.axes[-1], s.domain.var.name
     member = inner.variables[name]
-    word = words(s.stream, scope, w, turns)
+    word = random_bits(s.stream, scope, w, turns)
     single = Value(array.Index(word.node, (*[array.ALL] * (len(word.axes) - 1), array.Literal(0))), "u32", word.axes[:-1])
     members = whole_set(s.domain, scope, w)
     around = (members or inner.mask or TRUE).axes

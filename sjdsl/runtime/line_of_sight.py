@@ -1,4 +1,4 @@
-"""Shapes at run time: which cells of a beam are reached where other cells, such as walls, end its lanes."""
+"""Line of sight at run time: where a beam ends at cells whose state decides it; constant walls: `geometry.lane_reach`."""
 
 import jax.numpy as jnp
 from jax import Array
