@@ -1,7 +1,7 @@
 """The English of expressions with a value: what is read, counted and computed."""
 
 from collections.abc import Callable
-from typing import assert_never
+from typing import TypeGuard, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables
@@ -83,7 +83,7 @@ def operand(e: ir.Expr, v: Vocabulary) -> str:
     if isinstance(e, ir.Narrowed):
         return operand(e.value, v)
     if _is_simple_entry(e):
-        return entry(e, v)  # type: ignore[arg-type]
+        return entry(e, v)
     if isinstance(e, ATOMS) or (isinstance(e, ir.Named) and e.name in v.defined):
         return value(e, v)
     return f"({value(e, v)})"
@@ -94,7 +94,7 @@ def side(e: ir.Expr, v: Vocabulary) -> str:
     return value(e, v) if isinstance(e, ir.ParamRef) or _is_simple_entry(e) else operand(e, v)
 
 
-def _is_simple_entry(e: ir.Expr) -> bool:
+def _is_simple_entry(e: ir.Expr) -> TypeGuard[ir.At]:
     return isinstance(e, ir.At) and e.key.type.kind != "mix" and isinstance(e.row, ATOMS)
 
 

@@ -73,8 +73,8 @@ def _slope(e: ir.Expr, of: str, game: ir.Game, params: Mapping[str, Any]) -> Slo
         case ir.Ramp():
             return _ramp(e, of, game, params)
         case ir.Arithmetic():
-            slopes = [_slope(a, of, game, params) for a in e.args]
-            return None if None in slopes else _arithmetic(e, slopes)  # type: ignore[arg-type]
+            slopes = [slope for slope in (_slope(a, of, game, params) for a in e.args) if slope is not None]
+            return _arithmetic(e, slopes) if len(slopes) == len(e.args) else None
         case _:
             return None
 

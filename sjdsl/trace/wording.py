@@ -102,7 +102,7 @@ def say_draw(drawn: Drawn, rules: Rules) -> str:
     statement = drawn.statement
     match statement:
         case ir.Chance():
-            said = _chance(drawn, share, rules)
+            said = _chance(statement, drawn, share, rules)
         case ir.Draw():
             said = f"{rules.text(statement)}: {say_value(drawn.result, statement.type)}"
         case ir.Pick():
@@ -112,12 +112,12 @@ def say_draw(drawn: Drawn, rules: Rules) -> str:
     return f"{said}  {say_bits(statement.stream, drawn.number, drawn.word)}"
 
 
-def _chance(drawn: Drawn, share: float, rules: Rules) -> str:
+def _chance(chance: ir.Chance, drawn: Drawn, share: float, rules: Rules) -> str:
     bounds = [bound / WHOLE for bound in drawn.bounds]
     if drawn.result is None:
-        return f"{rules.branch(drawn.statement, 0)}: drew {share:.6f}, not below {bounds[-1]:.6g}: does not happen"  # type: ignore[arg-type]
+        return f"{rules.branch(chance, 0)}: drew {share:.6f}, not below {bounds[-1]:.6g}: does not happen"
     below = f"below {bounds[-1]:.6g}" + (f" and not below {bounds[-2]:.6g}" if len(bounds) > 1 else "")
-    return f"{rules.branch(drawn.statement, drawn.result)}: drew {share:.6f}, {below}: happens"  # type: ignore[arg-type]
+    return f"{rules.branch(chance, drawn.result)}: drew {share:.6f}, {below}: happens"
 
 
 def say_used(used: Used) -> str:
