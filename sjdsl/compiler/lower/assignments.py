@@ -229,8 +229,8 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     own = target.own_axes
     if own is not None:
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
-        if total.axes:
-            total = replace(total, node=aligned(total, own), axes=own)
+        if total.axes or total.levels:  # a row that is the same for all is lined up too: JAX does not guess which axis is missing
+            total = replace(total, node=_row_aligned(total, own), axes=own)
         sums.append(w.keep(f"{target.attribute}_added", total))
         return
     assert target.who is not None
@@ -239,7 +239,7 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
     extent = state_reads.total_extent(target.who, w)
     zeros = array.call("jnp.zeros", array.shape_of((extent, *map(w.module.num_words, target.read.type.by))), array.DTYPES[total.dtype])
-    amount = total.node if not total.axes else _row_aligned(total, axes)
+    amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
     sets = array.Update(zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True)
     sums.append(w.keep(f"{target.attribute}_added", Value(sets, total.dtype, shape, target.levels)))
