@@ -7,7 +7,8 @@ from sjdsl.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .algorithms import make_train
     from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
-    from .evaluation import Estimate, Evaluation, estimate, evaluate, save_evaluation, summarise
+    from .estimates import Estimate, estimate
+    from .evaluation import Evaluation, evaluate, save_evaluation, summarise
     from .extensions import register
     from .policies import (
         MemoryPolicy,
@@ -67,7 +68,7 @@ __getattr__ = lazy_names(
     {
         "Config": "config",
         "ConfigError": "config",
-        "Estimate": "evaluation",
+        "Estimate": "estimates",
         "Evaluation": "evaluation",
         "MemoryPolicy": "policies",
         "PPOConfig": "config",
@@ -81,7 +82,7 @@ __getattr__ = lazy_names(
         "TrainState": "training_functions",
         "Update": "updates",
         "VDNConfig": "config",
-        "estimate": "evaluation",
+        "estimate": "estimates",
         "evaluate": "evaluation",
         "find_policy": "policies",
         "load_policy": "policies",

@@ -1,7 +1,6 @@
 """Evaluation: plays whole episodes of a policy, and returns means with confidence intervals."""
 
 import dataclasses
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,13 +11,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from scipy import stats
 
-from sjdsl.runtime.policy import take_actions
+from sjdsl.runtime.policy import MemoryPolicy, take_actions
 from sjdsl.runtime.returns import collective_return, equality
 
 from .environment import Environment
 from .episodes import EpisodeSums, add_step, zero_sums
+from .estimates import Estimate, estimate
 from .policies import Policy, with_memory
 from .run_files import write_json
 
@@ -42,15 +41,6 @@ class Evaluation:
     def equalities(self) -> np.ndarray:
         """`[E]` one minus the Gini coefficient of the agents' returns; NaN unless none is negative and one positive."""
         return equality(self.returns)
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A mean over episodes and its 95 % confidence interval."""
-
-    mean: float
-    low: float
-    high: float
 
 
 EVALUATION = 0x6576616C  # "eval": apart from the numbers under which a run splits and folds its own keys
@@ -77,9 +67,22 @@ def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 3
     return make_evaluator(env, lambda _: policy, num_episodes)(key, ())
 
 
-def make_evaluator(env: Environment, policy_of: Callable[[Any], Policy], num_episodes: int) -> Callable[[Array, Any], Evaluation]:
-    """Returns `evaluate` as a function of key and parameters, which compiles once; `policy_of` makes the policy of parameters."""
-    play = jax.jit(lambda key, parameters: _play(env, policy_of(parameters), key, num_episodes).sums)
+def make_evaluator(
+    env: Environment, policy_of: Callable[[Any], Policy], num_episodes: int, memory_of: Callable[[Any], Any] | None = None
+) -> Callable[[Array, Any], Evaluation]:
+    """Returns `evaluate` as a function of key and parameters, which compiles once.
+
+    Args:
+      policy_of: makes the policy of parameters.
+      memory_of: makes of parameters the memories `[E, ...]` that the episodes begin with, where not all begin with the policy's `start`.
+    """
+
+    def run(key: Array, parameters: Any) -> EpisodeSums:
+        policy = with_memory(policy_of(parameters))
+        memory = _for_each(policy.start, num_episodes) if memory_of is None else memory_of(parameters)
+        return _play(env, policy, memory, key, num_episodes).sums
+
+    play = jax.jit(run)
 
     def played(key: Array, parameters: Any) -> Evaluation:
         sums = jax.device_get(play(key, parameters))
@@ -99,17 +102,20 @@ class _Play:
     over: Array  # [E] bool
 
 
-def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _Play:
+def _for_each(start: Any, num_episodes: int) -> Any:
+    """Returns the memory of `[...]` leaves for each of E episodes: `[E, ...]`."""
+    return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), start)
+
+
+def _play(env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_episodes: int) -> _Play:
     """Steps all episodes until the last one is over; what comes after an episode's end is not counted."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
-    remembering = with_memory(policy)
-    memory = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *leaf.shape)), remembering.start)
     start = _Play(state, observation, memory, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool))
 
     def play_step(key: Array, state: Any, memory: Any, observation: Array) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
         action_key, env_key = jax.random.split(key)
-        memory, actions = take_actions(env, remembering, memory, action_key, observation, state)
+        memory, actions = take_actions(env, policy, memory, action_key, observation, state)
         return memory, env.step_env(env_key, state, actions)
 
     def advance(carry: tuple[Array, _Play]) -> tuple[Array, _Play]:
@@ -132,17 +138,6 @@ def _play(env: Environment, policy: Policy, key: Array, num_episodes: int) -> _P
         return key, jax.tree.map(keep_if_over, after, before)
 
     return jax.lax.while_loop(lambda carry: ~carry[1].over.all(), advance, (loop_key, start))[1]
-
-
-def estimate(samples: np.ndarray) -> Estimate:
-    """Returns the mean of `[E]` samples and its 95 % interval by Student's t; infinitely wide for one sample."""
-    samples = np.asarray(samples, np.float64)
-    mean = float(samples.mean())
-    if len(samples) < 2:
-        return Estimate(mean, -math.inf, math.inf)
-    quantile = stats.t.ppf(0.975, len(samples) - 1)
-    margin = float(quantile * samples.std(ddof=1) / np.sqrt(len(samples)))
-    return Estimate(mean, mean - margin, mean + margin)
 
 
 def summarise(evaluation: Evaluation) -> dict[str, Estimate]:

@@ -1,0 +1,25 @@
+"""Experiments with policies: who meets whom, and what cooperators and defectors earn among each other."""
+
+from typing import TYPE_CHECKING
+
+from sjdsl.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .crossplay import CrossPlay, cross_play
+    from .players import find_pool
+    from .refusals import ExperimentError
+    from .schelling import Diagram, schelling_diagram
+
+__all__ = ["CrossPlay", "Diagram", "ExperimentError", "cross_play", "find_pool", "schelling_diagram"]
+
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "CrossPlay": "crossplay",
+        "Diagram": "schelling",
+        "ExperimentError": "refusals",
+        "cross_play": "crossplay",
+        "find_pool": "players",
+        "schelling_diagram": "schelling",
+    },
+)

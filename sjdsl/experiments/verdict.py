@@ -1,0 +1,117 @@
+"""Whether a Schelling diagram shows a dilemma, by the intervals of its four contrasts; and how many samples would settle it."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import numpy as np
+from scipy import stats
+
+from sjdsl.experiments.contrasts import JOINT_CONFIDENCE, estimate_contrasts
+from sjdsl.trainers.estimates import Estimate
+
+Outcome = Literal["dilemma", "no dilemma", "undecided"]
+POWER = 0.9  # with which each contrast that decides would be settled, were the means and deviations found the true ones
+MOST = 10**7  # samples: beyond them nothing is settled in practice
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the intervals say."""
+
+    outcome: Outcome
+    fear: bool  # by its lower bound
+    greed: bool  # by its lower bound
+    reason: str  # which bounds decide, in a sentence
+    wanted: int | None = None  # samples in all that would probably settle it; None: it is settled, or no number would
+
+    @property
+    def shape(self) -> str:
+        """Which of fear and greed there is by their lower bounds: `fear and greed`, `fear`, `greed` or `neither`."""
+        return " and ".join(name for name, there in (("fear", self.fear), ("greed", self.greed)) if there) or "neither"
+
+
+def judge(samples: Mapping[str, np.ndarray]) -> Verdict:
+    """Returns the verdict on the samples `[units]` of the contrasts A, B, fear and greed, which holds at 95 %."""
+    found = estimate_contrasts(samples)
+    outcome = outcome_of(found)
+    fear, greed = found["fear"].low > 0, found["greed"].low > 0
+    wanted = samples_wanted(samples) if outcome == "undecided" else None
+    return Verdict(outcome, fear, greed, _reason(outcome, found), wanted)
+
+
+def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
+    """Returns the verdict on intervals: a dilemma by lower bounds, none by upper bounds, else undecided."""
+    a, b, fear, greed = (found[name] for name in ("A", "B", "fear", "greed"))
+    if a.low > 0 and b.low > 0 and (fear.low > 0 or greed.low > 0):
+        return "dilemma"
+    if a.high <= 0 or b.high <= 0 or (fear.high <= 0 and greed.high <= 0):
+        return "no dilemma"
+    return "undecided"
+
+
+def _reason(outcome: Outcome, found: Mapping[str, Estimate]) -> str:
+    above = [name for name, figure in found.items() if figure.low > 0]
+    below = [name for name, figure in found.items() if figure.high <= 0]
+    match outcome:
+        case "dilemma":
+            return f"the lower bounds of {_listed(above)} are above 0"
+        case "no dilemma":
+            return (
+                f"the upper bound of {_listed(below)} is not above 0"
+                if len(below) == 1
+                else f"{_listed(below)} are not above 0 by upper bounds"
+            )
+    return f"0 is inside the interval of {_listed([name for name in found if name not in (*above, *below)])}"
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def samples_wanted(samples: Mapping[str, np.ndarray]) -> int | None:
+    """Returns how many samples in all would probably settle the verdict; None where their spread is unknown, or no number would.
+
+    Were the means and standard deviations found the true ones, each contrast that decides would, with as many samples, be settled with a
+    probability of 90 %.
+    """
+    number = len(samples["A"])
+    if number < 2:
+        return None
+    figures = {name: (float(values.mean()), _deviation(values)) for name, values in samples.items()}
+
+    def settled(count: int) -> bool:
+        narrow = {name: Estimate(mean, *_probable_bounds(mean, spread, count)) for name, (mean, spread) in figures.items()}
+        return outcome_of(narrow) != "undecided"
+
+    return _least(settled, number + 1)
+
+
+def _deviation(values: np.ndarray) -> float:
+    return 0.0 if (values == values[0]).all() else float(values.std(ddof=1))
+
+
+def _probable_bounds(mean: float, deviation: float, count: int) -> tuple[float, float]:
+    """Returns bounds that `count` samples would probably have at least as near to the mean as these are."""
+    margin = (_quantile(count) + float(stats.norm.ppf(POWER))) * deviation / math.sqrt(count) if deviation else 0.0
+    return mean - margin, mean + margin
+
+
+@cache
+def _quantile(count: int) -> float:
+    return float(stats.t.ppf(0.5 + JOINT_CONFIDENCE / 2, count - 1))
+
+
+def _least(holds: Callable[[int], bool], start: int) -> int | None:
+    """Returns the least number from `start` on for which something holds that goes on to hold; None beyond `MOST`."""
+    low, high = start - 1, start
+    while not holds(high):
+        low, high = high, 2 * high
+        if low > MOST:
+            return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high

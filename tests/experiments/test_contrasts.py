@@ -1,0 +1,154 @@
+"""Contrasts and verdicts of returns in closed form, and how often they are right where returns are noisy."""
+
+import numpy as np
+import pytest
+
+from sjdsl.experiments.contrasts import JOINT_CONFIDENCE, Returns, contrast_samples, estimate_contrasts, estimate_lines, preferences
+from sjdsl.experiments.verdict import judge, samples_wanted
+
+DATA_SETS = 2000
+
+
+def returns_of(cooperating: list[float], defecting: list[float], replicates: int = 1, episodes: int = 3) -> Returns:
+    """Returns the same C(l) and D(l) in each episode."""
+    nothing = [np.nan]
+    by_k = np.array([nothing + cooperating, defecting + nothing])
+    cooperators, defectors = np.broadcast_to(by_k[:, :, None, None], (2, len(by_k[0]), replicates, episodes))
+    k, last = np.arange(len(cooperating) + 1)[:, None, None], len(cooperating)
+    everybody = (k * np.nan_to_num(cooperators) + (last - k) * np.nan_to_num(defectors)) / last
+    return Returns(cooperators, defectors, everybody)
+
+
+def verdict_of(returns: Returns) -> tuple[str, str]:
+    found = judge(contrast_samples(returns))
+    return found.outcome, found.shape
+
+
+@pytest.mark.parametrize("players", range(2, 9))
+@pytest.mark.parametrize("episodes", [2, 7])
+def test_linear_public_goods(players: int, episodes: int) -> None:
+    """Each contributes 1, which is multiplied by r and shared: a dilemma exactly if 1 < r < N, with fear and greed alike."""
+    for r in (0.5, 1.0, 1.25, (1 + players) / 2, players - 0.25, float(players), players + 1.0):
+        cooperating = [r * (others + 1) / players - 1 for others in range(players)]
+        defecting = [r * others / players for others in range(players)]
+        found = judge(contrast_samples(returns_of(cooperating, defecting, episodes=episodes)))
+        assert found.outcome == ("dilemma" if 1 < r < players else "no dilemma"), r
+        assert found.shape == ("fear and greed" if r < players else "neither")
+        assert found.wanted is None
+
+
+@pytest.mark.parametrize("players", range(2, 9))
+def test_threshold_public_goods(players: int) -> None:
+    """Everybody has b where k agents at least have paid c: only the agent who makes them k prefers to pay."""
+    b, c = 4.0, 1.0
+    for k in range(1, players + 1):
+        cooperating = [b * (others + 1 >= k) - c for others in range(players)]
+        defecting = [b * (others >= k) for others in range(players)]
+        returns = returns_of(cooperating, defecting)
+        assert [sign for _, sign in preferences(returns)] == ["cooperate" if others == k - 1 else "defect" for others in range(players)]
+        alone, all_needed = k == 1, k == players
+        expected = "no dilemma" if alone else "dilemma"  # one who pays has no less than all who pay
+        assert verdict_of(returns) == (
+            expected,
+            {(False, False): "fear and greed", (False, True): "fear", (True, False): "greed"}[alone, all_needed],
+        )
+
+
+def test_equal_samples_have_an_interval_of_no_width() -> None:
+    """Also those whose mean is rounded: 0.1 three times makes 0.30000000000000004."""
+    returns = returns_of([0.1, 0.7], [0.3, 1.1], episodes=3)
+    for figure in (*estimate_contrasts(contrast_samples(returns)).values(), *estimate_lines(returns, returns.cooperating)):
+        assert figure.low == figure.mean == figure.high
+    assert [figure.mean for figure in estimate_lines(returns, returns.cooperating)] == [0.1, 0.7]
+    seeds = returns_of([0.1, 0.7], [0.3, 1.1], replicates=3, episodes=3)
+    assert [figure.mean for figure in estimate_lines(seeds, seeds.cooperating)] == [0.1, 0.7]
+    assert {figure.high - figure.low for figure in estimate_contrasts(contrast_samples(seeds)).values()} == {0.0}
+
+
+def test_contrasts_that_are_all_zero_are_no_dilemma() -> None:
+    assert verdict_of(returns_of([1.0, 1.0], [1.0, 1.0])) == ("no dilemma", "neither")
+
+
+def test_one_episode_decides_nothing() -> None:
+    found = judge(contrast_samples(returns_of([0.0, 3.0], [1.0, 5.0], episodes=1)))
+    assert (found.outcome, found.wanted) == ("undecided", None)
+
+
+def test_training_seeds_are_the_samples_where_there_are_two() -> None:
+    """Episodes of a seed are averaged first: three seeds that differ by one, whatever their episodes do."""
+    values = np.arange(3.0)[:, None] + np.array([-10.0, 10.0])  # [R, E]
+    cooperators = np.stack([values * np.nan, values, values + 4])
+    defectors = np.stack([values + 1, values + 6, values * np.nan])
+    returns = Returns(cooperators, defectors, values[None].repeat(3, axis=0))
+    assert returns.unit == "training seed"
+    lowest = estimate_lines(returns, returns.cooperating)[0]
+    assert lowest.mean == 1.0
+    assert lowest.high - lowest.mean == pytest.approx(4.302653 / np.sqrt(3))  # t(0.975, 2), standard deviation 1
+    found = contrast_samples(returns)
+    assert {name: samples.tolist() for name, samples in found.items()} == {"A": [3] * 3, "B": [4] * 3, "fear": [1] * 3, "greed": [2] * 3}
+
+
+def noisy(
+    key: np.random.Generator, sets: int, corners: tuple[float, float, float, float], noise: float, units: int
+) -> list[dict[str, np.ndarray]]:
+    """Returns contrasts of data sets of a game of two with payoffs S, R, P, T (C(0), C(1), D(0), D(1)) and Gaussian noise."""
+    drawn = np.array(corners) + noise * key.standard_normal((sets, units, 4))
+
+    def one(c0: np.ndarray, c1: np.ndarray, d0: np.ndarray, d1: np.ndarray) -> dict[str, np.ndarray]:
+        nan = np.full_like(c0, np.nan)
+        returns = Returns(np.stack([nan, c0, c1])[:, None], np.stack([d0, d1, nan])[:, None], np.zeros((3, 1, units)))
+        return contrast_samples(returns)
+
+    return [one(*data.T) for data in drawn]
+
+
+@pytest.mark.parametrize("units", [3, 30])
+def test_the_four_intervals_hold_together(units: int) -> None:
+    """At least 95 % of 2,000 data sets, less three standard errors of such a share."""
+    corners = (0.0, 3.0, 1.0, 5.0)
+    truth = {"A": 2.0, "B": 3.0, "fear": 1.0, "greed": 2.0}
+    held = 0
+    for samples in noisy(np.random.default_rng(units), DATA_SETS, corners, 2.0, units):
+        found = estimate_contrasts(samples)
+        held += all(found[name].low <= value <= found[name].high for name, value in truth.items())
+    assert held / DATA_SETS >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / DATA_SETS)
+    assert pytest.approx(0.9875) == JOINT_CONFIDENCE
+
+
+@pytest.mark.parametrize(("corners", "right"), [((0.0, 1.0, 1.0, 2.0), "no dilemma"), ((1.0, 3.0, 0.0, 3.0), "no dilemma")])
+def test_verdicts_at_the_border_are_seldom_wrong(corners: tuple[float, float, float, float], right: str) -> None:
+    """R = P, and neither fear nor greed (T = R, P < S): the other verdict in at most 5 % of 2,000 data sets."""
+    outcomes = [judge_fast(samples) for samples in noisy(np.random.default_rng(5), DATA_SETS, corners, 1.0, 12)]
+    wrong = sum(outcome not in (right, "undecided") for outcome in outcomes)
+    assert wrong / DATA_SETS <= 0.05
+    assert right in outcomes or "undecided" in outcomes
+
+
+def judge_fast(samples: dict[str, np.ndarray]) -> str:
+    """Returns the outcome without asking how many samples would settle it."""
+    from sjdsl.experiments.verdict import outcome_of
+
+    return outcome_of(estimate_contrasts(samples))
+
+
+def test_the_number_wanted_settles_it_most_often() -> None:
+    """Of data sets as large as was advised, drawn with the means and deviations found, nine tenths to the power of three at least are settled."""
+    key = np.random.default_rng(0)
+    corners = (0.0, 1.5, 1.0, 2.5)
+    pilot = noisy(key, 1, corners, 1.0, 8)[0]
+    exact = {name: (values - values.mean()) / values.std(ddof=1) for name, values in pilot.items()}
+    pilot = {"A": 0.5 + 1.4 * exact["A"], "B": 1.5 + 1.4 * exact["B"], "fear": 1 + 1.4 * exact["fear"], "greed": 1 + 1.4 * exact["greed"]}
+    found = judge(pilot)
+    assert found.outcome == "undecided"
+    assert found.wanted is not None
+    assert found.wanted > 8
+    many = noisy(key, 300, corners, 1.4 / np.sqrt(2), found.wanted)
+    settled = np.mean([judge_fast(samples) == "dilemma" for samples in many])
+    assert settled > 0.9**3 - 3 * np.sqrt(0.25 / 300)
+    few = noisy(key, 300, corners, 1.4 / np.sqrt(2), found.wanted // 3)
+    assert np.mean([judge_fast(samples) == "dilemma" for samples in few]) < settled
+
+
+def test_what_no_number_settles() -> None:
+    tied = {name: np.array([-1.0, 1.0]) for name in ("A", "B", "fear", "greed")}
+    assert samples_wanted(tied) is None
