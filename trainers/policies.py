@@ -18,7 +18,7 @@ from .extensions import find, is_own
 from .masks import masked, wants_masks
 from .partners import NOBODY, Partners, learning_agents
 from .policy_file import Described, PolicyError, policy_path, read_policy
-from .policy_names import KNOWN, split_name
+from .policy_names import split_name, unknown_policy
 from .vdn import best_action, explore, make_action_values
 
 __all__ = [
@@ -77,7 +77,7 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
             return find("policy", name)
         except ConfigError as error:
             raise PolicyError(str(error)) from None
-    raise PolicyError(f"there is no policy `{name}`; a policy is {KNOWN}")
+    raise PolicyError(unknown_policy(name))
 
 
 def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool | None = None) -> Policy:
@@ -159,7 +159,7 @@ def load_policy(
       PolicyError: no such policy, or it cannot be read, or it does not fit `env`.
     """
     path = policy_path(Path(source), which if update is None else update)
-    parameters, described = _read(path, env)
+    parameters, described = read_parameters(path, env)
     return trained_policy(env, described.config, parameters, greedy)
 
 
@@ -173,7 +173,7 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
     if not path.exists():
         raise ConfigError(f"`init_from` must be the folder of a run, RUN@best, RUN@UPDATE, or a .safetensors file; there is no `{name}`")
     file = policy_path(path, which)
-    parameters, described = _read(file, env)
+    parameters, described = read_parameters(file, env)
     differs = [
         f"{key} = {getattr(described.config, key, 'none')} there and {getattr(config, key, 'none')} here"
         for key in SHAPING_NETWORKS
@@ -184,7 +184,7 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
     return parameters
 
 
-def _read(path: Path, env: Environment) -> tuple[Any, Described]:
+def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
     """Returns the parameters of a stored policy and what they are of. Raises PolicyError, also where it does not fit `env`."""
     parameters, described = read_policy(path, lambda config: parameter_shapes(env, config))
     game = described.game

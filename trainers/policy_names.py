@@ -11,6 +11,8 @@ FILE.py:NAME                  a user's function, also by a registered name
 from pathlib import Path
 from typing import Any
 
+from sjdsl.near_names import meant
+
 from .extensions import is_own, lasting, name_of
 
 UNTRAINED = ("random", "stay")  # what needs no file: `sjdsl.runtime.policy.UNTRAINED`
@@ -39,3 +41,9 @@ def might_be_named(name: str) -> bool:
     """Whether a text can be the name of a policy: a word, something that exists, or something of a user's own, found or not."""
     path, _ = split_name(name)
     return name in UNTRAINED or path.exists() or is_own("policy", name)
+
+
+def unknown_policy(name: str) -> str:
+    """Returns what is said of a text that is the name of no policy."""
+    near = meant(name, UNTRAINED, "")
+    return f"there is no policy `{name}`{near or ';'} {'A' if near else 'a'} policy is {KNOWN}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.trainers.policy_names import KNOWN, might_be_named
+from sjdsl.trainers.policy_names import might_be_named, unknown_policy
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -18,9 +18,8 @@ policy_option = click.option("--policy", default="random", show_default=True, me
 
 def check_policy(name: str) -> None:
     """Raises ClickException for what cannot be the name of a policy; needs no JAX."""
-
     if not might_be_named(name):
-        raise click.ClickException(f"there is no policy `{name}`; a policy is {KNOWN}")
+        raise click.ClickException(unknown_policy(name))
 
 
 def choose_policy(name: str, env: "Environment") -> Any:

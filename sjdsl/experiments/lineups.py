@@ -1,0 +1,85 @@
+"""Line-ups: which policy each slot plays, in which mixtures, and in which order an episode seats them.
+
+A line-up is a tuple of N numbers of policies. Of a mixture the order means nothing: it is sorted, and every episode draws its own.
+"""
+
+from functools import partial
+from itertools import combinations_with_replacement
+from math import comb
+
+import jax
+import numpy as np
+from jax import Array
+
+from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.trainers.evaluation import evaluation_key
+
+Lineup = tuple[int, ...]
+
+MOST = 500  # mixtures of one experiment
+ORDERS = 0x6F726472  # "ordr": what is drawn under it is none of what episodes draw
+REPLICATES = 0x40000000  # beyond the numbers of updates, under which a run evaluates
+
+
+def all_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
+    """Returns every way to fill N slots with P policies, whatever the order.
+
+    Raises:
+      ExperimentError: there are more than 500.
+    """
+    number = comb(policies + slots - 1, slots)
+    if number > MOST:
+        raise ExperimentError(
+            f"{policies} policies fill {slots} slots in {number:,} mixtures, and at most {MOST} are played; name fewer policies, or "
+            "choose --mix pairs"
+        )
+    return tuple(combinations_with_replacement(range(policies), slots))
+
+
+def paired_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
+    """Returns the mixtures of two policies of which one has a single slot, and of each policy with itself.
+
+    Raises:
+      ExperimentError: there are more than 500, or no slot is left for a second policy.
+    """
+    if slots < 2:
+        raise ExperimentError("pairs need a game of two agents at least, and this one has one")
+    found = {visiting(one, many, slots) for one in range(policies) for many in range(policies)}
+    if len(found) > MOST:
+        raise ExperimentError(f"{policies} policies make {len(found):,} pairs, and at most {MOST} are played; name fewer policies")
+    return tuple(sorted(found))
+
+
+def visiting(one: int, many: int, slots: int) -> Lineup:
+    """Returns the mixture in which a policy has one slot and another all the rest."""
+    return tuple(sorted([one] + [many] * (slots - 1)))
+
+
+def cooperating(number: int, slots: int) -> Lineup:
+    """Returns the mixture of k cooperators, policy 0, with defectors, policy 1."""
+    return (0,) * number + (1,) * (slots - number)
+
+
+def play_key(seed: int, replicate: int) -> Array:
+    """Returns the key of a replicate's episodes, the same in every line-up; of the first it is that of `sjdsl evaluate`."""
+    return evaluation_key(seed, replicate and REPLICATES + replicate)
+
+
+def orders_of(seed: int, replicate: int, episodes: int, slots: int) -> np.ndarray:
+    """Returns the order `[E, N]` int32 in which each episode gives its slots to a mixture: entry j is the slot of member j.
+
+    It is the same in every mixture, and that of an episode does not depend on how many there are.
+    """
+    key = jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), ORDERS), replicate)
+    draw = jax.jit(jax.vmap(partial(jax.random.permutation, x=slots)))
+    return np.asarray(draw(jax.random.split(key, episodes)), np.int32)
+
+
+def as_given(episodes: int, slots: int) -> np.ndarray:
+    """Returns the order `[E, N]` int32 that leaves a line-up as it is."""
+    return np.broadcast_to(np.arange(slots, dtype=np.int32), (episodes, slots))
+
+
+def key_words(key: Array) -> list[int]:
+    """Returns the words that a key is made of."""
+    return [int(word) for word in jax.random.key_data(key)]

@@ -1,0 +1,141 @@
+"""Plays the line-ups of an experiment, one after the other, and keeps each in the folder as soon as it is played."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sjdsl.experiments.folder import Folder
+from sjdsl.experiments.lineups import Lineup, as_given, key_words, orders_of, play_key
+from sjdsl.experiments.players import Pool, find_pool, player_of, replicates_of
+from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.experiments.stacks import make_player_of_lineups
+from sjdsl.runtime.policy import Policy
+from sjdsl.trainers.environment import Environment
+from sjdsl.trainers.evaluation import Evaluation
+from sjdsl.trainers.run_folder import describe_game, versions
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Line-ups of pools, to be played by R replicates for E episodes each."""
+
+    env: Environment
+    pools: tuple[Pool, ...]
+    lineups: tuple[Lineup, ...]  # of numbers of pools
+    episodes: int
+    seed: int
+    permuted: bool  # each episode draws the slots of a line-up's members
+
+    @property
+    def replicates(self) -> int:
+        """R."""
+        return replicates_of(self.pools)
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said about the policies."""
+        return list(dict.fromkeys(note for pool in self.pools for note in pool.notes))
+
+    def describe(self) -> dict[str, Any]:
+        """Returns all that the results depend on, as JSON values."""
+        return {
+            "game": describe_game(self.env),
+            "versions": versions(),
+            "policies": [pool.describe() for pool in self.pools],
+            "episodes": self.episodes,
+            "seed": self.seed,
+            "keys": [key_words(play_key(self.seed, replicate)) for replicate in range(self.replicates)],
+            "permuted": self.permuted,
+            "notes": self.notes,
+        }
+
+
+@dataclass(frozen=True)
+class Part:
+    """E episodes of a line-up by one replicate."""
+
+    lineup: Lineup
+    replicate: int
+    played: Evaluation
+    order: np.ndarray  # [E, N] int32: entry j is the slot of member j
+
+    @property
+    def returns(self) -> np.ndarray:
+        """`[E, N]` float64: the return of each member of the line-up, in the line-up's order."""
+        return self.by_member(self.played.returns).astype(np.float64)
+
+    def by_member(self, of_slots: np.ndarray) -> np.ndarray:
+        """Returns figures `[E, N]` of slots as those of members."""
+        return np.take_along_axis(of_slots, self.order, axis=1)
+
+
+def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tuple[Pool, ...]:
+    """Returns the pool of each policy; the same for a policy that is named twice."""
+    found: list[tuple[Any, Pool]] = []
+    for policy in policies:
+        same = next((pool for other, pool in found if policy is other or (isinstance(policy, str) and policy == other)), None)
+        found.append((policy, same or find_pool(policy, env)))
+    return tuple(pool for _, pool in found)
+
+
+def play_experiment(experiment: Experiment, asked: Mapping[str, Any], folder: Path | None, tell: Tell) -> list[Part]:
+    """Returns each line-up as every replicate played it, line-up by line-up; what the folder has already is not played again.
+
+    Args:
+      asked: of the experiment, besides what `describe` says.
+      folder: for results; None keeps nothing.
+      tell: called with a line before each line-up that is played.
+    Raises:
+      ExperimentError: the folder holds something else, or a return is not finite. OSError: the disk is full; what was kept stays.
+    """
+    kept = None if folder is None else Folder(folder, {**asked, **experiment.describe()})
+    env, slots = experiment.env, experiment.env.num_agents
+    replicates = range(experiment.replicates)
+    orders = [
+        orders_of(experiment.seed, replicate, experiment.episodes, slots) if experiment.permuted else as_given(experiment.episodes, slots)
+        for replicate in replicates
+    ]
+
+    def players(lineup: Lineup, replicate: int) -> tuple[Any, ...]:
+        return tuple(player_of(experiment.pools[number], replicate) for number in lineup)
+
+    everyone = [players(lineup, replicate) for lineup in experiment.lineups for replicate in replicates]
+    play = make_player_of_lineups(env, everyone, experiment.episodes)
+    parts = []
+    for number, lineup in enumerate(experiment.lineups):
+        for replicate in replicates:
+            name = f"lineup_{number:03d}_replicate_{replicate:02d}"
+            known = kept.find(name) if kept else None
+            if known is None:
+                tell(
+                    f"playing {experiment.episodes} episodes of line-up {number + 1} of {len(experiment.lineups)}{_of(replicate, replicates)}"
+                )
+                order = orders[replicate]
+                known = play(play_key(experiment.seed, replicate), players(lineup, replicate), order), order
+                _check_finite(known[0], name)
+                if kept:
+                    kept.keep(name, *known)
+            parts.append(Part(lineup, replicate, *known))
+    return parts
+
+
+def _of(replicate: int, replicates: range) -> str:
+    return f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
+
+
+def _check_finite(played: Evaluation, name: str) -> None:
+    wrong = np.argwhere(~np.isfinite(played.returns))
+    if len(wrong):
+        episode, agent = wrong[0]
+        raise ExperimentError(f"the return of agent {agent} in episode {episode} of {name} is not finite: no mean can be made of it")
+
+
+def check_episodes(episodes: int) -> None:
+    """Raises ExperimentError unless there is an episode to play."""
+    if episodes < 1:
+        raise ExperimentError(f"at least one episode must be played, not {episodes}")
