@@ -35,10 +35,15 @@ def report_fault(error: Exception) -> int:
     raise error
 
 
-FAULTS_OF_RUNS = {"config_errors": "ConfigError", "policy_file": "PolicyError", "resuming": "RunError"}
+FAULTS_OF_RUNS = {
+    "sjdsl.trainers.config_errors": "ConfigError",
+    "sjdsl.trainers.policy_file": "PolicyError",
+    "sjdsl.trainers.resuming": "RunError",
+    "sjdsl.experiments.refusals": "ExperimentError",
+}
 
 
 def _is_fault_of_a_run(error: Exception) -> bool:
-    """Returns whether a trainer refuses what it was given; such an error exists only once the module that has it is imported."""
-    modules = {name: sys.modules.get(f"sjdsl.trainers.{module}") for module, name in FAULTS_OF_RUNS.items()}
+    """Returns whether a trainer or an experiment refuses what it was given; such an error exists only once the module that has it is imported."""
+    modules = {name: sys.modules.get(module) for module, name in FAULTS_OF_RUNS.items()}
     return any(module is not None and isinstance(error, getattr(module, name)) for name, module in modules.items())

@@ -98,6 +98,8 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         player, said = _stored(name, policy_path(folder, which), env)
         players.append(player)
         notes += said
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
     return Pool(name, tuple(players), tuple(notes))
 
 

@@ -143,6 +143,8 @@ def report_of(found: Diagram) -> dict[str, Any]:
     verdict = found.verdict
     return {
         "format": FORMAT,
+        "cooperators": found.experiment.pools[0].name,
+        "defectors": found.experiment.pools[1].name,
         **found.experiment.describe(),
         "unit": found.returns.unit,
         "units": found.units,

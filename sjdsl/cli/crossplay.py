@@ -1,0 +1,90 @@
+"""`sjdsl crossplay`: what policies earn in each other's company."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from sjdsl.cli.experiments import echo_files, experiment, experiment_options, in_columns, with_bounds
+from sjdsl.cli.policies import NAMES
+
+if TYPE_CHECKING:
+    from sjdsl.experiments import CrossPlay
+
+FILES = ("crossplay.csv", "crossplay.json", "matrix.png")
+
+
+class SeveralPolicies(click.Command):
+    """A command whose `--policies` takes all words up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        spread, listing = [], False
+        for word in args:
+            if word == "--policies":
+                listing = True
+            elif word.startswith("-"):
+                listing = False
+                spread.append(word)
+            else:
+                spread += ["--policies", word] if listing else [word]
+        if listing and args[-1] == "--policies":
+            spread.append("--policies")  # click says that it wants a value
+        return super().parse_args(ctx, spread)
+
+
+@click.command("crossplay", cls=SeveralPolicies)
+@click.argument("game")
+@click.option("--slots", metavar="P,P,...", help="A policy for each slot, in order: one line-up, played as it is.")
+@click.option("--policies", multiple=True, metavar="P P ...", help=f"Instead: policies whose mixtures are played. Each is {NAMES}")
+@click.option(
+    "--mix",
+    type=click.Choice(["all", "pairs"]),
+    default=None,
+    help="all, the default: every mixture over the slots. pairs: one agent of a policy among others of another, and a matrix.",
+)
+@experiment_options
+def command(
+    game: str,
+    slots: str | None,
+    policies: tuple[str, ...],
+    mix: Literal["all", "pairs"] | None,
+    episodes: int,
+    seed: int,
+    output: str | None,
+    **described: Any,
+) -> None:
+    """Plays policies with each other in GAME: in one line-up, or in all mixtures of them.
+
+    Each episode of a mixture draws who has which slot. The folder RUN of several seeds is a pool: seed i of one plays with seed i of the
+    others, and the intervals are over seeds.
+    """
+    context = click.get_current_context(silent=True)
+    if (slots is None) == (not policies):
+        raise click.UsageError("name either --slots, a policy for each slot, or --policies, whose mixtures are played", context)
+    if slots is not None and mix is not None:
+        raise click.UsageError("--mix is for --policies; --slots are one line-up", context)
+    in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
+    folder = Path(output or f"{Path(game).stem}_crossplay")
+    with experiment(game, in_slots or policies, folder, described) as (env, say):
+        from sjdsl.experiments import cross_play
+
+        found = cross_play(
+            env, slots=in_slots, policies=policies or None, mix=mix or "all", episodes=episodes, seed=seed, folder=folder, tell=say
+        )
+    click.echo(_told(found))
+    echo_files(folder, FILES)
+
+
+def _told(found: "CrossPlay") -> str:
+    """Returns what each policy earned in each mixture, as text."""
+    experiment = found.experiment
+    rows = [("mixture", "policy", "return of an agent")]
+    for lineup in experiment.lineups:
+        for number, figure in found.estimates(lineup).items():
+            rows.append((found.mixture(lineup), found.names[number], with_bounds(figure)))
+    over = (
+        f"{experiment.replicates} training seeds"
+        if experiment.replicates > 1
+        else f"{experiment.episodes} episodes, of these policies only"
+    )
+    return f"\n{experiment.env.title or experiment.env.name}: means with 95 % intervals over {over}\n{in_columns(rows)}"

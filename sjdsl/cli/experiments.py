@@ -1,0 +1,65 @@
+"""What the commands that play experiments share: their options, checks before anything is loaded, and tables of estimates."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.policies import check_policy, warnings_as_notes
+from sjdsl.cli.stages import LOADING, Say, stages
+
+if TYPE_CHECKING:
+    from sjdsl.runtime.env import Environment
+    from sjdsl.trainers import Estimate
+
+Command = Callable[..., Any]
+
+
+def experiment_options(command: Command) -> Command:
+    """Adds --episodes, --seed and -o, besides those of an environment; they arrive as `episodes`, `seed`, `output`."""
+    output = click.option("-o", "output", metavar="DIR", help="The folder of the results; the same command goes on with a stopped one.")
+    seed = click.option("--seed", type=SEED, default=0, show_default=True, help="Of the episodes.")
+    episodes = click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True, help="Of each line-up.")
+    return episodes(seed(output(environment_options(command))))
+
+
+@contextmanager
+def experiment(game: str, policies: Sequence[str], folder: Path, described: dict[str, Any]) -> Iterator[tuple["Environment", Say]]:
+    """Yields the environment of a command and what says its stages; refuses before JAX is loaded what can be refused by then."""
+    described["params"] = read_assignments(described["params"])
+    check_environment(game, **described)
+    for policy in policies:
+        check_policy(policy)
+    require_folder_of(folder)
+    with stages(LOADING) as say:
+        env = make_environment(describe_environment(game, **described))
+        try:
+            with warnings_as_notes():
+                yield env, say
+        except KeyboardInterrupt:
+            if folder.is_dir():
+                click.echo(f"what was played is kept in {folder}; the same command goes on with it", err=True)
+            raise
+
+
+def in_columns(rows: Sequence[Sequence[str]]) -> str:
+    """Returns rows of cells as lines, each column as wide as its widest cell."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return "\n".join("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
+
+
+def with_bounds(figure: "Estimate") -> str:
+    """Returns `97.3 [95.1, 99.4]`; the bounds of a single sample are not known."""
+    if not math.isfinite(figure.low):
+        return f"{figure.mean:.4g} [not known]"
+    return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
+
+
+def echo_files(folder: Path, names: Sequence[str]) -> None:
+    """Prints where the results are."""
+    click.echo("\n" + "\n".join(f"{folder / name}" for name in names if (folder / name).is_file()))
