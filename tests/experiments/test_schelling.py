@@ -1,0 +1,160 @@
+"""Schelling diagrams of games whose payoffs are known: exact figures, the right slots, and a stopped one that goes on."""
+
+import json
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+from small_games import OTHER, STAY, matrix_game, public_goods
+
+from sjdsl.experiments import ExperimentError, schelling_diagram
+from sjdsl.experiments.lineups import orders_of, play_key
+from sjdsl.experiments.playing import Experiment, play_experiment
+from sjdsl.experiments.schelling import plan_diagram
+from sjdsl.trainers import evaluate
+
+STEPS = 4
+# S, R, P, T a step, and what they make.
+MATRICES = {
+    None: ((0, 3, 1, 5), "dilemma", "fear and greed"),
+    "stag_hunt": ((0, 4, 1, 3), "dilemma", "fear"),
+    "chicken": ((1, 3, 0, 4), "dilemma", "greed"),
+    "harmony": ((2, 4, 1, 3), "no dilemma", "neither"),
+    "deadlock": ((0, 1, 2, 3), "no dilemma", "fear and greed"),
+}
+
+
+@pytest.mark.parametrize("variant", MATRICES)
+def test_matrix_games_exactly(variant: str | None) -> None:
+    (s, r, p, t), outcome, shape = MATRICES[variant]
+    found = schelling_diagram(matrix_game(variant), STAY, OTHER, episodes=3)
+    for figures, payoffs in ((found.cooperating, (s, r)), (found.defecting, (p, t))):
+        assert [(figure.low, figure.mean, figure.high) for figure in figures] == [(STEPS * payoff,) * 3 for payoff in payoffs]
+    assert [figure.mean for figure in found.everybody] == [STEPS * p, STEPS * (s + t) / 2, STEPS * r]
+    exact = {"A": r - p, "B": r - s, "fear": p - s, "greed": t - r}
+    assert {name: (figure.low, figure.mean, figure.high) for name, figure in found.contrasts.items()} == {
+        name: (STEPS * value,) * 3 for name, value in exact.items()
+    }
+    assert (found.verdict.outcome, found.verdict.shape) == (outcome, shape)
+    assert [sign for _, sign in found.preferences] == ["defect" if value > 0 else "cooperate" for value in (p - s, t - r)]
+
+
+def test_public_goods_exactly() -> None:
+    """Four agents, what is given is doubled: C(l) = 2 (l + 1) / 4 - 1 and D(l) = 2 l / 4 a step, of two steps."""
+    found = schelling_diagram(public_goods(4), STAY, OTHER, episodes=2)
+    assert [figure.mean for figure in found.cooperating] == [2 * (2 * (others + 1) / 4 - 1) for others in range(4)]
+    assert [figure.mean for figure in found.defecting] == [2 * 2 * others / 4 for others in range(4)]
+    assert found.verdict.outcome == "dilemma"
+    assert [figure.high - figure.low for figure in found.everybody] == [0.0] * 5
+
+
+def test_what_a_cooperator_earns_is_in_the_cooperators_line() -> None:
+    """Each is paid by its number, more where it gives, less where it keeps: a slot in the wrong line would show."""
+    env, episodes, seed = public_goods(4, ranked=1.0), 6, 3
+    found = schelling_diagram(env, STAY, OTHER, episodes=episodes, seed=seed)
+    orders = orders_of(seed, 0, episodes, 4)
+    assert len({tuple(order) for order in orders}) > 1
+    for k in range(5):
+        for episode, order in enumerate(orders):
+            share = 2 * k / 4
+            givers = [2 * (share + agent - 1) for agent in order[:k]]
+            keepers = [2 * (share - 100 * agent) for agent in order[k:]]
+            of_givers, of_keepers = found.returns.cooperators[k, 0, episode], found.returns.defectors[k, 0, episode]
+            assert np.isnan(of_givers) if k == 0 else of_givers == np.mean(givers)
+            assert np.isnan(of_keepers) if k == 4 else of_keepers == np.mean(keepers)
+            assert found.returns.everybody[k, 0, episode] == np.mean(givers + keepers)
+
+
+def test_a_policy_against_itself_is_its_evaluation() -> None:
+    """In each line-up the same episodes, which are those that `evaluate` plays."""
+    env = public_goods(3, ranked=1.0)
+    found = schelling_diagram(env, "random", "random", episodes=5, seed=7)
+    played = evaluate(env, jax.jit(lambda key, _: jax.random.randint(key, (3,), 0, 2, np.int32)), play_key(7, 0), 5)
+    for k in range(4):
+        np.testing.assert_array_equal(found.returns.everybody[k, 0], played.returns.mean(axis=1, dtype=np.float64))
+    assert len(set(found.returns.everybody[0, 0])) > 1
+
+
+def test_figures_are_in_the_files(tmp_path: Path) -> None:
+    found = schelling_diagram(matrix_game(), STAY, OTHER, episodes=2, folder=tmp_path / "diagram")
+    stored = json.loads((tmp_path / "diagram/schelling.json").read_text())
+    assert stored["format"] == 1
+    assert (stored["game"]["name"], stored["game"]["hash"]) == ("matrix_game", matrix_game().hash)
+    assert stored["returns"]["cooperators"] == [[[None, None]], [[0.0, 0.0]], [[12.0, 12.0]]]
+    assert stored["returns"]["defectors"] == [[[4.0, 4.0]], [[20.0, 20.0]], [[None, None]]]
+    assert stored["C"] == {"mean": [0.0, 12.0], "low": [0.0, 12.0], "high": [0.0, 12.0]}
+    assert stored["D-C"]["preferred"] == ["defect", "defect"]
+    assert stored["contrasts"]["greed"]["low"] == 8.0
+    assert (stored["verdict"]["outcome"], stored["verdict"]["shape"]) == ("dilemma", "fear and greed")
+    assert (stored["unit"], stored["units"], stored["published"]) == ("episode", 2, None)
+    assert stored["keys"] == [[int(word) for word in jax.random.key_data(play_key(0, 0))]]
+    assert (tmp_path / "diagram/schelling.png").read_bytes().startswith(b"\x89PNG")
+    assert "<svg" in (tmp_path / "diagram/schelling.svg").read_text()
+    assert found.population == "2 episodes, of these policies only"
+
+
+class Stopped(Exception):
+    """Stands for whatever ends a process."""
+
+
+def test_a_stopped_diagram_goes_on_to_the_same_result(tmp_path: Path) -> None:
+    """Stopped after two line-ups, and a file that was cut off besides: what is whole is not played again."""
+    env = public_goods(3)
+
+    def stop(said: str) -> None:
+        if "line-up 3" in said:
+            raise Stopped
+
+    said: list[str] = []
+    schelling_diagram(env, "random", OTHER, episodes=4, folder=tmp_path / "whole")
+    with pytest.raises(Stopped):
+        schelling_diagram(env, "random", OTHER, episodes=4, folder=tmp_path / "stopped", tell=stop)
+    assert not (tmp_path / "stopped/schelling.json").exists()
+    cut = tmp_path / "stopped/parts/lineup_001_replicate_00.json"
+    cut.write_text(cut.read_text()[:50])
+    schelling_diagram(env, "random", OTHER, episodes=4, folder=tmp_path / "stopped", tell=said.append)
+    assert [line.split(" of line-up ")[1] for line in said] == ["2 of 4", "3 of 4", "4 of 4"]
+    for name in ("schelling.json", "schelling.png", "schelling.svg"):
+        assert (tmp_path / "stopped" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+def test_another_experiment_does_not_go_on_in_the_folder(tmp_path: Path) -> None:
+    plan = plan_diagram(matrix_game(), "stay", OTHER, 2, 0)
+    play_experiment(plan, {}, tmp_path / "diagram", lambda _: None)
+    changed = {
+        "episodes 2 there, 3 here": plan_diagram(matrix_game(), "stay", OTHER, 3, 0),
+        "seed 0 there, 1 here": plan_diagram(matrix_game(), "stay", OTHER, 2, 1),
+        "its policies are others": plan_diagram(matrix_game(), "random", OTHER, 2, 0),
+        "game params its payoff are others": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
+    }
+    for message, other in changed.items():
+        with pytest.raises(ExperimentError, match=message):
+            play_experiment(other, {}, tmp_path / "diagram", lambda _: None)
+
+
+def test_a_folder_in_use_is_not_written_to(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to go on with \(notes.txt\)"):
+        schelling_diagram(matrix_game(), STAY, OTHER, episodes=1, folder=tmp_path)
+    with pytest.raises(ExperimentError, match="is a file"):
+        schelling_diagram(matrix_game(), STAY, OTHER, episodes=1, folder=tmp_path / "notes.txt")
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_returns_that_are_not_finite_are_refused() -> None:
+    from tests.trainers.probes import endless_riches
+
+    env = endless_riches()
+    experiment = Experiment(env, plan_diagram(env, STAY, OTHER, 1, 0).pools, ((0, 0),), 1, 0, permuted=False)
+    with pytest.raises(ExperimentError, match="the return of agent 0 in episode 0 of lineup_000_replicate_00 is not finite"):
+        play_experiment(experiment, {}, None, lambda _: None)
+
+
+def test_one_agent_has_no_dilemma() -> None:
+    from tests.trainers.probes import constant
+
+    with pytest.raises(ExperimentError, match="needs two agents at least, and constant has one here"):
+        schelling_diagram(constant(1.0, num_agents=1), STAY, OTHER)
+    with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
+        schelling_diagram(constant(1.0), STAY, OTHER, episodes=0)
