@@ -1,0 +1,105 @@
+"""Pools: the seeds of a run, single policies and functions by their names; what does not fit is refused."""
+
+from pathlib import Path
+
+import pytest
+from small_games import STAY, matrix_game, public_goods
+from stored_policies import store, store_pool
+
+from sjdsl.experiments import ExperimentError, find_pool
+from sjdsl.experiments.players import LEARNING, player_of, replicates_of
+from sjdsl.trainers import PolicyError, PPOConfig, VDNConfig
+
+ACTING = {
+    *("algorithm", "partners", "agent_id", "mask_actions", "network", "network_width", "convolution_sides", "convolution_channels"),
+    *("precision", "critic", "sharing", "roles", "memory", "epsilon_end"),
+}
+
+
+def test_each_key_of_a_configuration_is_of_learning_or_of_acting() -> None:
+    """A key that is forgotten would have different networks computed as one."""
+    assert PPOConfig.model_fields.keys() | VDNConfig.model_fields.keys() == LEARNING | ACTING
+    assert LEARNING.isdisjoint(ACTING)
+
+
+def test_a_run_of_several_seeds_is_a_pool(tmp_path: Path) -> None:
+    env = matrix_game()
+    folder = store_pool(tmp_path / "run", env, (10, 9, 2))
+    pool = find_pool(folder, env)
+    assert (pool.name, [player.seed for player in pool.players], pool.is_trained) == (str(folder), [2, 9, 10], True)
+    assert len({player.digest for player in pool.players}) == 3
+    assert len({player.kind for player in pool.players}) == 1
+    alone = find_pool(f"{folder}/seed_9", env)
+    assert [(player.seed, player.digest) for player in alone.players] == [(9, pool.players[1].digest)]
+    file = find_pool(str(folder / "seed_9/policies/last.safetensors"), env)
+    assert file.players[0].digest == pool.players[1].digest
+
+
+def test_seeds_that_diverged_are_left_out_and_named(tmp_path: Path) -> None:
+    env = matrix_game()
+    folder = store_pool(tmp_path / "run", env, (0, 1, 2), diverged=(1,))
+    with pytest.warns(UserWarning, match="seed 1 of .* is left out: its loss was not finite in update 3"):
+        pool = find_pool(folder, env)
+    assert [player.seed for player in pool.players] == [0, 2]
+    assert len(pool.notes) == 1
+    none_left = store_pool(tmp_path / "none", env, (0,), diverged=(0,))
+    with pytest.raises(ExperimentError, match="the loss of every seed of"):
+        find_pool(none_left, env)
+
+
+def test_names_without_training(tmp_path: Path) -> None:
+    env = matrix_game()
+    (tmp_path / "mine.py").write_text("def betray(key, observation):\n    return observation[:, 0, 0, 0] * 0 + 1\n")
+    own = find_pool(f"{tmp_path}/mine.py:betray", env)
+    assert own.players[0].digest is not None
+    assert [pool.is_trained for pool in (own, find_pool("random", env), find_pool("stay", env), find_pool(STAY, env))] == [False] * 4
+
+
+def test_what_is_no_policy_is_refused(tmp_path: Path) -> None:
+    env = matrix_game()
+    with pytest.raises(PolicyError, match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay"):
+        find_pool("randm", env)
+    with pytest.raises(PolicyError, match="is not the folder of a training run"):
+        find_pool(tmp_path, env)
+    (tmp_path / "begun/seed_0").mkdir(parents=True)
+    (tmp_path / "begun/manifest.json").write_text("{}")
+    (tmp_path / "begun/seed_0/policies").mkdir()
+    with pytest.raises(PolicyError, match="holds no policy yet"):
+        find_pool(tmp_path / "begun", env)
+    store(tmp_path / "one", env, 0)
+    with pytest.raises(PolicyError, match="has no policy called best, but of last"):
+        find_pool(f"{tmp_path}/one@best", env)
+
+
+@pytest.mark.filterwarnings("ignore:.*another form of the game")
+def test_policies_of_another_game_are_refused(tmp_path: Path) -> None:
+    env = matrix_game()
+    for key, value, said in (
+        ("name", "coins", "another game: coins there, matrix_game here"),
+        ("action_names", ["stay", "help"], "other actions: stay, help there, stay, betray here"),
+        ("observation_shape", [2, 2, 3, 3], "other observations: 2, 2, 3, 3 there, 2, 2, 1, 1 here"),
+    ):
+        file = store(tmp_path / key, env, 0, game={key: value})
+        with pytest.raises(ExperimentError, match=f"was trained on {said}"):
+            find_pool(str(file), env)
+
+
+def test_another_form_of_the_game_is_noted(tmp_path: Path) -> None:
+    env = matrix_game()
+    file = store(tmp_path, env, 0, game={"hash": "0123456789abcdef"})
+    with pytest.warns(UserWarning, match="another form of the game: matrix_game 0123456789abcdef"):
+        pool = find_pool(str(file), env)
+    assert "another form of the game" in pool.notes[0]
+
+
+def test_unequal_pools_are_refused(tmp_path: Path) -> None:
+    env = public_goods(3)
+    two, three = (find_pool(store_pool(tmp_path / str(n), env, range(n)), env) for n in (2, 3))
+    one = find_pool(str(store(tmp_path / "one", env, 0)), env)
+    chance = find_pool("random", env)
+    assert [replicates_of(pools) for pools in ([two, two], [three, chance], [one, chance], [chance])] == [2, 3, 1, 1]
+    for pools in ([two, three], [one, two]):
+        with pytest.raises(ExperimentError, match="pools must have equally many seeds"):
+            replicates_of(pools)
+    assert [player_of(three, replicate).seed for replicate in range(3)] == [0, 1, 2]
+    assert player_of(chance, 2) is chance.players[0]
