@@ -1,15 +1,12 @@
 """`sjdsl crossplay`: what policies earn in each other's company."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import click
 
-from sjdsl.cli.experiments import echo_files, experiment, experiment_options, in_columns, with_bounds
+from sjdsl.cli.experiments import echo_files, experiment, experiment_options
 from sjdsl.cli.policies import NAMES
-
-if TYPE_CHECKING:
-    from sjdsl.experiments import CrossPlay
 
 FILES = ("crossplay.csv", "crossplay.json", "matrix.png")
 
@@ -66,25 +63,11 @@ def command(
     in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
     folder = Path(output or f"{Path(game).stem}_crossplay")
     with experiment(game, in_slots or policies, folder, described) as (env, say):
-        from sjdsl.experiments import cross_play
+        from sjdsl.experiments.crossplay import cross_play
+        from sjdsl.experiments.summaries import crossplay_text
 
         found = cross_play(
             env, slots=in_slots, policies=policies or None, mix=mix or "all", episodes=episodes, seed=seed, folder=folder, tell=say
         )
-    click.echo(_told(found))
+    click.echo(crossplay_text(found))
     echo_files(folder, FILES)
-
-
-def _told(found: "CrossPlay") -> str:
-    """Returns what each policy earned in each mixture, as text."""
-    experiment = found.experiment
-    rows = [("mixture", "policy", "return of an agent")]
-    for lineup in experiment.lineups:
-        for number, figure in found.estimates(lineup).items():
-            rows.append((found.mixture(lineup), found.names[number], with_bounds(figure)))
-    over = (
-        f"{experiment.replicates} training seeds"
-        if experiment.replicates > 1
-        else f"{experiment.episodes} episodes, of these policies only"
-    )
-    return f"\n{experiment.env.title or experiment.env.name}: means with 95 % intervals over {over}\n{in_columns(rows)}"

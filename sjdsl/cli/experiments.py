@@ -1,6 +1,5 @@
 """What the commands that play experiments share: their options, checks before anything is loaded, and tables of estimates."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +14,6 @@ from sjdsl.cli.stages import LOADING, Say, stages
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
-    from sjdsl.trainers import Estimate
 
 Command = Callable[..., Any]
 
@@ -45,19 +43,6 @@ def experiment(game: str, policies: Sequence[str], folder: Path, described: dict
             if folder.is_dir():
                 click.echo(f"what was played is kept in {folder}; the same command goes on with it", err=True)
             raise
-
-
-def in_columns(rows: Sequence[Sequence[str]]) -> str:
-    """Returns rows of cells as lines, each column as wide as its widest cell."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return "\n".join("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
-
-
-def with_bounds(figure: "Estimate") -> str:
-    """Returns `97.3 [95.1, 99.4]`; the bounds of a single sample are not known."""
-    if not math.isfinite(figure.low):
-        return f"{figure.mean:.4g} [not known]"
-    return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
 
 
 def echo_files(folder: Path, names: Sequence[str]) -> None:

@@ -6,20 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sjdsl.experiments.diagram import Diagram
+from sjdsl.experiments.mixtures import CrossPlay
 from sjdsl.trainers.estimates import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sjdsl.experiments.crossplay import CrossPlay
-    from sjdsl.experiments.schelling import Diagram
-
 COOPERATORS, DEFECTORS = "tab:blue", "tab:red"
 LEGIBLE = 24  # letters of a policy's name
 
 
-def draw_diagram(found: "Diagram") -> "Figure":
+def draw_diagram(found: Diagram) -> "Figure":
     """Returns both lines over the number of other cooperators, with 95 % bands, and dotted the mean of all agents over k."""
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
     from matplotlib.ticker import MaxNLocator
@@ -33,8 +32,7 @@ def draw_diagram(found: "Diagram") -> "Figure":
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set(xlabel="number of other agents that cooperate", ylabel="return of an agent")
     verdict = found.verdict
-    env = found.experiment.env
-    title = f"{getattr(env, 'title', '') or env.name}: {verdict.outcome}" + (f", {verdict.shape}" if verdict.outcome == "dilemma" else "")
+    title = f"{found.experiment.title}: {verdict.outcome}" + (f", {verdict.shape}" if verdict.outcome == "dilemma" else "")
     axes.set_title(f"{title}\n{found.population}", fontsize="medium")
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
@@ -49,7 +47,7 @@ def _draw_line(axes: "Axes", line: Sequence[Estimate], label: str, colour: str, 
     axes.fill_between(places, np.where(bounded, low, np.nan), np.where(bounded, high, np.nan), color=colour, alpha=0.2, linewidth=0)
 
 
-def draw_matrix(found: "CrossPlay") -> "Figure":
+def draw_matrix(found: CrossPlay) -> "Figure":
     """Returns the mean return of an agent of each row's policy where all others have the column's, as a table of colours."""
     from matplotlib.figure import Figure
 
@@ -63,7 +61,7 @@ def draw_matrix(found: "CrossPlay") -> "Figure":
         axes.text(column, row, f"{value:.4g}", ha="center", va="center", color="black" if value > middle else "white")
     axes.set_xticks(range(len(names)), names, rotation=45, ha="right")
     axes.set_yticks(range(len(names)), names)
-    axes.set(xlabel="policy of all others", ylabel="policy of one agent", title=f"{found.experiment.env.name}: return of the one")
+    axes.set(xlabel="policy of all others", ylabel="policy of one agent", title=f"{found.experiment.title}: return of the one")
     figure.colorbar(shown, shrink=0.7)
     return figure
 

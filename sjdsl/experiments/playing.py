@@ -32,6 +32,11 @@ class Experiment:
     permuted: bool  # each episode draws the slots of a line-up's members
 
     @property
+    def title(self) -> str:
+        """Of the game, or its name where it has none."""
+        return getattr(self.env, "title", "") or self.env.name
+
+    @property
     def replicates(self) -> int:
         """R."""
         return replicates_of(self.pools)

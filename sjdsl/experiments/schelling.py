@@ -1,82 +1,18 @@
-"""Schelling diagrams: what cooperators and defectors earn among k = 0 .. N cooperators, and whether that is a dilemma."""
+"""Schelling diagrams: plays k = 0 .. N cooperators with defectors, and writes what that says of a dilemma."""
 
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from sjdsl.experiments.contrasts import (
-    CONFIDENCE,
-    IN_WORDS,
-    JOINT_CONFIDENCE,
-    Returns,
-    contrast_samples,
-    estimate_contrasts,
-    estimate_lines,
-    preferences,
-)
+from sjdsl.experiments.diagram import Diagram, report_of, returns_of
 from sjdsl.experiments.lineups import cooperating
-from sjdsl.experiments.playing import Experiment, Part, Tell, check_episodes, find_pools, play_experiment
-from sjdsl.experiments.published import published_shape
+from sjdsl.experiments.pictures import draw_diagram, picture_bytes
+from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.result_files import write_compact_json
-from sjdsl.experiments.verdict import Verdict, judge
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
-from sjdsl.trainers.estimates import Estimate
 from sjdsl.trainers.run_files import write_whole
 
-FORMAT = 1  # of schelling.json
 FORMATS = ("png", "svg")
-
-
-@dataclass(frozen=True)
-class Diagram:
-    """A Schelling diagram of N agents. C(l), D(l): mean return of a cooperator, of a defector, when l of the other agents cooperate."""
-
-    experiment: Experiment
-    returns: Returns
-
-    @property
-    def cooperating(self) -> tuple[Estimate, ...]:
-        """C(0) .. C(N-1), each with its own 95 % interval."""
-        return estimate_lines(self.returns, self.returns.cooperating)
-
-    @property
-    def defecting(self) -> tuple[Estimate, ...]:
-        """D(0) .. D(N-1), each with its own 95 % interval."""
-        return estimate_lines(self.returns, self.returns.defecting)
-
-    @property
-    def everybody(self) -> tuple[Estimate, ...]:
-        """Mean return of all agents, by k = 0 .. N."""
-        return estimate_lines(self.returns, self.returns.everybody)
-
-    @property
-    def preferences(self) -> tuple[tuple[Estimate, str], ...]:
-        """D(l) - C(l) for each l, and which an agent prefers: `defect`, `cooperate`, `equal` or `undecided`."""
-        return preferences(self.returns)
-
-    @property
-    def contrasts(self) -> dict[str, Estimate]:
-        """A, B, fear and greed, whose intervals hold at 95 % together."""
-        return estimate_contrasts(contrast_samples(self.returns))
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether it is a dilemma."""
-        return judge(contrast_samples(self.returns))
-
-    @property
-    def units(self) -> int:
-        """How many samples the intervals are of."""
-        return self.experiment.replicates if self.returns.unit == "training seed" else self.experiment.episodes
-
-    @property
-    def population(self) -> str:
-        """What the intervals are about."""
-        return f"{self.units} training seeds" if self.returns.unit == "training seed" else f"{self.units} episodes, of these policies only"
 
 
 def schelling_diagram(
@@ -126,54 +62,8 @@ def plan_diagram(
     return experiment
 
 
-def returns_of(parts: list[Part], slots: int, replicates: int) -> Returns:
-    """Returns the mean returns of both kinds in the line-ups k = 0 .. N, as they were played."""
-    by_member = np.stack([part.returns for part in parts]).reshape(slots + 1, replicates, -1, slots)  # [K, R, E, N]
-
-    def mean(own: np.ndarray) -> np.ndarray:
-        return own.mean(axis=-1) if own.shape[-1] else np.full(own.shape[:-1], np.nan)
-
-    cooperators = np.stack([mean(by_member[k, ..., :k]) for k in range(slots + 1)])
-    defectors = np.stack([mean(by_member[k, ..., k:]) for k in range(slots + 1)])
-    return Returns(cooperators, defectors, by_member.mean(axis=-1))
-
-
-def report_of(found: Diagram) -> dict[str, Any]:
-    """Returns the figures as JSON values."""
-    verdict = found.verdict
-    return {
-        "format": FORMAT,
-        "cooperators": found.experiment.pools[0].name,
-        "defectors": found.experiment.pools[1].name,
-        **found.experiment.describe(),
-        "unit": found.returns.unit,
-        "units": found.units,
-        "returns": {
-            "axes": ["k", "replicate", "episode"],
-            "cooperators": found.returns.cooperators,
-            "defectors": found.returns.defectors,
-            "everybody": found.returns.everybody,
-        },
-        "confidence": CONFIDENCE,
-        "C": _columns(found.cooperating),
-        "D": _columns(found.defecting),
-        "everybody": _columns(found.everybody),
-        "D-C": _columns(tuple(figure for figure, _ in found.preferences)) | {"preferred": [sign for _, sign in found.preferences]},
-        "joint_confidence": JOINT_CONFIDENCE,
-        "contrasts": {contrast: {"what": IN_WORDS[contrast], **asdict(figure)} for contrast, figure in found.contrasts.items()},
-        "verdict": {**asdict(verdict), "shape": verdict.shape},
-        "published": published_shape(found.experiment.env.name),
-    }
-
-
-def _columns(figures: tuple[Estimate, ...]) -> dict[str, list[float]]:
-    return {key: [getattr(figure, key) for figure in figures] for key in ("mean", "low", "high")}
-
-
 def write_diagram(found: Diagram, folder: Path) -> None:
     """Writes `schelling.json`, `schelling.png` and `schelling.svg`, each whole or not at all."""
-    from sjdsl.experiments.pictures import draw_diagram, picture_bytes
-
     write_compact_json(folder / "schelling.json", report_of(found))
     for ending in FORMATS:
         write_whole(folder / f"schelling.{ending}", picture_bytes(draw_diagram(found), ending))

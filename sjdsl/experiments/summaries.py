@@ -1,0 +1,71 @@
+"""The results of experiments as text for a terminal."""
+
+import math
+from collections.abc import Sequence
+
+from sjdsl.experiments.contrasts import IN_WORDS
+from sjdsl.experiments.diagram import Diagram
+from sjdsl.experiments.mixtures import CrossPlay
+from sjdsl.experiments.published import published_shape
+from sjdsl.trainers.estimates import Estimate
+
+
+def diagram_text(found: Diagram) -> str:
+    """Returns the diagram as text: both lines, the contrasts, the verdict, and what was published."""
+    cooperators, defectors = found.experiment.pools
+    lines = [("others who cooperate", "C: cooperating", "D: defecting", "D - C", "preferred")]
+    for others, (c, d, (difference, preferred)) in enumerate(zip(found.cooperating, found.defecting, found.preferences, strict=True)):
+        lines.append((str(others), _with_bounds(c), _with_bounds(d), _with_bounds(difference), preferred))
+    contrasts = [(name, _with_bounds(figure), IN_WORDS[name]) for name, figure in found.contrasts.items()]
+    published = published_shape(found.experiment.env.name)
+    parts = [
+        f"\n{found.experiment.title}: cooperators {cooperators.name}, defectors {defectors.name}; {found.population}",
+        f"mean return of an agent, with 95 % intervals\n{_in_columns(lines)}",
+        f"contrasts, with intervals that hold at 95 % together\n{_in_columns(contrasts)}",
+        f"verdict: {_verdict(found)}",
+    ]
+    if published is not None:
+        note = f" ({published['note']})" if published["note"] else ""
+        parts.append(f"published: {published['shape']}, called a {published['type']}{note}; {published['source']}")
+    return "\n\n".join(parts)
+
+
+def _verdict(found: Diagram) -> str:
+    verdict, unit = found.verdict, found.returns.unit
+    match verdict.outcome:
+        case "dilemma":
+            return f"dilemma, {verdict.shape}: {verdict.reason}"
+        case "no dilemma":
+            return f"no dilemma: {verdict.reason}"
+    if found.units < 2:
+        return f"undecided: one {unit} has no spread; play two at least"
+    wanted = f"about {verdict.wanted:,} {unit}s" if verdict.wanted else f"no number of {unit}s"
+    return f"undecided: {verdict.reason}; {wanted} would probably settle it, and there are {found.units:,}"
+
+
+def crossplay_text(found: CrossPlay) -> str:
+    """Returns what each policy earned in each mixture, as text."""
+    experiment = found.experiment
+    rows = [("mixture", "policy", "return of an agent")]
+    for lineup in experiment.lineups:
+        for number, figure in found.estimates(lineup).items():
+            rows.append((found.mixture(lineup), found.names[number], _with_bounds(figure)))
+    over = (
+        f"{experiment.replicates} training seeds"
+        if experiment.replicates > 1
+        else f"{experiment.episodes} episodes, of these policies only"
+    )
+    return f"\n{experiment.title}: means with 95 % intervals over {over}\n{_in_columns(rows)}"
+
+
+def _in_columns(rows: Sequence[Sequence[str]]) -> str:
+    """Returns rows of cells as lines, each column as wide as its widest cell."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return "\n".join("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
+
+
+def _with_bounds(figure: Estimate) -> str:
+    """Returns `97.3 [95.1, 99.4]`; the bounds of a single sample are not known."""
+    if not math.isfinite(figure.low):
+        return f"{figure.mean:.4g} [not known]"
+    return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"

@@ -1,0 +1,101 @@
+"""`sjdsl crossplay` and `sjdsl schelling` on a small game: what they print and write, and what they refuse before anything is played."""
+
+import json
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import Output, Sjdsl
+
+DIAGRAM = ("schelling", "orchard.sj", "--cooperators", "stay", "--defectors", "random", "--episodes", "3")
+
+
+def test_a_diagram(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl(*DIAGRAM, "--param", "length=4", "--variant", "rich")
+    assert shown.status == 0, shown.text
+    assert "cooperators stay, defectors random; 3 episodes, of these policies only" in shown.out
+    for line in ("others who cooperate  C: cooperating", "contrasts, with intervals that hold at 95 % together", "verdict: "):
+        assert line in shown.out
+    assert [line for line in shown.err.splitlines() if line.startswith("playing")] == [
+        f"playing 3 episodes of line-up {number} of 3" for number in (1, 2, 3)
+    ]
+    assert "orchard_schelling/schelling.json" in shown.out
+    stored = json.loads((folder / "orchard_schelling/schelling.json").read_text())
+    assert (stored["cooperators"], stored["defectors"], stored["episodes"]) == ("stay", "random", 3)
+    assert stored["C"]["mean"] == [0.0, 0.0], "who stays eats nothing"
+
+    again = sjdsl(*DIAGRAM, "--param", "length=4", "--variant", "rich")
+    assert (again.status, again.out) == (0, shown.out)
+    assert "playing" not in again.err
+    other = sjdsl(*DIAGRAM, "--param", "length=5", "--variant", "rich")
+    assert other.status == 1
+    assert "orchard_schelling holds another experiment: game params length 4 there, 5 here" in other.err
+
+
+def test_cross_play_of_pairs(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl("crossplay", "orchard.sj", "--policies", "stay", "random", "--mix", "pairs", "--episodes", "3", "-o", "pairs")
+    assert shown.status == 0, shown.text
+    assert "1 x stay, 1 x random" in shown.out
+    assert {path.name for path in (folder / "pairs").iterdir() if path.is_file()} == {
+        *("experiment.json", "crossplay.csv", "crossplay.json", "matrix.png")
+    }
+
+
+def _refused(shown: Output, status: int, *said: str) -> None:
+    assert shown.status == status, shown.text
+    assert all(words in shown.err for words in said), shown.err
+    assert "playing" not in shown.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (("schelling", "orchrd", "--cooperators", "stay", "--defectors", "random"), 1, "there is no bundled game `orchrd`"),
+        (("schelling", "orchard.sj", "--cooperators", "sty", "--defectors", "random"), 1, "no policy `sty`; did you mean `stay`?"),
+        (("schelling", "orchard.sj", "--cooperators", "stay"), 2, "--defectors"),
+        ((*DIAGRAM, "--variant", "rch"), 1, "rich"),
+        ((*DIAGRAM, "--param", "lngth=4"), 1, "length"),
+        ((*DIAGRAM, "-o", "nowhere/deep"), 1, "there is no folder `nowhere`"),
+        ((*DIAGRAM, "--agents", "9"), 1, "players"),
+        (("crossplay", "orchard.sj"), 2, "name either --slots, a policy for each slot, or --policies"),
+        (("crossplay", "orchard.sj", "--slots", "stay,stay", "--policies", "stay"), 2, "name either --slots"),
+        (("crossplay", "orchard.sj", "--slots", "stay,stay", "--mix", "all"), 2, "--mix is for --policies"),
+        (("crossplay", "orchard.sj", "--policies", "stay", "nobody", "--mix", "all"), 1, "there is no policy `nobody`"),
+        (("crossplay", "orchard.sj", "--policies"), 2, "--policies"),
+    ],
+)
+def test_what_is_refused_at_once(sjdsl: Sjdsl, arguments: tuple[str, ...], status: int, said: str) -> None:
+    shown = sjdsl(*arguments)
+    _refused(shown, status, said)
+    assert "loading JAX" not in shown.err
+
+
+def test_what_is_refused_once_the_game_is_made(sjdsl: Sjdsl, folder: Path) -> None:
+    _refused(sjdsl(*DIAGRAM, "--agents", "1"), 1, "a Schelling diagram needs two agents at least, and orchard has one here")
+    _refused(sjdsl("crossplay", "orchard.sj", "--slots", "stay"), 1, "orchard has 2 slots, and 1 policies are given for them")
+    (folder / "kept").mkdir()
+    (folder / "kept/notes.txt").write_text("mine")
+    _refused(sjdsl(*DIAGRAM, "-o", "kept"), 1, "kept is not empty and holds no experiment to go on with (notes.txt)")
+
+
+@pytest.mark.slow
+def test_a_full_disk(folder: Path, sjdsl: Sjdsl) -> None:
+    """The system refuses what goes beyond so many bytes of a file; what was whole is gone on with."""
+    whole = sjdsl(*DIAGRAM, "-o", "whole")
+    limit = (folder / "whole/experiment.json").stat().st_size + 100
+    program = (
+        "import resource, sys; from sjdsl.cli import main;"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, resource.RLIM_INFINITY)); sys.argv[0] = 'sjdsl'; main()"
+    )
+    command = [sys.executable, "-c", program, *DIAGRAM, "-o", "full"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.splitlines()[-1].startswith("error: full/schelling")
+    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] == resource.RLIM_INFINITY
+    assert len(list((folder / "full/parts").glob("*.json"))) == 3
+    again = sjdsl(*DIAGRAM, "-o", "full")
+    assert "playing" not in again.err
+    assert again.out.replace("full/", "whole/") == whole.out
+    assert (folder / "full/schelling.json").read_bytes() == (folder / "whole/schelling.json").read_bytes()
