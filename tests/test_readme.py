@@ -56,6 +56,12 @@ def test_the_python_lines_of_playing() -> None:
     assert len(names["player"].actions) == 1000
 
 
+@pytest.mark.slow
+def test_the_python_lines_of_experiments(capsys: pytest.CaptureFixture[str]) -> None:
+    exec(block("python", "docs/experiments.md"), {})
+    assert "Estimate(mean=" in capsys.readouterr().out
+
+
 def shown_commands() -> list[tuple[str, str]]:
     """Returns the lines of fenced blocks of all pages that call `sjdsl`, each with its page."""
     found = []

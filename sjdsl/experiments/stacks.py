@@ -98,7 +98,7 @@ def _start(stacks: Sequence[Stack], column_of_slot: Array) -> Any:
 def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array]) -> MemoryPolicy:
     """Returns the policy under which each slot acts by the column of its memory; every player says what all N agents would do."""
     examples = [stack.example() for stack in stacks]
-    playing = [jax.tree.map(lambda leaf, own=own: leaf[own], leaves) for leaves, own in zip(parameters, chosen, strict=True)]  # type: ignore[misc]
+    playing = [_of_players(leaves, own) for leaves, own in zip(parameters, chosen, strict=True)]
     number = sum(stack.at_once for stack in stacks)
 
     def act(memory: Any, key: Array, observation: Array, *allowed: Array) -> tuple[Any, Array]:
@@ -110,7 +110,7 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
             own_keys = keys[first : first + stack.at_once]
             remembered, taken = _act_together(stack, own, before, own_keys, seen)
             after.append(remembered)
-            actions.append(jnp.asarray(taken, jnp.int32))
+            actions.append(taken)
             first += stack.at_once
         by_column = jnp.concatenate(actions)
         return (column_of_slot, tuple(after)), jnp.take_along_axis(by_column, column_of_slot[None], axis=0)[0]
@@ -118,13 +118,21 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
     return MemoryPolicy((), act, any(example.reads_allowed for example in examples))
 
 
+def _of_players(parameters: Any, chosen: Array) -> Any:
+    """Returns the parameters `[M, ...]` of the players that are computed, of all `[G, ...]` of a stack."""
+    return jax.tree.map(lambda leaf: leaf[chosen], parameters)
+
+
 def _act_together(stack: Stack, parameters: Any, memory: Any, keys: Array, seen: tuple[Array, ...]) -> tuple[Any, Array]:
     """Returns the memory `[M, ...]` and the actions `[M, N]` of the M players of a stack that are computed."""
 
     def one(parameters: Any, memory: Any, key: Array) -> tuple[Any, Array]:
-        return with_memory(stack.players[0].policy_of(parameters)).act(memory, key, *seen)
+        after, actions = with_memory(stack.players[0].policy_of(parameters)).act(memory, key, *seen)
+        return after, jnp.asarray(actions, jnp.int32)
 
-    if stack.at_once > 1:
-        return jax.vmap(one)(parameters, memory, keys)
-    first = jax.tree.map(lambda leaf: leaf[0], (parameters, memory))  # a batch of one network would cost a loop over its convolutions
-    return jax.tree.map(lambda leaf: leaf[None], one(*first, keys[0]))
+    if stack.at_once == 1:  # a batch of one network would cost a loop over its convolutions
+        own, before = jax.tree.map(lambda leaf: leaf[0], (parameters, memory))
+        after, actions = one(own, before, keys[0])
+        return jax.tree.map(lambda leaf: leaf[None], after), actions[None]
+    after, actions = jax.vmap(one)(parameters, memory, keys)
+    return after, actions
