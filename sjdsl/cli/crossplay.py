@@ -5,8 +5,8 @@ from typing import Any, Literal
 
 import click
 
-from sjdsl.cli.experiments import echo_files, experiment, experiment_options
-from sjdsl.cli.policies import NAMES
+from sjdsl.cli.experiment_options import echo_files, experiment, experiment_options
+from sjdsl.cli.policies import NAMES, warnings_as_notes
 
 FILES = ("crossplay.csv", "crossplay.json", "matrix.png")
 
@@ -63,11 +63,12 @@ def command(
     in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
     folder = Path(output or f"{Path(game).stem}_crossplay")
     with experiment(game, in_slots or policies, folder, described) as (env, say):
-        from sjdsl.experiments.crossplay import cross_play
+        from sjdsl.experiments.crossplay import plan_cross_play, play_mixtures
         from sjdsl.experiments.summaries import crossplay_text
 
-        found = cross_play(
-            env, slots=in_slots, policies=policies or None, mix=mix or "all", episodes=episodes, seed=seed, folder=folder, tell=say
-        )
+        kind = mix or "all"
+        with warnings_as_notes():
+            planned = plan_cross_play(env, in_slots, policies or None, kind, episodes, seed)
+        found = play_mixtures(planned, kind if in_slots is None else None, folder, say)
     click.echo(crossplay_text(found))
     echo_files(folder, FILES)

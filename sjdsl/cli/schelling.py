@@ -5,8 +5,8 @@ from typing import Any
 
 import click
 
-from sjdsl.cli.experiments import echo_files, experiment, experiment_options
-from sjdsl.cli.policies import NAMES
+from sjdsl.cli.experiment_options import echo_files, experiment, experiment_options
+from sjdsl.cli.policies import NAMES, warnings_as_notes
 
 FILES = ("schelling.json", "schelling.png", "schelling.svg")
 
@@ -24,9 +24,11 @@ def command(game: str, cooperators: str, defectors: str, episodes: int, seed: in
     """
     folder = Path(output or f"{Path(game).stem}_schelling")
     with experiment(game, (cooperators, defectors), folder, described) as (env, say):
-        from sjdsl.experiments.schelling import schelling_diagram
+        from sjdsl.experiments.schelling import plan_diagram, play_diagram
         from sjdsl.experiments.summaries import diagram_text
 
-        found = schelling_diagram(env, cooperators, defectors, episodes=episodes, seed=seed, folder=folder, tell=say)
+        with warnings_as_notes():
+            planned = plan_diagram(env, cooperators, defectors, episodes, seed)
+        found = play_diagram(planned, folder, say)
     click.echo(diagram_text(found))
     echo_files(folder, FILES)

@@ -40,10 +40,14 @@ def cross_play(
     Raises:
       ExperimentError, PolicyError: what does not fit. OSError: the disk is full; what was played stays.
     """
-    experiment = plan_cross_play(env, slots, policies, mix, episodes, seed)
-    asked = {"experiment": "crossplay", "mix": mix if slots is None else None, "lineups": experiment.lineups}
+    return play_mixtures(plan_cross_play(env, slots, policies, mix, episodes, seed), mix if slots is None else None, folder, tell)
+
+
+def play_mixtures(experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell) -> CrossPlay:
+    """Plays what `plan_cross_play` planned; see `cross_play`. `mix`: None for one line-up that was given."""
+    asked = {"experiment": "crossplay", "mix": mix, "lineups": experiment.lineups}
     parts = play_experiment(experiment, asked, None if folder is None else Path(folder), tell)
-    found = CrossPlay(experiment, tuple(parts), mix if slots is None else None)
+    found = CrossPlay(experiment, tuple(parts), mix)
     if folder is not None:
         write_cross_play(found, Path(folder))
     return found

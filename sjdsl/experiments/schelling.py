@@ -40,9 +40,13 @@ def schelling_diagram(
     Raises:
       ExperimentError, PolicyError: what does not fit. OSError: the disk is full; what was played stays.
     """
-    experiment = plan_diagram(env, cooperators, defectors, episodes, seed)
+    return play_diagram(plan_diagram(env, cooperators, defectors, episodes, seed), folder, tell)
+
+
+def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) -> Diagram:
+    """Plays what `plan_diagram` planned; see `schelling_diagram`."""
     parts = play_experiment(experiment, {"experiment": "schelling"}, None if folder is None else Path(folder), tell)
-    found = Diagram(experiment, returns_of(parts, env.num_agents, experiment.replicates))
+    found = Diagram(experiment, returns_of(parts, experiment.env.num_agents, experiment.replicates))
     if folder is not None:
         write_diagram(found, Path(folder))
     return found

@@ -73,6 +73,8 @@ def test_what_is_refused_at_once(sjdsl: Sjdsl, arguments: tuple[str, ...], statu
 
 
 def test_what_is_refused_once_the_game_is_made(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "own.py").write_text("def idle(key, observation):\n    return observation[:, 0, 0, 0]\n")
+    _refused(sjdsl(*DIAGRAM[:-4], "--defectors", "own.py:nobody"), 1, "own.py has no `nobody`")
     _refused(sjdsl(*DIAGRAM, "--agents", "1"), 1, "a Schelling diagram needs two agents at least, and orchard has one here")
     _refused(sjdsl("crossplay", "orchard.sj", "--slots", "stay"), 1, "orchard has 2 slots, and 1 policies are given for them")
     (folder / "kept").mkdir()

@@ -1,4 +1,4 @@
-"""What the commands that play experiments share: their options, checks before anything is loaded, and tables of estimates."""
+"""The options of commands that play policies with each other, and the environment they play in."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment import SEED, check_environment, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment_options import (
+    SEED,
+    check_environment,
+    describe_environment,
+    environment_options,
+    make_environment,
+    read_assignments,
+)
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.policies import check_policy, warnings_as_notes
+from sjdsl.cli.policies import check_policy
 from sjdsl.cli.stages import LOADING, Say, stages
 
 if TYPE_CHECKING:
@@ -37,8 +44,7 @@ def experiment(game: str, policies: Sequence[str], folder: Path, described: dict
     with stages(LOADING) as say:
         env = make_environment(describe_environment(game, **described))
         try:
-            with warnings_as_notes():
-                yield env, say
+            yield env, say
         except KeyboardInterrupt:
             if folder.is_dir():
                 click.echo(f"what was played is kept in {folder}; the same command goes on with it", err=True)
