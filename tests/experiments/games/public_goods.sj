@@ -1,6 +1,6 @@
 sj 1
 game public_goods "Agents who never move give 1, or not; what is given is multiplied and shared" {
-  size players : count = 3 in 2 .. 8
+  size  players    : count  = 3 in 2 .. 8
   param multiplier : reward = 2 in 0 .. 20
   param ranked     : reward = 0 in 0 .. 1
   episode 2
