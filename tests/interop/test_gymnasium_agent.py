@@ -133,5 +133,5 @@ def test_wrong_calls_are_refused() -> None:
         AgentGame("coins", agent=2)
     with pytest.raises(ValueError, match="render_mode is None, human, ansi, rgb_array"):
         AgentGame("coins", render_mode="film")
-    with pytest.raises(PolicyError, match="there is no policy `randm`; did you mean `random`. A policy is random, stay"):
+    with pytest.raises(PolicyError, match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay"):
         AgentGame("coins", others="randm")
