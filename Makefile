@@ -65,6 +65,7 @@ bench: .venv/ready
 	$(BENCH) $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json --plots docs/plots $(PAGE)
 	$(BENCH) $(NINE) --training mlp --repeats 3 $(PAGE)
 	$(BENCH) coins clean_up harvest_open --training mlp,cnn --repeats 3 $(PAGE)
+	$(BENCH) coins clean_up --training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
 	$(BENCH) harvest_open --sweep regrow_3 --values 64 $(PAGE)
 	$(BENCH) pd_arena --sweep payoff --values 64 $(PAGE)
 

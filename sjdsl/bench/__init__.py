@@ -5,10 +5,12 @@ from sjdsl.bench.loop import Task, game_task, yardstick_task
 from sjdsl.bench.sweep import Sweep, measure_sweep
 from sjdsl.bench.timing import Report, Speed, measure
 from sjdsl.bench.training import Training, measure_training
+from sjdsl.bench.training_setups import Setup, training_setups
 
 __all__ = [
     "Compilation",
     "Report",
+    "Setup",
     "Speed",
     "Sweep",
     "Task",
@@ -17,5 +19,6 @@ __all__ = [
     "measure",
     "measure_sweep",
     "measure_training",
+    "training_setups",
     "yardstick_task",
 ]

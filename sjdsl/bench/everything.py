@@ -15,6 +15,7 @@ from sjdsl.bench.resuming import measure_resume
 from sjdsl.bench.stored import Found, read_found, write_found
 from sjdsl.bench.timing import Report, measure
 from sjdsl.bench.training import Training, measure_training
+from sjdsl.bench.training_setups import training_setups
 from sjdsl.runtime.env import Environment
 
 PARTS = "parts.json"  # what was measured, what was not, and why
@@ -87,7 +88,10 @@ def _speed_parts(plan: Plan, tasks: Sequence[Task], observation: str, tell: Call
 
 def _training_part(plan: Plan, env: Environment, network: Any, tell: Callable[[str], object]) -> Part:
     def split() -> Training:
-        return measure_training([env], [network], plan.training_envs, plan.training_steps, plan.repeats, tell)
+        setups, refused = training_setups([env], [network], num_envs=plan.training_envs, num_steps=plan.training_steps)
+        if refused:
+            raise ValueError("; ".join(refused))
+        return measure_training(setups, plan.repeats, tell)
 
     return Part(f"training of {env.name}, {network}", f"training {network}", f"training_{network}.json", split)
 
@@ -157,7 +161,9 @@ def joined(before: Found, found: Found) -> Found:
             device_peak_bytes=max(peaks, default=None),
         )
     if isinstance(before, Training) and isinstance(found, Training):
-        return replace(found, splits=before.splits + found.splits)
+        return replace(
+            found, splits=before.splits + found.splits, hours=before.hours + found.hours, left_out=before.left_out + found.left_out
+        )
     raise TypeError(f"{type(before).__name__} and {type(found).__name__} are not measurements of one sort")
 
 

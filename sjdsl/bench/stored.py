@@ -7,16 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.bench.compilation import Compilation
+from sjdsl.bench.extrapolation import Hours
 from sjdsl.bench.kernels import Kernels, StepKernels
 from sjdsl.bench.resuming import Resume
 from sjdsl.bench.sweep import Sweep
 from sjdsl.bench.timing import Report, Speed
-from sjdsl.bench.training import Split, Training
+from sjdsl.bench.training import Training
+from sjdsl.bench.training_split import Split
 
 Found = Report | Sweep | Training | Kernels | Resume
 
 _SORTS = {sort.__name__.lower(): sort for sort in (Report, Sweep, Training, Kernels, Resume)}
-_ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits": Split, "steps": StepKernels}  # by field
+_ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits": Split, "steps": StepKernels, "hours": Hours}  # by field
 
 
 def write_found(path: Path, found: Found) -> None:
@@ -38,10 +40,10 @@ def read_found(path: Path) -> Found:
 
 
 def _value(name: str, value: Any) -> Any:
-    """Returns what a field holds: rows as their class, lists of numbers as tuples."""
+    """Returns what a field holds: rows as their class, lists of numbers as tuples; a row of an older file may lack what has a default."""
     row = _ROWS.get(name)
     if row is not None and isinstance(value, list):
-        return tuple(row(**{field.name: _tuple(entry[field.name]) for field in dataclasses.fields(row)}) for entry in value)
+        return tuple(row(**{name: _tuple(figure) for name, figure in entry.items()}) for entry in value)
     return _tuple(value)
 
 

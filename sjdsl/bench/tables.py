@@ -6,12 +6,14 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from sjdsl.bench.compilation import Compilation
+from sjdsl.bench.extrapolation import Hours
 from sjdsl.bench.kernels import Kernels
 from sjdsl.bench.resuming import Resume
 from sjdsl.bench.stored import Found
 from sjdsl.bench.sweep import Sweep
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.bench.training import Training
+from sjdsl.bench.training_split import Split
 
 
 class Table(NamedTuple):
@@ -32,6 +34,7 @@ class Form(NamedTuple):
 
 
 FORM = ("game", "agents", "observation")
+TRAINED = ("game", "agents", "network", "algorithm", "sharing")
 
 
 def tables_of(found: Found) -> tuple[Table, ...]:
@@ -40,7 +43,7 @@ def tables_of(found: Found) -> tuple[Table, ...]:
         case Sweep():
             return (sweep_table(found),)
         case Training():
-            return (training_table(found),)
+            return tuple(table for table in (training_table(found), hours_table(found)) if table.rows)
         case Kernels():
             return (kernel_table(found),)
         case Resume():
@@ -53,7 +56,10 @@ def notes_of(found: Found) -> tuple[str, ...]:
     match found:
         case Training():
             rate = f"{found.flops_per_s / 1e9:.0f}"
-            return (f"a float32 matrix product does {rate} GFLOP/s here: the floor is an update's operations at that speed",)
+            return (
+                f"a float32 matrix product does {rate} GFLOP/s here: the floor is an update's operations at that speed",
+                *(f"left out: {line}" for line in found.left_out),
+            )
         case Kernels():
             rate = f"{found.copied_bytes_per_s / 1e9:,.0f}"
             return (
@@ -132,16 +138,41 @@ def training_table(training: Training) -> Table:
         parts = (split.environments, split.rollout, split.learning, split.update)
         played, acted, learnt, whole = (statistics.median(seconds) for seconds in parts)
         shares = (f"{part / whole:.0%}" for part in (played, acted - played, learnt))
-        labels = (split.name, str(split.num_agents), split.network)
-        rate = thousands(split.num_envs * split.num_steps / whole)
         floor = split.flops / training.flops_per_s
-        rows.append(
-            (*labels, f"{split.compile_s:.1f} s", rate, f"{whole:.2f} s", *shares, f"{split.flops / 1e9:.0f}", f"{floor / whole:.0%}")
-        )
-    sizes = {(split.num_envs, split.num_steps) for split in training.splits}
-    each = "; ".join(f"{envs} environments, {steps} steps" for envs, steps in sorted(sizes))
-    headings = ("game", "agents", "network", "compile", "env-steps/s", "update", "environments", "acting", "learning", "GFLOP", "floor")
-    return Table(f"one update of IPPO: {each}", headings, tuple(rows), 3)
+        times = (f"{split.compile_s:.1f} s", thousands(split.env_steps_per_s), _seconds(whole), *shares)
+        rows.append((*_training_labels(split), *times, f"{split.flops / 1e9:.3g}", f"{floor / whole:.0%}"))
+    headings = (*TRAINED, "compile", "env-steps/s", "update", "environments", "acting", "learning", "GFLOP", "floor")
+    return Table(f"one update of {_sizes(training.splits)}", headings, tuple(rows), len(TRAINED))
+
+
+def hours_table(training: Training) -> Table:
+    """Returns the hours that a long run would take at the speed of the updates; without rows unless they were asked for."""
+    rows = []
+    for run in training.hours:
+        hours = (f"{value:,.0f}" if value >= 100 else f"{value:.3g}" for value in (run.hours, run.shortest, run.longest))
+        rows.append((*_training_labels(run), thousands(run.env_steps_per_s), *hours))
+    headings = (*TRAINED, "env-steps/s", "hours, median round", "fastest round", "slowest round")
+    title = f"hours of training for {training.hours_to or 0:,} environment steps of one seed, extrapolated from these updates"
+    return Table(title, headings, tuple(rows), len(TRAINED))
+
+
+def _training_labels(trained: Split | Hours) -> tuple[str, ...]:
+    return trained.name, str(trained.num_agents), trained.network, trained.algorithm, trained.sharing
+
+
+def _sizes(splits: Iterable[Split]) -> str:
+    """Returns `IPPO, MAPPO: 16 environments, 128 steps; VDN: 32 environments, 1 step`."""
+    algorithms: dict[tuple[int, int], dict[str, None]] = {}
+    for split in splits:
+        algorithms.setdefault((split.num_envs, split.num_steps), {})[split.algorithm.upper()] = None
+    return "; ".join(
+        f"{', '.join(names)}: {envs} environments, {steps} step{'s' if steps > 1 else ''}" for (envs, steps), names in algorithms.items()
+    )
+
+
+def _seconds(seconds: float) -> str:
+    """Returns `0.23 s`; of short times three digits, as milliseconds."""
+    return f"{seconds:.2f} s" if seconds >= 0.1 else f"{seconds * 1000:.3g} ms"
 
 
 def kernel_table(kernels: Kernels) -> Table:

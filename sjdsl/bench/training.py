@@ -1,138 +1,118 @@
 """Splits the time of a training update into environment steps, acting and learning, with a lower bound from its matrices."""
 
+import math
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.bench.extrapolation import Hours, hours_to
 from sjdsl.bench.machine import describe_machine
 from sjdsl.bench.timing import race
-from sjdsl.runtime.env import Environment
-from sjdsl.trainers import PPOConfig
+from sjdsl.bench.training_setups import Setup
+from sjdsl.bench.training_split import Split
 
-Network = Literal["mlp", "cnn"]
 SIDE = 2048  # of the square matrices whose product shows what the machine can do
-
-
-@dataclass(frozen=True)
-class Split:
-    """One update of IPPO: `num_envs` environments for `num_steps` steps, then its epochs. Seconds by round.
-
-    `environments`: the same rollout under a policy that costs nothing; `rollout`: with the network; `learning`: the gradient
-    steps alone; `update`: everything. `flops`: what one update's forward and backward passes need, by XLA's count before it optimises.
-    """
-
-    name: str
-    num_agents: int
-    network: Network
-    num_envs: int
-    num_steps: int
-    compile_s: float
-    update: tuple[float, ...]
-    environments: tuple[float, ...]
-    rollout: tuple[float, ...]
-    learning: tuple[float, ...]
-    flops: float
+TIMED = 2048  # environment steps of one timing, at least: an update of one short rollout is over too soon to be timed alone
 
 
 @dataclass(frozen=True)
 class Training:
-    """The updates measured, and the floating-point operations a second of a large float32 matrix product on the same machine."""
+    """The updates measured, and the floating-point operations a second of a large float32 matrix product on the same machine.
+
+    `hours`: of training for `hours_to` environment steps, extrapolated from the updates, in the order of `splits`. `left_out`: what could
+    not be measured, and why.
+    """
 
     machine: dict[str, Any]
     flops_per_s: float
     splits: tuple[Split, ...]
+    hours_to: int | None = None
+    hours: tuple[Hours, ...] = ()
+    left_out: tuple[str, ...] = ()
 
 
 def measure_training(
-    envs: Sequence[Environment],
-    networks: Sequence[Network],
-    num_envs: int,
-    num_steps: int,
+    setups: Sequence[Setup],
     repeats: int = 5,
     tell: Callable[[str], object] = lambda _: None,
+    env_steps: int | None = None,
+    left_out: Sequence[str] = (),
+    keep: Callable[[Training], object] = lambda _: None,
 ) -> Training:
-    """Returns where updates of the environments' training spend their time, network by network."""
-    splits = []
-    for env in envs:
-        for network in networks:
-            tell(f"compiling {env.name}, {network}")
-            splits.append(measure_split(env, network, num_envs, num_steps, repeats))
-    return Training(describe_machine(), matrix_flops_per_s(repeats), tuple(splits))
+    """Returns where updates spend their time; one that does not fit into memory is left out.
+
+    Args:
+      setups: what is trained, of `training_setups`.
+      repeats: rounds.
+      tell: called with a line whenever something is compiled.
+      env_steps: environment steps of the run whose hours are extrapolated; None: no hours.
+      left_out: what cannot be measured, a line each.
+      keep: called with all figures so far whenever there are new ones.
+    """
+    from sjdsl.trainers.compiled import NoMemoryError
+
+    found = Training(describe_machine(), matrix_flops_per_s(repeats), (), env_steps, (), tuple(left_out))
+    for setup in setups:
+        tell(f"compiling {setup}")
+        try:
+            split = measure_split(setup, repeats)
+        except NoMemoryError as error:
+            found = replace(found, left_out=(*found.left_out, f"{setup}: {error}"))
+        else:
+            hours = () if env_steps is None else hours_to(env_steps, [split])
+            found = replace(found, splits=(*found.splits, split), hours=(*found.hours, *hours))
+        keep(found)
+    return found
 
 
-def measure_split(env: Environment, network: Network, num_envs: int, num_steps: int, repeats: int) -> Split:
-    """Returns the parts of one update; all are timed in turn, round by round."""
+def measure_split(setup: Setup, repeats: int) -> Split:
+    """Returns the parts of one update, as a run computes it; all are timed in turn, round by round."""
+    from sjdsl.bench.training_parts import flops_of, idle_rollout
     from sjdsl.trainers import make_train
+    from sjdsl.trainers.compiled import compile_train
 
-    config = PPOConfig(network=network, num_envs=num_envs, num_steps=num_steps, total_timesteps=num_envs * num_steps * 1000)
-    program = make_train(env, config)
-    state = jax.jit(program.init)(jax.random.key(0))
-    began = time.perf_counter()
-    update = jax.jit(program.update).lower(state).compile()
-    compile_s = time.perf_counter() - began
-    collect = jax.jit(program.collect)
-    learn = jax.jit(program.learn)
-    idle = jax.jit(lambda key: play_idle(env, config, state, key))
-    _, played = collect(state)
+    env, config = setup.env, setup.config
+    compiled = compile_train(make_train(env, config), config)
+    idle = jax.jit(idle_rollout(env, config))
+    first = compiled.start()
+    flops, worlds = flops_of(env, config, compiled.parameters(first)), jax.tree.map(jnp.copy, first.worlds)
+    state, played = compiled.collect(first)
+
+    def collect() -> Any:
+        nonlocal state
+        state, found = compiled.collect(state)  # the memory of what it is given is used again
+        return found
+
+    def learn(found: Any) -> Any:
+        nonlocal state
+        state, metrics = compiled.learn(state, found)
+        return metrics
+
+    updates = math.ceil(TIMED / config.steps_per_update)
     loops = [
-        lambda key: _done(update(state.replace(key=key))),
-        lambda key: _done(idle(key)),
-        lambda key: _done(collect(state.replace(key=key))),
-        lambda key: _done(learn(state.replace(key=key), played)),
+        lambda _: _repeated(lambda: learn(collect()), updates),
+        lambda key: _repeated(lambda: idle(worlds, key), updates),
+        lambda _: _repeated(collect, updates),
+        lambda _: _repeated(lambda: learn(played), updates),
     ]
-    rates = race(loops, [1] * len(loops), repeats, lambda _: None)
+    rates = race(loops, [updates] * len(loops), repeats, lambda _: None)
     whole, idle_s, collect_s, learn_s = (tuple(1 / rate for rate in rounds) for rounds in rates)
-    return Split(
-        env.name, env.num_agents, network, num_envs, num_steps, compile_s, whole, idle_s, collect_s, learn_s, flops_of(env, state, config)
-    )
+    sizes = (setup.network, config.num_envs, config.num_steps)
+    return Split(env.name, env.num_agents, *sizes, compiled.seconds, whole, idle_s, collect_s, learn_s, flops, *setup.learning)
 
 
-def play_idle(env: Environment, config: Any, state: Any, key: Array) -> Any:
-    """Returns the rollout of agents that act without a network: it costs what the environments cost."""
-    from sjdsl.trainers.actor_critics import packing_of
-    from sjdsl.trainers.ppo import Acting
-    from sjdsl.trainers.rollout import Actor, collect_rollout
-    from sjdsl.trainers.shaping import make_shaping
-
-    shape = (config.num_envs, env.num_agents)
-
-    def act(worlds: Any, joint: Any, key: Array) -> tuple[Any, Array, Acting]:
-        del joint
-        action = jax.random.randint(key, shape, 0, env.num_actions, jnp.int32)
-        return worlds.memory, action, Acting(jnp.zeros(shape), jnp.zeros(shape))
-
-    actor = Actor(act, packing_of(env).pack, lambda *_: jnp.zeros(shape))
-    return collect_rollout(env, actor, state.worlds, key, config.num_steps, make_shaping(config, env.num_agents))[1]
-
-
-def flops_of(env: Environment, state: Any, config: Any) -> float:
-    """Returns the floating-point operations of an update: a forward pass each step and one at the end, then the gradient steps."""
-    from sjdsl.trainers.actor_critics import make_actor_critics
-
-    networks = make_actor_critics(env, config)
-    params = tuple(learner.params for learner in state.learner)
-
-    def forward(params: Any, steps: int) -> Array:
-        """The networks on so many steps, of one environment or of several: that makes no difference here."""
-        seen = jnp.zeros((1, steps, *env.observation_shape), jnp.uint8)
-        _, logits, values = networks.apply(params, networks.start_memory(steps), seen, None, jnp.zeros((1, steps), bool))
-        return logits.sum() + values.sum()
-
-    minibatch = config.steps_per_update // config.num_minibatches
-    acting = _flops(jax.jit(lambda p: forward(p, config.num_envs)).lower(params))
-    learning = _flops(jax.jit(jax.grad(lambda p: forward(p, minibatch))).lower(params))
-    return acting * (config.num_steps + 1) + learning * config.num_epochs * config.num_minibatches
-
-
-def _flops(lowered: jax.stages.Lowered) -> float:
-    analysis: Any = lowered.cost_analysis()
-    return float(analysis["flops"])
+def _repeated(part: Callable[[], Any], number: int) -> Array:
+    """Returns the first leaf of what the last of so many calls gives, when all is computed."""
+    found = None
+    for _ in range(number):
+        found = part()
+    return jax.tree.leaves(jax.block_until_ready(found))[0]
 
 
 def matrix_flops_per_s(repeats: int) -> float:
@@ -146,8 +126,3 @@ def matrix_flops_per_s(repeats: int) -> float:
         product(matrix, matrix).block_until_ready()
         rates.append(2 * SIDE**3 / (time.perf_counter() - began))
     return statistics.median(rates)
-
-
-def _done(tree: Any) -> Array:
-    """Returns the first leaf when all are computed."""
-    return jax.tree.leaves(jax.block_until_ready(tree))[0]

@@ -1,14 +1,16 @@
 """`sjdsl bench`: measures the speed of games, beside a hand-written game in the same process."""
 
 import shlex
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.bench_everything import Stored, measure_all, read_all, section_of
+from sjdsl.cli.bench_everything import Stored, measure_all, read_all
 from sjdsl.cli.bench_games import choose_tasks
-from sjdsl.cli.bench_options import NETWORKS, OBSERVATIONS, Agents, Counts, Quoting, Words
+from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Quoting, Words, flat
+from sjdsl.cli.bench_training import Asked, asked_of, plan_training, training_options, with_hours
 from sjdsl.cli.game_file import variant_option
 from sjdsl.cli.stages import stages
 from sjdsl.games_folder import bundled
@@ -19,16 +21,17 @@ if TYPE_CHECKING:
     from sjdsl.cli.bench_output import Outputs
     from sjdsl.runtime.env import Encoding
 
+Planned = tuple[str, Callable[[Callable[[str], object]], Any]]  # which section of a page, and the measurement
 RACED = (1, 128, 1024, 4096)  # environments
 SWEPT = (16,)  # of each value
-TRAINED = (16,)
-ROLLOUT = 128  # steps
 
 
 @click.command("bench", cls=Quoting)
 @click.argument("games", nargs=-1, metavar="[GAME...]")
 @click.option(
-    "--envs", type=Counts(), help="Numbers of environments at once: 1,128,1024,4096; in a sweep, of each value: 16; in training: 16."
+    "--envs",
+    type=Counts(),
+    help="Numbers of environments at once: 1,128,1024,4096; in a sweep, of each value: 16; in training: 16, of vdn 32.",
 )
 @click.option(
     "--observation", "observations", type=Words(OBSERVATIONS), multiple=True, help="tokens (the default), onehot or tokens,onehot."
@@ -38,13 +41,13 @@ ROLLOUT = 128  # steps
 @click.option(
     "--steps",
     type=click.IntRange(min=1),
-    help="Steps of one timing; by default about 40,000 environment steps; of a rollout in training: 128.",
+    help="Steps of one timing; by default about 40,000 environment steps; of a rollout in training: 128, of vdn 1.",
 )
 @click.option(
     "--sweep", metavar="PARAM", help="Instead: a sweep over a parameter of one GAME, in one program and in one program for each value."
 )
 @click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="Number of values.")
-@click.option("--training", "networks", type=Words(NETWORKS), metavar="NETWORKS", help="Instead: an update of IPPO: mlp, cnn or mlp,cnn.")
+@training_options
 @click.option(
     "--everything",
     "folder",
@@ -60,6 +63,7 @@ ROLLOUT = 128  # steps
 @click.pass_context
 def command(
     context: click.Context,
+    /,
     games: tuple[str, ...],
     envs: tuple[int, ...] | None,
     observations: "tuple[tuple[Encoding, ...], ...]",
@@ -68,7 +72,6 @@ def command(
     steps: int | None,
     sweep: str | None,
     values: int,
-    networks: tuple[Any, ...],
     folder: str | None,
     minutes: float,
     stored: str | None,
@@ -76,6 +79,7 @@ def command(
     page: str | None,
     plots: str | None,
     variant: str | None,
+    **training: Any,
 ) -> None:
     """Measures environment steps a second under random actions: all bundled games, or the GAMEs named.
 
@@ -84,47 +88,75 @@ def command(
     """
     import jax
 
-    from sjdsl.bench.loop import steps_for
     from sjdsl.bench.stored import write_found
     from sjdsl.cli.bench_output import Outputs
 
     said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
-    outputs = Outputs(page, plots)
+    outputs, asked = Outputs(page, plots), asked_of(training)
+    asked.check(stored is not None)
+
+    def keep(found: "Found") -> None:
+        if json_file:
+            write_found(Path(json_file), found)
+
     if stored:
-        _show_stored(Path(stored), outputs, said)
+        _show_stored(Path(stored), outputs, said, asked, keep)
         return
     compile_everything_anew()
-    seen = tuple(dict.fromkeys(word for words in observations for word in words)) or (OBSERVATIONS if folder else ("tokens",))
-    numbers = envs or (SWEPT if sweep else TRAINED if networks else RACED)
-    _refuse_mixtures(context, games, seen, agents, numbers, sweep, networks, plots, folder)
+    seen = flat(observations) or (OBSERVATIONS if folder else ("tokens",))
+    _refuse_mixtures(
+        context, games, seen, agents, envs or ((1,) if asked.networks or sweep else RACED), sweep, asked.networks, plots, folder
+    )
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
     if folder:
         measure_all(games or bundled(), tasks, envs, repeats, minutes, Path(folder), said)
         return
-    from sjdsl.bench import measure, measure_sweep, measure_training
-
-    what = f"sweep {tasks[0].name} {sweep}" if sweep else f"training {','.join(networks)}" if networks else "speed"
-    outputs.check(f"{what} {jax.default_backend()}")
-    found: Found
+    if asked.networks:
+        what, measured = plan_training(asked, tasks, envs[0] if envs else None, steps, repeats, keep)
+    elif sweep:
+        what, measured = _plan_sweep(tasks[0], sweep, values, (envs or SWEPT)[0], repeats, steps)
+    else:
+        what, measured = _plan_race(tasks, envs or RACED, repeats, steps)
+    section = f"{what} {jax.default_backend()}"
+    outputs.check(section)
     with stages("compiling") as tell:
-        if networks:
-            trained = [task.env for task in tasks if task.env is not None]
-            found = measure_training(trained, networks, numbers[0], steps or ROLLOUT, repeats, tell)
-        elif sweep:
-            found = measure_sweep(tasks[0], sweep, _swept(tasks[0], sweep, values), numbers[0], repeats, steps, tell=tell)
-        else:
-            found = measure(tasks, numbers, repeats, lambda n: steps or steps_for(n), tell)
-    if json_file:
-        write_found(Path(json_file), found)
-    outputs.show(Stored(section_of(found), found, said, tuple(refused)))
+        found = measured(tell)
+    keep(found)
+    outputs.show(Stored(section, found, said, tuple(refused)))
 
 
-def _show_stored(path: Path, outputs: "Outputs", said: str) -> None:
+def _plan_sweep(task: "Task", param: str, values: int, num_envs: int, repeats: int, steps: int | None) -> Planned:
+    """Returns what is measured and its measurement. Raises ClickException for a parameter the game does not have, or too many values."""
+    from sjdsl.bench import measure_sweep
+    from sjdsl.bench.sweep import swept_params
+
+    assert task.env is not None
+    try:
+        swept = swept_params(task.env, param, values)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    return f"sweep {task.name} {param}", lambda tell: measure_sweep(task, param, swept, num_envs, repeats, steps, tell=tell)
+
+
+def _plan_race(tasks: "Sequence[Task]", num_envs: Sequence[int], repeats: int, steps: int | None) -> Planned:
+    """Returns what is measured and its measurement."""
+    from sjdsl.bench import measure
+    from sjdsl.bench.loop import steps_for
+
+    return "speed", lambda tell: measure(tasks, num_envs, repeats, lambda number: steps or steps_for(number), tell)
+
+
+def _show_stored(path: Path, outputs: "Outputs", said: str, asked: Asked, keep: "Callable[[Found], None]") -> None:
     """Makes the tables of figures that were measured before."""
     kept = tuple(read_all(path, said))
+    if asked.hours is not None and not any(hasattr(figures.found, "splits") for figures in kept):
+        raise click.ClickException(f"{path} holds no figures of training, from which --hours could be extrapolated")
     outputs.check(*(figures.section for figures in kept))
     for figures in kept:
-        outputs.show(figures)
+        found = with_hours(figures.found, asked.hours)
+        outputs.show(figures._replace(found=found))
+        if not path.is_dir():
+            keep(found)
 
 
 def compile_everything_anew() -> None:
@@ -158,14 +190,3 @@ def _refuse_mixtures(
         raise click.UsageError("--sweep and --training are measured one at a time", context)
     if networks and (seen != ("tokens",) or len(numbers) > 1 or plots):
         raise click.UsageError("training is measured with tokens, at one number of environments, without plots", context)
-
-
-def _swept(task: "Task", param: str, number: int) -> "list[Any]":
-    """Returns the values of a sweep. Raises ClickException for a parameter the game does not have, or too many values."""
-    from sjdsl.bench.sweep import swept_params
-
-    assert task.env is not None
-    try:
-        return swept_params(task.env, param, number)
-    except ValueError as error:
-        raise click.ClickException(str(error)) from None

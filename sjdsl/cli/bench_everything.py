@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
+from sjdsl.cli.bench_training import training_section
+
 if TYPE_CHECKING:
     from sjdsl.bench import Task
     from sjdsl.bench.everything import Done
@@ -86,7 +88,7 @@ def section_of(found: "Found") -> str:
         case Sweep():
             what = f"sweep {found.name} {found.param}"
         case Training():
-            what = f"training {','.join(dict.fromkeys(split.network for split in found.splits))}"
+            what = training_section([(split.network, split.algorithm, split.sharing) for split in found.splits])
         case Kernels():
             what = "kernels"
         case Resume():

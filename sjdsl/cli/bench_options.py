@@ -1,6 +1,7 @@
 """Parses the options of `sjdsl bench`."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -8,7 +9,10 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Encoding
 
 OBSERVATIONS: tuple["Encoding", "Encoding"] = ("tokens", "onehot")
+Word = TypeVar("Word", bound=str)
 NETWORKS = ("mlp", "cnn")
+ALGORITHMS = ("ippo", "mappo", "vdn")
+SHARINGS = ("shared", "per_agent", "by_role")
 
 
 class Counts(click.ParamType["tuple[int, ...]"]):
@@ -36,19 +40,39 @@ class Agents(click.ParamType["tuple[int | None, ...]"]):
 
 
 class Words(click.ParamType["tuple[str, ...]"]):
-    """`tokens,onehot` as words, out of two."""
+    """`tokens,onehot` as words, out of those that are known."""
 
     name = "words"
 
-    def __init__(self, known: tuple[str, str]) -> None:
+    def __init__(self, known: tuple[str, ...]) -> None:
         self.known = known
 
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
         parts = tuple(part.strip() for part in value.split(","))
         if not set(parts) <= set(self.known):
-            one, other = self.known
-            self.fail(f"`{value}` is not `{one}`, `{other}` or `{one},{other}`", param, ctx)
+            each = ", ".join(f"`{word}`" for word in self.known)
+            self.fail(f"`{value}` is not {each} or `{','.join(self.known[:2])}`", param, ctx)
         return tuple(dict.fromkeys(parts))
+
+
+class Steps(click.ParamType[int]):
+    """`1e9` or `1000000000` as a whole number above 0."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        try:
+            number = float(value)
+        except ValueError:
+            number = 0.0
+        if number < 1 or not number.is_integer():
+            self.fail(f"`{value}` is not a whole number of environment steps such as 1e9", param, ctx)
+        return int(number)
+
+
+def flat(words: Iterable[tuple[Word, ...]]) -> tuple[Word, ...]:
+    """Returns the words of an option that may be given several times, each once."""
+    return tuple(dict.fromkeys(word for several in words for word in several))
 
 
 class Quoting(click.Command):

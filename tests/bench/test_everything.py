@@ -10,11 +10,12 @@ import pytest
 
 from sjdsl.bench import Compilation, Report, Speed, Sweep, Training, game_task
 from sjdsl.bench.everything import Part, Plan, joined, measure_everything, parts_of, read_parts, spread
+from sjdsl.bench.extrapolation import hours_to
 from sjdsl.bench.kernels import Kernels, StepKernels
 from sjdsl.bench.resuming import Resume, differences
 from sjdsl.bench.stored import Found, read_found, write_found
 from sjdsl.bench.tables import tables_of
-from sjdsl.bench.training import Split
+from sjdsl.bench.training_split import Split
 from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
 
@@ -26,7 +27,8 @@ def speeds(num_envs: int, peak: int | None = None) -> Report:
     return Report(MACHINE, 3, (speed,), (Compilation("meadow", 2, "tokens", 1.5, 10, {"sort": 0}),), peak)
 
 
-TRAINING = Training(MACHINE, 1e9, (Split("meadow", 2, "mlp", 4, 8, 1.0, (1.0, 2.0), (0.1,), (0.2,), (0.3,), 1e6),))
+SPLIT = Split("meadow", 2, "mlp", 4, 8, 1.0, (1.0, 2.0), (0.1,), (0.2,), (0.3,), 1e6, "mappo", "per_agent")
+TRAINING = Training(MACHINE, 1e9, (SPLIT,), 10**9, hours_to(10**9, [SPLIT]), ("meadow, mlp, vdn, shared: no memory",))
 KERNELS = Kernels(MACHINE, 4e9, (StepKernels("meadow", 2, "tokens", 1000, 12, 5000.0, 2000.0, (1e-3,)),))
 RESUME = Resume(MACHINE, "meadow", 40, 20, "--flag", ("loss",), 3.0)
 SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5), 10, (1.0, 3.0), (2e5, 2e5), 1.5, (5e5, 5e5))

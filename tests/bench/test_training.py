@@ -4,56 +4,152 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
+import jax
 import pytest
 
-from sjdsl.bench import Training, measure_training
-from sjdsl.bench.tables import training_table
+from sjdsl.bench import Training, measure_training, training_setups
+from sjdsl.bench.extrapolation import hours_to
+from sjdsl.bench.stored import read_found
+from sjdsl.bench.tables import tables_of, training_table
+from sjdsl.bench.training_parts import flops_of, idle_rollout
+from sjdsl.bench.training_split import Split
 from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
+from sjdsl.trainers import make_train
 
 ENVS, STEPS, WIDTH = 4, 8, 64
+LEARNERS = [("ippo", "shared"), ("ippo", "per_agent"), ("mappo", "shared"), ("mappo", "per_agent"), ("vdn", "shared")]
 
 
 @pytest.fixture(scope="module")
 def training(meadow_env: Environment) -> Training:
-    return measure_training([meadow_env], ["mlp"], ENVS, STEPS, repeats=2)
+    setups, refused = training_setups([meadow_env], ["mlp"], ["ippo", "vdn"], num_envs=ENVS, num_steps=STEPS)
+    return measure_training(setups, repeats=2, env_steps=10**6, left_out=refused)
 
 
 @pytest.mark.slow
 def test_every_part_is_timed_in_every_round(training: Training) -> None:
-    (split,) = training.splits
-    for seconds in (split.update, split.environments, split.rollout, split.learning):
-        assert len(seconds) == 2
-        assert min(seconds) > 0
-    assert split.compile_s > 0
+    assert [(split.algorithm, split.sharing) for split in training.splits] == [("ippo", "shared"), ("vdn", "shared")]
+    for split in training.splits:
+        for seconds in (split.update, split.environments, split.rollout, split.learning):
+            assert len(seconds) == 2
+            assert min(seconds) > 0
+        assert split.compile_s > 0
     assert training.flops_per_s > 0
+    assert [row.algorithm for row in training.hours] == ["ippo", "vdn"]
     assert json.loads(json.dumps(asdict(training)))["splits"][0]["network"] == "mlp"
 
 
-@pytest.mark.slow
-def test_operations_are_those_of_the_matrices(training: Training, meadow_env: Environment) -> None:
-    """Forward: 2 operations an entry of each matrix and sample. A gradient step: forward, and twice that backward, but for the inputs."""
-    inputs = len(meadow_env.channel_names) * 2 * 3
-    entries = inputs * WIDTH + 2 * WIDTH * WIDTH + WIDTH * (meadow_env.num_actions + 1)
-    samples = ENVS * STEPS * meadow_env.num_agents
-    forward = 2 * entries * ENVS * meadow_env.num_agents * (STEPS + 1)
-    backward = 2 * (3 * entries - inputs * WIDTH) * samples * 2  # epochs
-    assert training.splits[0].flops == pytest.approx(forward + backward, rel=0.1)
+def matrices(env: Environment) -> tuple[int, int]:
+    """Returns the entries of the layer that reads a window, and of a hidden layer of a head."""
+    inputs = len(env.channel_names) * 2 * 3
+    return inputs * WIDTH, WIDTH * WIDTH
+
+
+def operations(samples: int, first: int, rest: int, gradient: bool) -> int:
+    """Forward: 2 operations an entry of each matrix and sample. With the gradient twice that more, but for the inputs."""
+    return 2 * samples * (3 * (first + rest) - first if gradient else first + rest)
+
+
+@pytest.mark.parametrize(("algorithm", "sharing"), LEARNERS)
+def test_operations_are_those_of_the_matrices(meadow_env: Environment, algorithm: str, sharing: str) -> None:
+    """Who shares does not matter. Of mappo the critic is a network of its own that sees the windows of both agents."""
+    (setup,), _ = training_setups([meadow_env], ["mlp"], [algorithm], [sharing], ENVS, STEPS)
+    program = make_train(meadow_env, setup.config)
+    parameters = program.parameters(jax.eval_shape(program.init, jax.random.key(0)))
+    first, hidden = matrices(meadow_env)
+    actions, agents = meadow_env.num_actions, meadow_env.num_agents
+    if algorithm == "ippo":
+        sides = [(first, 2 * hidden + WIDTH * (actions + 1), agents)]
+    else:
+        sides = [(first, hidden + WIDTH * actions, agents)]
+    if algorithm == "mappo":
+        critics = 1 if sharing == "shared" else agents
+        sides += [(agents * first, hidden + WIDTH * agents // critics, critics)]
+    expected = 0
+    for own, rest, each in sides:
+        if algorithm == "vdn":
+            expected += operations(ENVS * STEPS * each, own, rest, False)
+            expected += 4 * sum(operations(128 * each, own, rest, gradient) for gradient in (True, False))  # the target has no gradient
+        else:
+            expected += operations(ENVS * (STEPS + 1) * each, own, rest, False)
+            expected += 2 * operations(ENVS * STEPS * each, own, rest, True)  # epochs
+    assert flops_of(meadow_env, setup.config, parameters) == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize("algorithm", ["ippo", "vdn"])
+def test_a_rollout_without_a_network_has_the_same_steps(meadow_env: Environment, algorithm: str) -> None:
+    (setup,), _ = training_setups([meadow_env], ["mlp"], [algorithm], num_envs=ENVS, num_steps=STEPS)
+    key = jax.random.key(0)
+    worlds = jax.eval_shape(make_train(meadow_env, setup.config).init, key).worlds
+    assert jax.eval_shape(idle_rollout(meadow_env, setup.config), worlds, key).reward.shape == (STEPS, ENVS, meadow_env.num_agents)
+
+
+def test_what_is_measured(meadow_env: Environment) -> None:
+    """Every combination, vdn once; its rollouts are those of its configuration; a game without roles has no teams by role."""
+    setups, refused = training_setups([meadow_env], ["mlp", "cnn"], ["ippo", "vdn"], ["shared", "per_agent", "by_role"])
+    assert [(setup.network, *setup.learning) for setup in setups] == [
+        (network, *learner) for network in ("mlp", "cnn") for learner in (("ippo", "shared"), ("ippo", "per_agent"), ("vdn", "shared"))
+    ]
+    sizes = {setup.learning[0]: (setup.config.num_envs, setup.config.num_steps) for setup in setups}
+    assert sizes == {"ippo": (16, 128), "vdn": (32, 1)}
+    assert [line.split(": ")[0] for line in refused] == ["meadow, mlp, ippo, by_role", "meadow, cnn, ippo, by_role"]
+    assert "no lasting roles" in refused[0]
+    (odd,), refused = training_setups([meadow_env], ["mlp"], ["ippo", "vdn"], num_envs=3, num_steps=5)
+    assert (odd.learning[0], odd.config.steps_per_update) == ("vdn", 15), "its buffer is rounded up to whole updates"
+    assert "cannot be split into num_minibatches = 8" in refused[0]
+
+
+def split_of(update: tuple[float, ...], **other: str) -> Split:
+    return Split("meadow", 2, "mlp", 4, 8, 1.0, update, (0.1,), (0.2,), (0.3,), 1e6, **other)
+
+
+def test_hours_are_those_of_the_updates() -> None:
+    """32 steps take a second: 1e9 of them 1e9 / 32 / 3600 hours."""
+    (found,) = hours_to(10**9, [split_of((1.0, 2.0, 0.5), algorithm="mappo", sharing="per_agent")])
+    assert found.hours == pytest.approx(1e9 / 32 / 3600)
+    assert (found.shortest, found.longest) == pytest.approx((found.hours / 2, found.hours * 2))
+    assert (found.algorithm, found.sharing, found.env_steps_per_s) == ("mappo", "per_agent", 32.0)
+    measured = Training({"platform": "cpu"}, 1e9, (split_of((1.0,)),), 10**9, hours_to(10**9, [split_of((1.0,))]))
+    updates, hours = tables_of(measured)
+    assert updates.title == "one update of IPPO: 4 environments, 8 steps"
+    assert hours.title == "hours of training for 1,000,000,000 environment steps of one seed, extrapolated from these updates"
+    assert hours.rows == (("meadow", "2", "mlp", "ippo", "shared", "0.032k", "8,681", "8,681", "8,681"),)
+
+
+def test_figures_without_an_algorithm_are_of_ippo(tmp_path: Path) -> None:
+    """Files that were written before there was a choice; hours to any number of steps are made of them."""
+    row = asdict(split_of((1.0,)))
+    del row["algorithm"], row["sharing"]
+    machine = {"platform": "cpu", "device": "a device", "cpu_cores": 2, "python": "3", "jax": "0", "compilation_cache": False}
+    file, made = tmp_path / "old.json", tmp_path / "new.json"
+    file.write_text(json.dumps({"sort": "training", "machine": machine, "flops_per_s": 1e9, "splits": [row]}))
+    assert read_found(file) == Training(machine, 1e9, (split_of((1.0,)),))
+    assert run(["bench", "--from", str(file), "--hours", "1e9", "--json", str(made)]) == 0
+    stored = json.loads(made.read_text())
+    assert (stored["hours_to"], stored["hours"][0]["hours"]) == (10**9, pytest.approx(1e9 / 32 / 3600))
 
 
 @pytest.mark.slow
 def test_the_table_has_the_parts(training: Training) -> None:
     table = training_table(training)
     assert all(len(row) == len(table.headings) for row in table.rows)
-    assert table.rows[0][:3] == ("meadow", "2", "mlp")
+    assert [row[:5] for row in table.rows] == [("meadow", "2", "mlp", "ippo", "shared"), ("meadow", "2", "mlp", "vdn", "shared")]
+    assert table.title == "one update of IPPO, VDN: 4 environments, 8 steps"
 
 
 @pytest.mark.slow
 def test_on_the_command_line(meadow: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     figures = tmp_path / "figures.json"
-    assert run(["bench", str(meadow), "--training", "mlp", "--envs", "2", "--steps", "4", "--repeats", "1", "--json", str(figures)]) == 0
-    assert "one update of IPPO: 2 environments, 4 steps" in capsys.readouterr().out
-    assert json.loads(figures.read_text())["splits"][0]["num_steps"] == 4
+    asked = ["--training", "mlp", "--algorithm", "mappo", "--sharing", "per_agent,by_role", "--hours", "1e6"]
+    assert run(["bench", str(meadow), *asked, "--envs", "2", "--steps", "4", "--repeats", "1", "--json", str(figures)]) == 0
+    shown = capsys.readouterr().out
+    assert "one update of MAPPO: 2 environments, 4 steps" in shown
+    assert "extrapolated" in shown
+    assert "left out: meadow, mlp, mappo, by_role:" in shown
+    stored = json.loads(figures.read_text())
+    assert [(row["algorithm"], row["sharing"], row["num_steps"]) for row in stored["splits"]] == [("mappo", "per_agent", 4)]
+    assert stored["hours"][0]["longest"] >= stored["hours"][0]["hours"] > 0
 
 
 @pytest.mark.parametrize(
@@ -63,8 +159,19 @@ def test_on_the_command_line(meadow: Path, tmp_path: Path, capsys: pytest.Captur
         (["--training", "mlp", "--observation", "onehot"], "training is measured with tokens"),
         (["--training", "mlp", "--envs", "1,2"], "at one number of environments"),
         (["--training", "mlp", "--sweep", "apple"], "one at a time"),
+        (["--training", "mlp", "--algorithm", "sac"], "`sac` is not `ippo`, `mappo`, `vdn` or `ippo,mappo`"),
+        (["--training", "mlp", "--algorithm", "vdn", "--sharing", "per_agent"], "vdn has one network for all agents: add shared"),
+        (["--algorithm", "mappo"], "--algorithm and --sharing are of --training"),
+        (["--sharing", "shared"], "--algorithm and --sharing are of --training"),
+        (["--hours", "1e9"], "--hours are extrapolated from updates of training"),
+        (["--training", "mlp", "--hours", "0.5"], "`0.5` is not a whole number of environment steps such as 1e9"),
     ],
 )
 def test_what_does_not_fit_is_refused(meadow: Path, capsys: pytest.CaptureFixture[str], wrong: list[str], message: str) -> None:
     assert run(["bench", str(meadow), *wrong]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_nothing_that_can_be_measured_is_said(meadow: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["bench", str(meadow), "--training", "mlp", "--sharing", "by_role"]) == 1
+    assert "meadow, mlp, ippo, by_role: `meadow` gives its agents no lasting roles" in capsys.readouterr().err
