@@ -7,10 +7,10 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from sjdsl.bench.training_split import Algorithm, Network, Sharing
+from sjdsl.trainers.config import Config, ConfigError, VDNConfig, make_config
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
-    from sjdsl.trainers.config import Config
 
 UPDATES = 1000  # of the run whose update is measured: schedules of learning rates and of exploration need a length
 ROLLOUT = {"ippo": (16, 128), "mappo": (16, 128)}  # environments and steps unless others are asked for; of vdn those of its configuration
@@ -21,7 +21,7 @@ class Setup:
     """An environment and the configuration that it is trained with."""
 
     env: "Environment"
-    config: "Config"
+    config: Config
 
     @property
     def network(self) -> Network:
@@ -52,7 +52,7 @@ def training_setups(
       networks, algorithms, sharings: all combinations; vdn has one network for all agents, and is left out where `shared` is not asked for.
       num_envs, num_steps: of a rollout; None: 16 environments for 128 steps, of vdn what its configuration has.
     """
-    from sjdsl.trainers import ConfigError, make_train
+    from sjdsl.trainers import make_train
 
     setups, refused = [], []
     for env, network, (algorithm, sharing) in product(envs, networks, _learners(algorithms, sharings)):
@@ -70,9 +70,7 @@ def _learners(algorithms: Sequence[Algorithm], sharings: Sequence[Sharing]) -> I
     return ((algorithm, sharing) for algorithm, sharing in product(algorithms, sharings) if algorithm != "vdn" or sharing == "shared")
 
 
-def _config(network: Network, algorithm: Algorithm, sharing: Sharing, num_envs: int | None, num_steps: int | None) -> "Config":
-    from sjdsl.trainers.config import VDNConfig, make_config
-
+def _config(network: Network, algorithm: Algorithm, sharing: Sharing, num_envs: int | None, num_steps: int | None) -> Config:
     values: dict[str, Any] = {"algorithm": algorithm, "network": network}
     own = ROLLOUT.get(algorithm, (VDNConfig.model_fields["num_envs"].default, VDNConfig.model_fields["num_steps"].default))
     values |= {"num_envs": num_envs or own[0], "num_steps": num_steps or own[1]}
