@@ -18,10 +18,11 @@ from sjdsl.experiments.contrasts import (
 )
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.experiments.published import published_shape
-from sjdsl.experiments.verdict import Verdict, judge
+from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_differ
 from sjdsl.trainers.estimates import Estimate
 
 FORMAT = 1  # of schelling.json
+ENOUGH = 300  # equal samples after which a hundredth of the others, at most, may differ
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,23 @@ class Diagram:
         """What the intervals are about."""
         return f"{self.units} training seeds" if self.returns.unit == "training seed" else f"{self.units} episodes, of these policies only"
 
+    @property
+    def caution(self) -> str | None:
+        """What is to be said of a verdict that rests on samples without spread, and what would check it; None of any other."""
+        equal, unit = self.verdict.without_spread, self.returns.unit
+        if not equal:
+            return None
+        share = f"{100 * share_that_may_differ(self.units):.2g} %"
+        each = equal[0] if len(equal) == 1 else f"each of {listed(equal)}"
+        if unit == "episode":
+            check = f"play more, with --episodes {max(ENOUGH, 10 * self.units)} and another folder"
+        else:
+            check = f"train more seeds of each pool, or play one seed of each, such as RUN/seed_0, with --episodes {ENOUGH}"
+        return (
+            f"This rests on samples without spread: {each} has one and the same value in all {self.units} {unit}s. "
+            f"Such intervals have no width, but up to {share} of other {unit}s may differ (upper bound at 95 %). To check it, {check}."
+        )
+
 
 def returns_of(parts: Sequence[Part], slots: int, replicates: int) -> Returns:
     """Returns the mean returns of both kinds in the line-ups k = 0 .. N, as they were played."""
@@ -107,7 +125,7 @@ def report_of(found: Diagram) -> dict[str, Any]:
         "D-C": _columns(tuple(figure for figure, _ in found.preferences)) | {"preferred": [sign for _, sign in found.preferences]},
         "joint_confidence": JOINT_CONFIDENCE,
         "contrasts": {contrast: {"what": IN_WORDS[contrast], **asdict(figure)} for contrast, figure in found.contrasts.items()},
-        "verdict": {**asdict(verdict), "shape": verdict.shape},
+        "verdict": {**asdict(verdict), "shape": verdict.shape, "caution": found.caution},
         "published": published_shape(found.experiment.env.name),
     }
 

@@ -33,7 +33,8 @@ def draw_diagram(found: Diagram) -> "Figure":
     axes.set(xlabel="number of other agents that cooperate", ylabel="return of an agent")
     verdict = found.verdict
     title = f"{found.experiment.title}: {verdict.outcome}" + (f", {verdict.shape}" if verdict.outcome == "dilemma" else "")
-    axes.set_title(f"{title}\n{found.population}", fontsize="medium")
+    spread = "; the verdict rests on samples without spread" if verdict.without_spread else ""
+    axes.set_title(f"{title}\n{found.population}{spread}", fontsize="medium")
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
     return figure

@@ -22,7 +22,7 @@ def diagram_text(found: Diagram) -> str:
         f"\n{found.experiment.title}: cooperators {cooperators.name}, defectors {defectors.name}; {found.population}",
         f"mean return of an agent, with 95 % intervals\n{_in_columns(lines)}",
         f"contrasts, with intervals that hold at 95 % together\n{_in_columns(contrasts)}",
-        f"verdict: {_verdict(found)}",
+        "\n".join(filter(None, (f"verdict: {_verdict(found)}", found.caution))),
     ]
     if published is not None:
         note = f" ({published['note']})" if published["note"] else ""

@@ -1,7 +1,7 @@
 """Whether a Schelling diagram shows a dilemma, by the intervals of its four contrasts; and how many samples would settle it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Literal
@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from scipy import stats
 
-from sjdsl.experiments.contrasts import JOINT_CONFIDENCE, estimate_contrasts
+from sjdsl.experiments.contrasts import CONFIDENCE, JOINT_CONFIDENCE, estimate_contrasts
 from sjdsl.trainers.estimates import Estimate
 
 Outcome = Literal["dilemma", "no dilemma", "undecided"]
@@ -26,6 +26,9 @@ class Verdict:
     greed: bool  # by its lower bound
     reason: str  # which bounds decide, in a sentence
     wanted: int | None = None  # samples in all that would probably settle it; None: it is settled, or no number would
+    without_spread: tuple[
+        str, ...
+    ] = ()  # contrasts that it rests on and whose samples are all equal, so that their intervals have no width
 
     @property
     def shape(self) -> str:
@@ -39,7 +42,7 @@ def judge(samples: Mapping[str, np.ndarray]) -> Verdict:
     outcome = outcome_of(found)
     fear, greed = found["fear"].low > 0, found["greed"].low > 0
     wanted = samples_wanted(samples) if outcome == "undecided" else None
-    return Verdict(outcome, fear, greed, _reason(outcome, found), wanted)
+    return Verdict(outcome, fear, greed, _reason(outcome, found), wanted, _without_spread(outcome, found, samples))
 
 
 def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
@@ -52,22 +55,41 @@ def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
     return "undecided"
 
 
+def _without_spread(outcome: Outcome, found: Mapping[str, Estimate], samples: Mapping[str, np.ndarray]) -> tuple[str, ...]:
+    """Returns the contrasts with equal samples that a verdict rests on; none where it would be the same whatever they are."""
+    equal = {name for name, values in samples.items() if len(values) > 1 and not _deviation(values)}
+    unknown = {name: Estimate(figure.mean, -math.inf, math.inf) if name in equal else figure for name, figure in found.items()}
+    if outcome == "undecided" or outcome_of(unknown) == outcome:
+        return ()
+    decide = [name for name in found if (found[name].low > 0 if outcome == "dilemma" else found[name].high <= 0)]
+    return tuple(name for name in decide if name in equal)
+
+
+def share_that_may_differ(number: int) -> float:
+    """Returns the largest share of other samples, by its upper bound at 95 %, that may differ where so many are all equal.
+
+    Source: the exact bound of a binomial share of which none was seen, Clopper and Pearson 1934.
+    """
+    return float(1 - (1 - CONFIDENCE) ** (1 / number))
+
+
 def _reason(outcome: Outcome, found: Mapping[str, Estimate]) -> str:
     above = [name for name, figure in found.items() if figure.low > 0]
     below = [name for name, figure in found.items() if figure.high <= 0]
     match outcome:
         case "dilemma":
-            return f"the lower bounds of {_listed(above)} are above 0"
+            return f"the lower bounds of {listed(above)} are above 0"
         case "no dilemma":
             return (
-                f"the upper bound of {_listed(below)} is not above 0"
+                f"the upper bound of {listed(below)} is not above 0"
                 if len(below) == 1
-                else f"{_listed(below)} are not above 0 by upper bounds"
+                else f"{listed(below)} are not above 0 by upper bounds"
             )
-    return f"0 is inside the interval of {_listed([name for name in found if name not in (*above, *below)])}"
+    return f"0 is inside the interval of {listed([name for name in found if name not in (*above, *below)])}"
 
 
-def _listed(names: list[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Returns `A`, `A and B` or `A, B and fear`."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 

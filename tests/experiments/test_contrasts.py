@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sjdsl.experiments.contrasts import JOINT_CONFIDENCE, Returns, contrast_samples, estimate_contrasts, estimate_lines, preferences
-from sjdsl.experiments.verdict import judge, samples_wanted
+from sjdsl.experiments.verdict import judge, samples_wanted, share_that_may_differ
 
 DATA_SETS = 2000
 
@@ -67,6 +67,35 @@ def test_equal_samples_have_an_interval_of_no_width() -> None:
 
 def test_contrasts_that_are_all_zero_are_no_dilemma() -> None:
     assert verdict_of(returns_of([1.0, 1.0], [1.0, 1.0])) == ("no dilemma", "neither")
+
+
+SPREAD, ZERO, ABOVE = np.array([-1.0, -1.1, -0.9]), np.zeros(3), np.ones(3)
+
+
+@pytest.mark.parametrize(
+    ("samples", "outcome", "named"),
+    [
+        ((ZERO, ZERO, ZERO, ZERO), "no dilemma", ("A", "B", "fear", "greed")),
+        ((SPREAD, ABOVE, ZERO, ZERO), "no dilemma", ()),  # A alone decides
+        ((-SPREAD, -SPREAD, ZERO, SPREAD), "no dilemma", ("fear",)),
+        ((ABOVE, -SPREAD, ABOVE, ZERO), "dilemma", ("A", "fear")),
+        ((-SPREAD, -SPREAD, ABOVE, -SPREAD), "dilemma", ()),  # greed alone is enough
+        ((-SPREAD, -SPREAD, -SPREAD, ZERO), "dilemma", ()),
+        ((SPREAD + 1, SPREAD + 1, ZERO, ABOVE), "undecided", ()),
+    ],
+)
+def test_a_verdict_that_rests_on_equal_samples_names_them(samples: tuple[np.ndarray, ...], outcome: str, named: tuple[str, ...]) -> None:
+    """Only those without which the verdict would be another."""
+    found = judge(dict(zip(("A", "B", "fear", "greed"), samples, strict=True)))
+    assert (found.outcome, found.without_spread) == (outcome, named)
+
+
+@pytest.mark.parametrize("number", [2, 30, 300])
+def test_the_share_that_may_differ_is_seldom_exceeded(number: int) -> None:
+    """Were it larger than the bound, so many equal samples would be found in fewer than 5 % of all data sets."""
+    bound = share_that_may_differ(number)
+    assert (1 - bound) ** number == pytest.approx(0.05)
+    assert f"{100 * bound:.2g}" == {2: "78", 30: "9.5", 300: "0.99"}[number]
 
 
 def test_one_episode_decides_nothing() -> None:
