@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs wheel-test types clean
+.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs results wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -92,6 +92,10 @@ golden: .venv/ready
 # Writes the page of the games again: their texts, and what a random policy comes to where the rules have changed.
 docs: .venv/ready
 	$(BIN)/sjdsl doc --all
+
+# Writes docs/results.md again: the page of the results in docs/results/data.
+results: .venv/ready
+	$(BIN)/sjdsl report docs/results/data -o docs/results.md --suite
 
 # Installs the wheel where nothing else is, and uses it far from this folder.
 wheel-test: .venv/ready

@@ -33,6 +33,7 @@ COMMANDS = {
     "record": "Store whole episodes as arrays: observations, actions, rewards.",
     "render": "Draw a game as a GIF, MP4 or PNG.",
     "replay": "Show a recorded episode.",
+    "report": "Make tables and pictures of results, beside the published ones.",
     "schelling": "Plot what cooperators and defectors earn, and test for a dilemma.",
     "test": "Test the checks of a game.",
     "trace": "Print what happens in a game, rule by rule and draw by draw.",
@@ -97,7 +98,6 @@ def main() -> NoReturn:
     """Runs the command line of this process; what JAX compiles in it is kept for the next."""
     gc.set_threshold(FEW_COLLECTIONS)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses: a tenth of a second
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins reads what every installed package says of itself
     keep_programs()
     status = run()
     gc.freeze()

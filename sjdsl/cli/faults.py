@@ -40,6 +40,7 @@ FAULTS_OF_RUNS = {
     "sjdsl.trainers.policy_file": "PolicyError",
     "sjdsl.trainers.resuming": "RunError",
     "sjdsl.experiments.refusals": "ExperimentError",
+    "sjdsl.report.refusals": "ReportError",
 }
 
 

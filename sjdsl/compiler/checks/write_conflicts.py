@@ -5,14 +5,13 @@ conditions known to hold. Two writes of one field can only meet at one target, s
 """
 
 from collections.abc import Iterator
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.free_variables import free_variables
@@ -21,7 +20,8 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.queries import declared_field, phases_of, written_field
 
 
-class Quantifier(Record):
+@dataclass(frozen=True)
+class Quantifier:
     """One quantifier: the statement, the variables it binds, and whether it gives at most one instance for each around it."""
 
     statement: ir.Stmt
@@ -29,7 +29,8 @@ class Quantifier(Record):
     single: bool
 
 
-class Branch(Record):
+@dataclass(frozen=True)
+class Branch:
     """One way through a statement with several. `once`: the statement is met once in the phase, so only one of its ways is taken."""
 
     statement: ir.Stmt
@@ -37,7 +38,8 @@ class Branch(Record):
     once: bool
 
 
-class Target(Record):
+@dataclass(frozen=True)
+class Target:
     """What is written: the place of an agent, or a field of agents, cells or the world; `entries` of a row, None for any of them."""
 
     of: Literal["agent", "cell", "world", "place"]
@@ -45,7 +47,8 @@ class Target(Record):
     entries: tuple[str | None, ...] = ()
 
 
-class Write(Record, eq=False):
+@dataclass(frozen=True)
+class Write:
     """One `set`, `add` or change of place. `owner`: whose field or place (None: the world's); `value`: what two equal writes share."""
 
     sort: Literal["set", "add", "place"]
@@ -72,7 +75,8 @@ class Write(Record, eq=False):
 PLACE = Target("place")
 
 
-class Around(Record):
+@dataclass(frozen=True)
+class Around:
     """What surrounds a statement. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
 
     quantifiers: tuple[Quantifier, ...] = ()

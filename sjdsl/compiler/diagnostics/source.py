@@ -3,10 +3,9 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from sjdsl.compiler.diagnostics.frozen import Record
 
-
-class Span(Record):
+@dataclass(frozen=True)
+class Span:
     """A half-open part `start .. end` of one file, in characters; `line` and `column` (from 1) of its start."""
 
     file: str

@@ -6,7 +6,6 @@ from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.implications import Fact, facts
@@ -71,7 +70,8 @@ class Static:
         return named | {w for words in self.word_sets for w in words}
 
 
-class Scope(Record):
+@dataclass(frozen=True)
+class Scope:
     """Variables and known facts at one place of the text.
 
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.

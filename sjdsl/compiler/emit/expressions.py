@@ -4,10 +4,10 @@ An operand gets brackets where Python's precedence asks for them, and where a bi
 readers know whether `a + b & c == d` is `((a + b) & c) == d`.
 """
 
+from dataclasses import dataclass
 from math import copysign
 from typing import assert_never
 
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.program import expressions as array
 
 COMPARISON, UNARY, ATOM = 0, 6, 7
@@ -25,7 +25,8 @@ PYTHON_PRECEDENCE = {
 BITWISE = {"|", "^", "&", "<<", ">>"}
 
 
-class Bracketed(Record):
+@dataclass(frozen=True)
+class Bracketed:
     """`open` items `close`, the items with commas between them; `comma`: one follows the last even on one line."""
 
     open: str
@@ -34,13 +35,15 @@ class Bracketed(Record):
     comma: bool = False
 
 
-class Chain(Record):
+@dataclass(frozen=True)
+class Chain:
     """Pieces one after another without anything between them: `state`, `.position`, `[…]`."""
 
     pieces: tuple["str | Bracketed", ...]
 
 
-class Operation(Record):
+@dataclass(frozen=True)
+class Operation:
     """Operands with operators between them that may stand on lines of their own: `a`, `+ b`, `+ c`."""
 
     first: "Piece"

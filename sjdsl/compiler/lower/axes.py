@@ -4,12 +4,12 @@ An operation lines its operands up by the names of their axes. An axis made late
 """
 
 import operator
-from array import array
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import prod
 from typing import Literal as OneOf
 
-from sjdsl.compiler.diagnostics.frozen import Record
+import numpy as np
+
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
@@ -41,7 +41,8 @@ _OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": ope
 _OPPOSITES = {"==": "!=", "!=": "=="}
 
 
-class Axis(Record):
+@dataclass(frozen=True)
+class Axis:
     """One named axis; `order` is its place from left to right, `constant` the module's constant that is its size."""
 
     name: str
@@ -54,7 +55,8 @@ class Axis(Record):
         return Literal(self.size, self.constant)
 
 
-class Value(Record):
+@dataclass(frozen=True)
+class Value:
     """`node` computes an array with `axes`, then `levels` axes of words."""
 
     node: Expression
@@ -81,11 +83,6 @@ def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
 
 
 TRUE, FALSE = literal(True, "bool"), literal(False, "bool")
-
-
-def float32(number: float) -> float:
-    """Returns the float32 that is nearest to a number."""
-    return array("f", [number])[0]
 
 
 def iota(axis: Axis, dtype: DType = "i32") -> Value:
@@ -146,8 +143,8 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     if a.literal and b.literal and op in _COMPARISONS:
         return literal(_COMPARISONS[op](a.number, b.number), "bool")
     if a.literal and b.literal and op in _OPERATIONS and not (op in "/%" and not b.number):
-        number = float32 if dtype == "f32" else int
-        return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)
+        number = np.float32 if dtype == "f32" else int
+        return literal(_OPERATIONS[op](number(a.number), number(b.number)), dtype)
     if op in _COMPARISONS:
         a, b = _as_kept(a, b), _as_kept(b, a)
     if _is_neutral(op, b) and a.dtype == dtype:

@@ -1,7 +1,8 @@
 """Painting: lowers the map as an observer sees it to numbers in its cells, packed into as few bytes as possible."""
 
+from dataclasses import dataclass
+
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, as_dtype, binary, literal
@@ -12,7 +13,8 @@ from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path
 POSITION, HEADING = path("state.position"), path("state.heading")
 
 
-class Part(Record):
+@dataclass(frozen=True)
+class Part:
     """Some bits of a painted byte. `marks`: the phase whose marks they are."""
 
     name: str

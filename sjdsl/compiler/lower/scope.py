@@ -1,8 +1,7 @@
 """The variables in scope while statements are lowered, and the iteration scope: axes, mask, instance index and bindings."""
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.lower.axes import Axis, Value, both
 from sjdsl.compiler.program.expressions import Literal
@@ -16,7 +15,8 @@ class NotSupported(Exception):
         self.what, self.origin, self.instead = what, origin, instead
 
 
-class AgentVar(Record):
+@dataclass(frozen=True)
+class AgentVar:
     """An agent: its id along `axis` (each agent once), or computed ids `index`."""
 
     index: Value
@@ -28,7 +28,8 @@ class AgentVar(Record):
         return self.index
 
 
-class CellVar(Record):
+@dataclass(frozen=True)
+class CellVar:
     """A cell of `kinds`: its number along `axis` (each cell once), or computed numbers `site` (S for none).
 
     `painted`: of a cell of a window only these fields are known, by their names.
@@ -48,7 +49,8 @@ class CellVar(Record):
 Variable = AgentVar | CellVar
 
 
-class IterationScope(Record):
+@dataclass(frozen=True)
+class IterationScope:
     """The instances of a statement: their axes, which of them happen (mask), their index, and the bindings.
 
     `digits` make up the index: (number of the member, how many there are), outermost first.

@@ -1,13 +1,16 @@
 """The array program: everything a generated module consists of, in order, before it becomes text."""
 
+from dataclasses import dataclass
 from typing import Literal
 
-from sjdsl.compiler.diagnostics.frozen import Record
+import numpy as np
+
 from sjdsl.compiler.program.expressions import Expression, Statement
 from sjdsl.runtime.planes import TokenPlane
 
 
-class Fact(Record):
+@dataclass(frozen=True)
+class Fact:
     """A constant by which the environment around a module knows the game."""
 
     name: str
@@ -18,7 +21,8 @@ class Fact(Record):
 Group = Literal["size", "action", "word", "other", "stream"]
 
 
-class Number(Record):
+@dataclass(frozen=True)
+class Number:
     """A module-level number, such as how many cells of a kind there are. Those of one group stand together."""
 
     name: str
@@ -27,15 +31,18 @@ class Number(Record):
     group: Group = "other"
 
 
-class Constant(Record):
-    """A module-level array, as what makes it when the module is loaded: from the map, or from numbers that are written out."""
+@dataclass(frozen=True)
+class Constant:
+    """A module-level array; `made_by` computes it from the map, None if its numbers are written out."""
 
     name: str
-    value: Expression
+    value: np.ndarray
     comment: str
+    made_by: Expression | None = None
 
 
-class Field(Record):
+@dataclass(frozen=True)
+class Field:
     """One attribute of State, Params or Outcome: `shape` as text, `dtype` as jax.numpy names it, its default."""
 
     name: str
@@ -45,7 +52,8 @@ class Field(Record):
     default: Expression
 
 
-class Function(Record):
+@dataclass(frozen=True)
+class Function:
     """A function of the module. `parameters`: (name, type); `returns`: the type."""
 
     name: str
@@ -55,7 +63,8 @@ class Function(Record):
     body: tuple[Statement, ...]
 
 
-class Program(Record):
+@dataclass(frozen=True)
+class Program:
     """A whole module.
 
     facts: what the module says of itself (NAME, NUM_AGENTS, …). map: its rows. planes: what an observation holds.

@@ -1,30 +1,31 @@
 """Expressions and statements of an array program: frozen nodes, which `lower` builds and only `emit` turns into text.
 
-Two expressions are equal if they compute the same; the name that a literal is printed under does not matter to that.
+Two nodes are equal if they compute the same; the name that a literal is printed under does not matter to that.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from types import EllipsisType
 from typing import Any, TypeAlias
 from typing import Literal as OneOf
 
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 
 DType: TypeAlias = OneOf["f32", "i32", "u32", "u8", "bool"]
 
 
-class Name(Record):
+@dataclass(frozen=True)
+class Name:
     """A variable of a function, a constant of the module, a kernel, or what is imported."""
 
     identifier: str
 
 
-class Literal(Record):
+@dataclass(frozen=True, eq=False)
+class Literal:
     """A number, truth, text, None (in an index: a new axis) or `...`. `name`: the module's constant that has this value."""
 
     value: bool | int | float | str | EllipsisType | None
@@ -43,14 +44,16 @@ class Literal(Record):
         return hash((type(self.value), self.value))
 
 
-class Attribute(Record):
+@dataclass(frozen=True)
+class Attribute:
     """`value.name`."""
 
     value: Expression
     name: str
 
 
-class Call(Record):
+@dataclass(frozen=True)
+class Call:
     """`function(arguments, keyword=argument, …)`."""
 
     function: Expression
@@ -58,28 +61,32 @@ class Call(Record):
     keywords: tuple[tuple[str, Expression], ...] = ()
 
 
-class Slice(Record):
+@dataclass(frozen=True)
+class Slice:
     """`start:stop` in an index."""
 
     start: Expression | None = None
     stop: Expression | None = None
 
 
-class Index(Record):
+@dataclass(frozen=True)
+class Index:
     """`value[keys]`."""
 
     value: Expression
     keys: tuple[Expression | Slice, ...]
 
 
-class Unary(Record):
+@dataclass(frozen=True)
+class Unary:
     """`~operand` or `-operand`."""
 
     op: OneOf["~", "-"]
     operand: Expression
 
 
-class Binary(Record):
+@dataclass(frozen=True)
+class Binary:
     """An operation or comparison of two arrays, entry by entry."""
 
     op: str
@@ -87,7 +94,8 @@ class Binary(Record):
     right: Expression
 
 
-class Where(Record):
+@dataclass(frozen=True)
+class Where:
     """`then` where the condition holds, else `otherwise`."""
 
     condition: Expression
@@ -95,7 +103,8 @@ class Where(Record):
     otherwise: Expression
 
 
-class Cast(Record):
+@dataclass(frozen=True)
+class Cast:
     """An array in another dtype. `source`: what it was, if that is known."""
 
     value: Expression
@@ -103,7 +112,8 @@ class Cast(Record):
     source: DType | None = None
 
 
-class Reduce(Record):
+@dataclass(frozen=True)
+class Reduce:
     """`any`, `all`, `sum` or `max` over some axes, all of them if there are none named. `dtype`: of a sum."""
 
     fn: OneOf["any", "all", "sum", "max"]
@@ -112,21 +122,24 @@ class Reduce(Record):
     dtype: DType | None = None
 
 
-class Broadcast(Record):
+@dataclass(frozen=True)
+class Broadcast:
     """An array spread out to a shape."""
 
     value: Expression
     shape: tuple[Expression, ...]
 
 
-class Arange(Record):
+@dataclass(frozen=True)
+class Arange:
     """0, 1, … along an axis."""
 
     size: Expression
     dtype: DType | None = None
 
 
-class Update(Record):
+@dataclass(frozen=True)
+class Update:
     """An array with new values at some keys, or with values added to them; `drop`: keys past the end change nothing."""
 
     target: Expression
@@ -136,20 +149,23 @@ class Update(Record):
     drop: bool = False
 
 
-class Sequence(Record):
+@dataclass(frozen=True)
+class Sequence:
     """A tuple, or a list."""
 
     items: tuple[Expression, ...]
     is_list: bool = False
 
 
-class Mapping(Record):
+@dataclass(frozen=True)
+class Mapping:
     """A dictionary with texts for keys."""
 
     entries: tuple[tuple[str, Expression], ...]
 
 
-class Lambda(Record):
+@dataclass(frozen=True)
+class Lambda:
     """A function of its parameters."""
 
     parameters: tuple[str, ...]
@@ -176,19 +192,21 @@ Expression: TypeAlias = (
 )
 
 
-class Assign(Record):
+@dataclass(frozen=True)
+class Assign:
     """Gives names to a value; several take it apart. `origin`: the line of the `.sj` file it comes from."""
 
     names: tuple[str, ...]
     value: Expression
-    origin: Span | None = None
+    origin: Span | None = field(default=None, compare=False)
 
 
-class Return(Record):
+@dataclass(frozen=True)
+class Return:
     """Ends a function; several values are a tuple."""
 
     values: tuple[Expression, ...]
-    origin: Span | None = None
+    origin: Span | None = field(default=None, compare=False)
 
 
 Statement: TypeAlias = Assign | Return
@@ -219,11 +237,6 @@ DTYPES: dict[DType, Expression] = {
     "u8": path("jnp.uint8"),
     "bool": Name("bool"),
 }
-
-
-def as_array(value: Expression, dtype: DType | None = None) -> Call:
-    """Returns numbers as an array."""
-    return Call(path("jnp.asarray"), (value,) if dtype is None else (value, DTYPES[dtype]))
 
 
 def scalar(value: Expression, dtype: DType) -> Call:

@@ -1,0 +1,147 @@
+"""Cells of tables: what the seeds of one way of training found, chosen by what a table asks for."""
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+
+from sjdsl.report.evidence import Evidence, Point, RandomRow, Run, Seed
+from sjdsl.trainers.estimates import Estimate, estimate
+
+Row = TypeVar("Row")
+Key = TypeVar("Key")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One figure of one way of training, by its seeds. A cell of which a seed has failed has no mean: nothing is averaged without it."""
+
+    run: Run
+    values: tuple[float, ...]  # by seed
+    failed: int  # seeds whose loss was not finite
+    steps: int  # environment steps of a seed
+    hardware: str
+
+    @cached_property
+    def estimate(self) -> Estimate | None:
+        """The mean over seeds with its 95 % interval by Student's t; None where a seed has failed."""
+        return None if self.failed or not self.values else estimate(np.array(self.values))
+
+    @property
+    def seeds(self) -> int:
+        """How many seeds there are, failed ones included."""
+        return len(self.values) + self.failed
+
+    @property
+    def origins(self) -> tuple[str, str, str]:
+        """Seeds, steps and hardware, in words."""
+        return f"{self.seeds} seed{'s' if self.seeds > 1 else ''}", f"{short(self.steps)} steps", self.hardware
+
+    @property
+    def origin(self) -> str:
+        """The same, in one phrase."""
+        return ", ".join(self.origins)
+
+
+def short(number: float) -> str:
+    """Returns `3M`, `300M`, `1.5M`, `20k`: a large number in three digits at most."""
+    for size, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        if number >= size:
+            return f"{number / size:.3g}{letter}"
+    return f"{number:g}"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A game as it was played: its rules, numbers, map and agents."""
+
+    game: str
+    hash: str
+    variant: str
+    params: str
+    map: str
+    num_agents: int
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is the game as its file has it, or a variant of it."""
+        return not (self.params or self.map)
+
+
+def setting_of(run: Run) -> Setting:
+    """Returns the game of a run."""
+    return Setting(run.game, run.hash, run.variant, run.params, run.map, run.num_agents)
+
+
+class Index:
+    """Evidence, looked up by game and run. Notes say where several ways of training compete for a cell."""
+
+    def __init__(self, evidence: Evidence) -> None:
+        self.evidence = evidence
+        self.notes: dict[str, None] = {}
+        self._seeds: Mapping[str, list[Seed]] = _grouped(evidence.seeds, lambda row: row.run)
+        self._runs: Mapping[Setting, list[Run]] = _grouped(evidence.runs, setting_of)
+        self._curves: Mapping[str, list[Point]] = _grouped(evidence.curves, lambda row: row.run)
+        self._measures = {(row.run, row.seed, row.measure): row.value for row in evidence.measures}
+
+    @property
+    def settings(self) -> list[Setting]:
+        """The games that were trained in."""
+        return sorted(self._runs, key=lambda s: (s.game, s.variant, s.params, s.map, s.num_agents, s.hash))
+
+    def returns(self, setting: Setting, wanted: Callable[[Run], bool]) -> Cell | None:
+        """Returns the collective return of the way of training that a table wants; None where there is none."""
+        return self._cell(setting, wanted, lambda row: row.collective_return)
+
+    def measured(self, setting: Setting, wanted: Callable[[Run], bool], measure: str) -> Cell | None:
+        """Returns another figure of its evaluation, likewise."""
+        return self._cell(setting, wanted, lambda row: self._measures.get((row.run, row.seed, measure)))
+
+    def runs(self, setting: Setting) -> list[Run]:
+        """Returns the ways of training in a game of which a seed is done or has failed."""
+        return [run for run in self._runs.get(setting, []) if any(row.status != "unfinished" for row in self._seeds.get(run.run, []))]
+
+    def seeds(self, run: Run) -> list[Seed]:
+        """Returns the seeds of a way of training, in order."""
+        return sorted(self._seeds.get(run.run, []), key=lambda row: row.seed)
+
+    def curve(self, run: Run) -> list[Point]:
+        """Returns the points of its learning curves, all seeds."""
+        return self._curves.get(run.run, [])
+
+    def random(self, game: str, rules: str) -> RandomRow | None:
+        """Returns what a random policy earns in a game of these rules."""
+        return next((row for row in self.evidence.random if (row.game, row.hash) == (game, rules)), None)
+
+    def _cell(self, setting: Setting, wanted: Callable[[Run], bool], value: Callable[[Seed], float | None]) -> Cell | None:
+        cells = [cell for run in self.runs(setting) if wanted(run) and (cell := self._of_run(run, value)) is not None]
+        if not cells:
+            return None
+        best, *others = sorted(cells, key=lambda cell: (-cell.steps, -cell.seeds, cell.run.run))
+        for other in others:
+            self.notes[
+                f"`{best.run.run}` ({best.origin}) is shown in tables, not `{other.run.run}` ({other.origin}), which differs in settings"
+            ] = None
+        return best
+
+    def _of_run(self, run: Run, value: Callable[[Seed], float | None]) -> Cell | None:
+        rows = self.seeds(run)
+        found = [(row, value(row)) for row in rows if row.status == "done"]
+        values = tuple(figure for _, figure in found if figure is not None and math.isfinite(figure))
+        failed = sum(row.status == "failed" for row in rows)
+        if not values and not failed:
+            return None
+        counted = [row for row in rows if row.status != "unfinished"]
+        hardware = " and ".join(dict.fromkeys(row.hardware for row in counted))
+        return Cell(run, values, failed, max(row.steps for row in counted), hardware)
+
+
+def _grouped(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Row]]:
+    groups: dict[Key, list[Row]] = defaultdict(list)
+    for row in rows:
+        groups[key(row)].append(row)
+    return dict(groups)

@@ -1,0 +1,105 @@
+"""What the sections of a report are about: the evidence, and the games in the order and under the names that tables have."""
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from sjdsl.compiler import build
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.compiler.syntax.read import read_source
+from sjdsl.games_folder import bundled, find_game
+from sjdsl.report.cells import Index, Setting
+from sjdsl.report.evidence import Evidence
+from sjdsl.report.published import suite
+
+
+@dataclass(frozen=True)
+class Game:
+    """A game of a report. `setting`: as it was trained in; None for a game of the suite in which nothing was trained."""
+
+    name: str
+    label: str
+    setting: Setting | None
+
+    @property
+    def published(self) -> str:
+        """The name under which the paper has figures of it; of other numbers or another map it has none."""
+        return self.name if self.setting is None or self.setting.plain else ""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The evidence and the games that it is shown of."""
+
+    index: Index
+    games: tuple[Game, ...]
+    whole_suite: bool
+
+    @property
+    def evidence(self) -> Evidence:
+        """What was read."""
+        return self.index.evidence
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The games that tables without training are of: those found anywhere, and with `whole_suite` the nine."""
+        tables = ("runs", "diagrams", "speeds", "updates", "meetings")
+        found = {row.game for table in tables for row in getattr(self.evidence, table)}
+        return tuple(_ordered(found | (set(suite()) if self.whole_suite else set())))
+
+
+def contents_of(evidence: Evidence, whole_suite: bool) -> Contents:
+    """Returns what there is to show; `whole_suite`: the nine games of the paper, also where nothing is known of them."""
+    index = Index(evidence)
+    settings = index.settings
+    plain = {setting: _label(setting) for setting in settings}
+    twice = {label for label, count in Counter(plain.values()).items() if count > 1}
+    games = [
+        Game(s.game, f"{label}, rules {s.hash[:6]}, {s.num_agents} agents" if label in twice else label, s) for s, label in plain.items()
+    ]
+    there = {game.name for game in games}
+    games += [Game(name, name, None) for name in suite() if whole_suite and name not in there]
+    order = _ordered({game.name for game in games})
+    return Contents(index, tuple(sorted(games, key=lambda game: (order.index(game.name), game.label))), whole_suite)
+
+
+def _ordered(names: set[str]) -> list[str]:
+    """Returns the games of the paper in its order, then the others by name."""
+    return [name for name in suite() if name in names] + sorted(names - set(suite()))
+
+
+def _label(setting: Setting) -> str:
+    more = [f"variant {setting.variant}" if setting.variant else "", setting.params, f"map {setting.map}" if setting.map else ""]
+    return ", ".join([setting.game, *(part for part in more if part)])
+
+
+def notes_of_rules(contents: Contents) -> list[str]:
+    """Returns which results are of other rules than the bundled games have now."""
+    notes = []
+    for game in contents.games:
+        setting = game.setting
+        if setting is None or not setting.plain:
+            continue
+        now = _rules_now(setting.game, setting.variant)
+        if now is not None and now[1] == setting.num_agents and now[0] != setting.hash:
+            notes.append(f"the runs of {game.label} are of other rules ({setting.hash}) than the game has now ({now[0]})")
+    trained = {game.setting.hash for game in contents.games if game.setting is not None}
+    for row in contents.evidence.diagrams:
+        now = _rules_now(row.game, "")
+        if now is not None and now[1] == row.num_agents and row.hash not in {now[0], *trained}:
+            notes.append(f"the diagram of {row.game} is of other rules ({row.hash}) than the game has now ({now[0]})")
+    return list(dict.fromkeys(notes))
+
+
+@cache
+def _rules_now(game: str, variant: str) -> tuple[str, int] | None:
+    """Returns the hash and the number of agents of a bundled game as it is now; None for another game, or a variant that is gone."""
+    if game not in bundled():
+        return None
+    try:
+        made = build(read_source(Path(find_game(game))), tuple(variant.split("+")) if variant else ())
+    except CompileError:
+        return None
+    return game_hash(made.game), made.game.agents.number

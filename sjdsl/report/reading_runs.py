@@ -1,0 +1,143 @@
+"""Reads the folder of a training run: how it was trained, what each seed earned, and its learning curve."""
+
+import json
+import math
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
+from sjdsl.trainers.curves import figures
+from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
+from sjdsl.trainers.resuming import RunError, read_manifest
+from sjdsl.trainers.run_folder import MANIFEST
+
+POINTS = 40  # of the learning curve of a seed, at most
+RETURN = "collective return"  # its name in an evaluation
+# What does not make a way of training another: which seeds, and what is written when.
+NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
+NOT_A_WAY_EITHER = "checkpoint_"
+
+
+def is_run(path: Path) -> bool:
+    """Returns whether a folder is that of a training run."""
+    return (path / MANIFEST).is_file()
+
+
+def read_run(path: Path, stage: int | None = None) -> Evidence:
+    """Returns what a run has found; a run that is not finished, or not evaluated, with a note that says how it gets so.
+
+    Args:
+      path: what `sjdsl train --run` wrote.
+      stage: of a sweep of svo.
+    """
+    try:
+        manifest = read_manifest(path)
+    except RunError as error:
+        return Evidence(notes=(f"{error}: it is left out",))
+    run = run_of(manifest, stage)
+    parts = [_read_seed(folder, seed, run, manifest) for seed, folder in _folders(path, manifest["config"])]
+    rows = {name: tuple(row for part in parts for row in getattr(part, name)) for name in ("seeds", "measures", "curves")}
+    return Evidence(runs=(run,), **rows, notes=_notes(path, manifest, rows["seeds"]))
+
+
+def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
+    """Returns the way of training that a manifest tells of; `stage`: of a sweep of svo, which two stages never share seeds."""
+    game, config = manifest["game"], manifest["config"]
+    made = manifest.get("provenance") or {}
+    way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith(NOT_A_WAY_EITHER)}
+    everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": way, "stage": stage}
+    digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
+    reward, angles = str(config["reward"]), config.get("svo_angle", [])
+    return Run(
+        run=f"{game['name']}-{config['algorithm']}-{Path(reward).stem}-{digest}",
+        game=game["name"],
+        hash=game["hash"],
+        variant=made.get("variant") or "",
+        num_agents=game["num_agents"],
+        params=" ".join(f"{name}={value}" for name, value in sorted((made.get("params") or {}).items())),
+        map=Path(made["map"]).name if isinstance(made.get("map"), str) else "own" if made.get("map") else "",
+        algorithm=config["algorithm"],
+        reward=reward,
+        sharing=config.get("sharing", "shared"),
+        exchange_ratio=config["exchange_ratio"] if reward == "exchange" else None,
+        svo_weight=config["svo_weight"] if reward == "svo" else None,
+        svo_angle=angles[0] if reward == "svo" and len(set(angles)) == 1 else None,
+        stage=stage,
+        network=str(config["network"]),
+        steps=int(config["total_timesteps"]),
+    )
+
+
+def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
+    """Returns the seeds of a run, and the folder of each."""
+    first, number = int(config["seed"]), int(config["seeds"])
+    return [(first, path)] if number == 1 else [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
+
+
+def _read_seed(folder: Path, seed: int, run: Run, manifest: Mapping[str, Any]) -> Evidence:
+    status = _status(seed, manifest)
+    device = manifest.get("device") or {}
+    number, kind = device.get("count", 1), device.get("kind", "unknown")
+    hardware = f"{number} x {kind}" if number > 1 else str(kind)
+    steps, returns = _curve(folder)
+    points = tuple(Point(run.run, seed, int(step), rounded(value)) for step, value in zip(steps, returns, strict=True))
+    if status != "done":
+        return Evidence(seeds=(Seed(run.run, seed, status, int(max(steps, default=0)), hardware, 0, None),))
+    means, episodes = _evaluation(folder / "evaluation.json")
+    earned = means.pop(RETURN, None)
+    measures = tuple(Measure(run.run, seed, name, rounded(value)) for name, value in means.items())
+    row = Seed(run.run, seed, status, _steps(manifest), hardware, episodes, None if earned is None else rounded(earned))
+    return Evidence(seeds=(row,), measures=measures, curves=points)
+
+
+def _status(seed: int, manifest: Mapping[str, Any]) -> Status:
+    if seed in {entry["seed"] for entry in manifest.get("diverged", ())}:
+        return "failed"
+    return "done" if manifest.get("status") == "finished" else "unfinished"
+
+
+def _steps(manifest: Mapping[str, Any]) -> int:
+    return int(manifest["updates"] * manifest["derived"]["steps_per_update"])
+
+
+def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Returns environment steps and collective returns, `[P]` each: at most `POINTS`, each the mean of neighbouring updates.
+
+    The steps are those at the ends of as many equal parts of the run: seeds of a run have them alike.
+    """
+    steps, returns = figures(read_rows(folder / METRICS_JSONL), "collective_return")
+    if not np.isfinite(returns).any():
+        return np.zeros(0), np.zeros(0)
+    together = math.ceil(len(steps) / POINTS) * steps[0]  # environment steps of a point
+    ends = np.minimum(np.ceil(steps / together) * together, steps[-1])
+    known = np.isfinite(returns)
+    places = np.unique(ends[known])
+    return places, np.array([returns[known & (ends == place)].mean() for place in places])
+
+
+def _evaluation(path: Path) -> tuple[dict[str, float], int]:
+    """Returns the means of an evaluation of the last policy, without those of single agents, and its episodes; nothing where there is none."""
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        means = {name: figure["mean"] for name, figure in stored["summary"].items() if " of agent " not in name}
+        return {name: float(mean) for name, mean in means.items() if mean is not None}, int(stored["episodes"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}, 0
+
+
+def _notes(path: Path, manifest: Mapping[str, Any], seeds: tuple[Seed, ...]) -> tuple[str, ...]:
+    notes = []
+    if any(row.status == "unfinished" for row in seeds):
+        status = manifest.get("status")
+        how = "is not finished" if status == "running" else f"has ended early ({status})"
+        notes.append(f"`{path}` {how}: it is left out. `sjdsl train --resume {path}` goes on with it")
+    for row in seeds:
+        if row.status == "failed":
+            notes.append(f"seed {row.seed} of `{path}` has failed, for its loss was not finite: nothing is averaged with it")
+    if any(row.status == "done" and row.collective_return is None for row in seeds):
+        notes.append(f"`{path}` is not evaluated: `sjdsl evaluate {path}` does it")
+    return tuple(notes)

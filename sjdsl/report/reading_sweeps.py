@@ -1,0 +1,49 @@
+"""Reads the folder of a sweep: its cells are ordinary runs."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+from sjdsl.report.evidence import Evidence, merged
+from sjdsl.report.reading_runs import is_run, read_run
+from sjdsl.report.refusals import ReportError
+
+SWEEP, CELLS, STATUS = "sweep.json", "cells", "status.csv"
+
+
+def is_sweep(path: Path) -> bool:
+    """Returns whether a folder is that of a sweep."""
+    return (path / SWEEP).is_file()
+
+
+def read_sweep(path: Path) -> Evidence:
+    """Returns what the cells of a sweep have found; cells that are still to be trained are noted by their number.
+
+    Raises:
+      ReportError: its `sweep.json` cannot be read.
+    """
+    try:
+        stored = json.loads((path / SWEEP).read_text(encoding="utf-8"))
+        stages = {name: _stage(stored.get("protocol"), cell) for name, cell in stored["cells"].items()}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ReportError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None
+    there = [name for name in stages if is_run(path / CELLS / name)]
+    parts = [read_run(path / CELLS / name, stages[name]) for name in there]
+    return merged([*parts, Evidence(notes=_notes(path, len(stages) - len(there)))])
+
+
+def _stage(protocol: str | None, cell: dict[str, Any]) -> int | None:
+    """Returns which stage of a sweep of svo a cell is of; None in other sweeps. The seeds of the two stages are never taken together."""
+    return int(cell["stage"]) if protocol == "svo" else None
+
+
+def _notes(path: Path, absent: int) -> tuple[str, ...]:
+    notes = []
+    if absent:
+        notes.append(f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} still to be trained")
+    if (path / STATUS).is_file():
+        with open(path / STATUS, encoding="utf-8", newline="") as file:
+            failed = [row["cell"] for row in csv.DictReader(file) if row.get("state") == "failed"]
+        notes += [f"the cell `{cell}` of the sweep `{path}` has failed" for cell in failed]
+    return tuple(notes)

@@ -1,0 +1,85 @@
+"""Statistics over games by the library `rliable` (Agarwal et al. 2021), which is an extra: nothing of it is written again here."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.util import find_spec
+from itertools import permutations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sjdsl.report.drawing import colours
+from sjdsl.trainers.panels import MOST
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INSTALL = "This section takes the extra `rliable`: install it with `pip install 'sjdsl[rliable]'` and make the report again."
+RESAMPLES = 2000
+SEED = 0  # of the resamples: the same scores have the same intervals
+POINTS = 101  # of a performance profile
+Interval = tuple[float, float, float]  # the estimate, and the bounds of its 95 % interval
+Scores = Mapping[str, np.ndarray]  # way of training -> [seeds, games]
+
+
+def is_installed() -> bool:
+    """Returns whether the extra is there."""
+    return find_spec("rliable") is not None
+
+
+@contextmanager
+def _seeded() -> Iterator[None]:
+    """Has `rliable` draw the same resamples each time: it draws from NumPy's global state, whatever it is given."""
+    before = np.random.get_state()
+    np.random.seed(SEED)
+    try:
+        yield
+    finally:
+        np.random.set_state(before)
+
+
+def interquartile_means(scores: Scores) -> dict[str, Interval]:
+    """Returns the interquartile mean of each way of training, with its interval by stratified bootstrap."""
+    from rliable import library, metrics
+
+    with _seeded():
+        means, bounds = library.get_interval_estimates(dict(scores), lambda table: np.array([metrics.aggregate_iqm(table)]), reps=RESAMPLES)
+    return {way: _interval(means[way], bounds[way]) for way in scores}
+
+
+def improvements(scores: Scores) -> dict[tuple[str, str], Interval]:
+    """Returns the probability that a seed of one way of training has more than one of another, on average over games, by pair."""
+    from rliable import library, metrics
+
+    pairs = {f"{number}": pair for number, pair in enumerate(permutations(scores, 2))}
+    tables = {number: (scores[first], scores[second]) for number, (first, second) in pairs.items()}
+    with _seeded():
+        means, bounds = library.get_interval_estimates(tables, metrics.probability_of_improvement, reps=RESAMPLES)
+    return {pair: _interval(means[number], bounds[number]) for number, pair in pairs.items()}
+
+
+def _interval(mean: Any, bounds: Any) -> Interval:
+    return float(np.ravel(mean)[0]), float(np.ravel(bounds[0])[0]), float(np.ravel(bounds[1])[0])
+
+
+def draw_profiles(scores: Scores) -> "Figure":
+    """Returns the share of seeds and games above each score, by way of training, with 95 % bands: at most five to a plot."""
+    from matplotlib.figure import Figure  # here: importing it costs as much as a short test
+    from rliable import library
+
+    flat = np.concatenate([table.ravel() for table in scores.values()])
+    scale = np.linspace(min(0.0, float(flat.min())), max(1.0, float(flat.max())), POINTS)
+    with _seeded():
+        profiles, bands = library.create_performance_profile(dict(scores), scale, reps=RESAMPLES)
+    groups = [list(scores)[first : first + MOST] for first in range(0, len(scores), MOST)]
+    figure = Figure(figsize=(max(7.0, 5.0 * len(groups)), 3.8), layout="constrained")
+    with colours():
+        for number, group in enumerate(groups, 1):
+            axes = figure.add_subplot(1, len(groups), number)
+            for way in group:
+                (line,) = axes.plot(scale, profiles[way], label=way)
+                axes.fill_between(scale, *bands[way], color=line.get_color(), alpha=0.2, linewidth=0)
+            axes.set(xlabel="score", ylabel="share of seeds and games above it")
+            axes.grid(alpha=0.3)
+            axes.legend(fontsize="small")
+    return figure

@@ -1,0 +1,60 @@
+"""Schelling verdicts: whether a game is a dilemma to the policies that were learnt, beside what the paper found."""
+
+from typing import Any
+
+from sjdsl.experiments.published import published_shape
+from sjdsl.report.contents import Contents
+from sjdsl.report.evidence import DiagramRow
+from sjdsl.report.figure_text import bounded
+from sjdsl.report.page import Section, Table
+
+HEADINGS = (*("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "published", "over"),)
+
+
+def diagrams(contents: Contents) -> Section:
+    """Returns the section of the contrasts of each diagram, and its verdict."""
+    found = {row.game for row in contents.evidence.diagrams}
+    missing = [name for name in contents.names if name not in found]
+    rows = [row for name in contents.names for row in _rows(contents, name)]
+    records = tuple(_record(row) for row in contents.evidence.diagrams)
+    text = (
+        "A: all cooperating against all defecting. B: cooperating together against cooperating alone. Fear: defecting against cooperating "
+        "where the others defect. Greed: the same where the others cooperate.",
+        "The intervals of the four hold together at 95 %. A dilemma has A and B above 0, and fear or greed.",
+    )
+    cautions = tuple(f"{row.game}: {row.caution}" for row in contents.evidence.diagrams if row.caution)
+    title = "Contrasts of the return of an agent"
+    tables = (Table("schelling", title, HEADINGS, tuple(rows), records, 3),) if rows else ()
+    fill = tuple(
+        f"sjdsl schelling {name} --cooperators runs/{name}_common --defectors runs/{name}_individual -o runs/{name}_diagram"
+        for name in missing
+    )
+    return Section("Schelling diagrams", (*text, *cautions), tables, fill=fill)
+
+
+def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:
+    published = published_shape(game)
+    note = f" ({published['note']})" if published and published["note"] else ""
+    said = f"{published['shape']}, called a {published['type']}{note}" if published else ""
+    found = [row for row in contents.evidence.diagrams if row.game == game]
+    if not found:
+        return [(game, *("",) * 7, said, "")] if said else []
+    return [_row(row, said if number == 0 else "") for number, row in enumerate(found)]
+
+
+def _row(row: DiagramRow, said: str) -> tuple[str, ...]:
+    contrasts = (
+        bounded(row.A, row.A_low, row.A_high),
+        bounded(row.B, row.B_low, row.B_high),
+        bounded(row.fear_mean, row.fear_low, row.fear_high),
+        bounded(row.greed_mean, row.greed_low, row.greed_high),
+    )
+    shape = " and ".join(name for name, there in (("fear", row.fear), ("greed", row.greed)) if there)
+    verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
+    over = f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else ", of these policies only")
+    return (row.game, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, said, over)
+
+
+def _record(row: DiagramRow) -> dict[str, Any]:
+    published = published_shape(row.game) or {}
+    return {**vars(row), "published_shape": published.get("shape"), "published_type": published.get("type")}

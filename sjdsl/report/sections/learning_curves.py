@@ -1,0 +1,80 @@
+"""Learning curves: the collective return over environment steps, game by game, with all ways of training."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sjdsl.report.contents import Contents, Game
+from sjdsl.report.drawing import colours
+from sjdsl.report.evidence import Run
+from sjdsl.report.figure_text import finite
+from sjdsl.report.page import Picture, Section, Table
+from sjdsl.report.ways import in_words
+from sjdsl.trainers.estimates import estimate
+from sjdsl.trainers.panels import Line, draw_panels, split_lines
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Y_TITLE = "collective return of an episode"
+
+
+def learning_curves(contents: Contents) -> Section:
+    """Returns a picture for each game: the mean over seeds, with the band of its 95 % interval by Student's t."""
+    pictures, records = [], []
+    for game in contents.games:
+        lines = _lines(contents, game)
+        if lines:
+            name = f"curves_{game.label.replace(', ', '_').replace(' ', '_').replace('=', '_')}"
+            pictures.append(Picture(name, game.label, partial(_draw, lines, game.label)))
+        for line in lines:
+            low, high = (np.full(line.values.shape, np.nan) if bound is None else bound for bound in (line.low, line.high))
+            for step, *figures in zip(line.steps, line.values, low, high, strict=True):
+                records.append({"game": game.label, "way": line.label, "env_steps": int(step), **_bounds(*figures)})
+    text = (
+        "Mean over seeds, with the band of its 95 % interval (Student's t). One seed has no band; seeds that have failed are left out.",
+    )
+    tables = (Table("learning_curves", "", (), (), tuple(records)),) if records else ()
+    fill = () if pictures else ("sjdsl train coins --preset two_cores --seeds 5 --run runs/coins",)
+    return Section("Learning curves", text, tables, tuple(pictures), fill)
+
+
+def _bounds(mean: float, low: float, high: float) -> dict[str, float | None]:
+    return {"mean": mean, "low": None if np.isnan(low) else finite(low), "high": None if np.isnan(high) else finite(high)}
+
+
+def _lines(contents: Contents, game: Game) -> list[Line]:
+    if game.setting is None:
+        return []
+    found = [(run, curve) for run in contents.index.runs(game.setting) if (curve := _curve(contents, run)) is not None]
+    twice = {in_words(run) for run, _ in found if sum(in_words(other) == in_words(run) for other, _ in found) > 1}
+    return [_line(run, curve, in_words(run) in twice) for run, curve in sorted(found, key=lambda pair: (in_words(pair[0]), pair[0].run))]
+
+
+def _curve(contents: Contents, run: Run) -> dict[int, list[float]] | None:
+    """Returns the returns of the seeds of a run that are done, by environment steps; None where there are none."""
+    done = {row.seed for row in contents.index.seeds(run) if row.status == "done"}
+    by_step: dict[int, list[float]] = defaultdict(list)
+    for point in contents.index.curve(run):
+        if point.seed in done:
+            by_step[point.env_steps].append(point.collective_return)
+    whole = {step: values for step, values in sorted(by_step.items()) if len(values) == len(done)}
+    return whole or None
+
+
+def _line(run: Run, curve: dict[int, list[float]], twice: bool) -> Line:
+    found = [estimate(np.array(values)) for values in curve.values()]
+    seeds = len(next(iter(curve.values())))
+    label = f"{in_words(run)}{f' ({run.run[-8:]})' if twice else ''}, {seeds} seed{'s' if seeds > 1 else ''}"
+    steps, means = np.array([*curve], float), np.array([figure.mean for figure in found])
+    if seeds < 2:
+        return Line(label, steps, means)
+    return Line(label, steps, means, np.array([figure.low for figure in found]), np.array([figure.high for figure in found]))
+
+
+def _draw(lines: Sequence[Line], title: str) -> "Figure":
+    with colours():
+        return draw_panels(split_lines(lines, Y_TITLE), title)

@@ -1,0 +1,19 @@
+"""Cross-play: what an agent of a policy earned in each mixture."""
+
+from sjdsl.report.contents import Contents
+from sjdsl.report.figure_text import bounded
+from sjdsl.report.page import Section, Table
+
+
+def meetings(contents: Contents) -> Section:
+    """Returns the section of all mixtures that were played."""
+    rows = []
+    for row in contents.evidence.meetings:
+        over = "training seeds" if row.unit == "training seed" else f"{row.episodes} episodes, of these policies only"
+        rows.append((row.game, row.mixture, f"`{row.policy}`", bounded(row.mean, row.low, row.high), over))
+    headings = ("game", "mixture", "policy", "return of an agent", "interval over")
+    records = tuple(vars(row) for row in contents.evidence.meetings)
+    table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, tuple(rows), records, 3)
+    game = next(iter(contents.names), "coins")
+    fill = f"sjdsl crossplay {game} --policies runs/{game}_common runs/{game}_individual --mix pairs -o runs/{game}_pairs"
+    return Section("Cross-play", (), (table,) if rows else (), fill=() if rows else (fill,))

@@ -1,0 +1,82 @@
+"""The metrics table: how much agents cooperate, on the paper's scale, by how they learnt."""
+
+from dataclasses import replace
+
+from sjdsl.report import published
+from sjdsl.report.beside import Line, beside_table
+from sjdsl.report.cells import Cell
+from sjdsl.report.contents import Contents, Game
+from sjdsl.report.page import Section
+from sjdsl.report.published import PaperMetric
+from sjdsl.report.sections.exchange import RATIOS
+from sjdsl.report.sections.svo import PROSOCIAL, by_angle
+from sjdsl.report.ways import Way, common, exchanged, individual, mappo, vdn
+from sjdsl.report.ways import svo as svo_way
+
+
+def metrics(contents: Contents) -> Section:
+    """Returns the section of the paper's six ways of training."""
+    columns = published.metric_columns()
+    lines = []
+    empty = []
+    for game in contents.games:
+        metric = published.metric(game.published)
+        if metric is None:
+            continue
+        cells = [_cell(contents, game, metric, way) for way in _ways(contents, game)]
+        empty += [game.name] if None in cells else []
+        lines.append(Line(game.label, cells, [metric.printed[column] for column in columns], (metric.what, _choices(cells))))
+    text = [
+        "One figure a game says how much its agents cooperate, as the paper has it. "
+        "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight that was chosen.",
+        f"Published: {published.source('metrics')}.",
+    ]
+    text += [f"{game}: {note}." for game, note in published.remarks("metrics").items() if game in {game.name for game in contents.games}]
+    table = beside_table("metrics", "Cooperation metric", columns, lines, ("figure", "chosen"))
+    fill = (
+        [f"sjdsl sweep {' '.join(dict.fromkeys(empty))} --protocol algorithms --preset two_cores --seeds 5 --run runs/algorithms"]
+        if empty
+        else []
+    )
+    return Section("Cooperation metrics", tuple(text), (table,) if lines else (), fill=tuple(fill))
+
+
+def _ways(contents: Contents, game: Game) -> list[Way]:
+    """Returns the ways of training of the columns: IPPO individual and common, MAPPO, VDN, the best exchange, SVO at 90 degrees."""
+    return [individual, common, mappo, vdn, _best_exchange(contents, game), _chosen_svo(contents, game)]
+
+
+def _choices(cells: list[Cell | None]) -> str:
+    """Returns which ratio and which weight the columns of exchange and SVO have."""
+    exchanged_run, svo_run = (None if cell is None else cell.run for cell in cells[-2:])
+    ratio = "" if exchanged_run is None else f"ratio {1 if exchanged_run.exchange_ratio is None else exchanged_run.exchange_ratio:g}"
+    weight = "" if svo_run is None else f"weight {svo_run.svo_weight:g}"
+    return ", ".join(part for part in (ratio, weight) if part)
+
+
+def _best_exchange(contents: Contents, game: Game) -> Way:
+    if game.setting is None:
+        return lambda _: False
+    others = {run.exchange_ratio for run in contents.index.runs(game.setting) if run.exchange_ratio is not None}
+    ratios = [ratio for ratio in sorted({*RATIOS, *others}) if ratio > 0]
+    found = {ratio: contents.index.returns(game.setting, exchanged(ratio)) for ratio in ratios}
+    means = {ratio: cell.estimate.mean for ratio, cell in found.items() if cell is not None and cell.estimate is not None}
+    if not set(means) & others:  # common reward alone is no sweep of ratios
+        return lambda _: False
+    return exchanged(max(means, key=lambda ratio: means[ratio]))
+
+
+def _chosen_svo(contents: Contents, game: Game) -> Way:
+    weight, cells = by_angle(contents, game)
+    return svo_way(PROSOCIAL, weight, 2) if cells else lambda _: False
+
+
+def _cell(contents: Contents, game: Game, metric: PaperMetric, way: Way) -> Cell | None:
+    """Returns the figure of the metric on the paper's scale."""
+    if game.setting is None:
+        return None
+    cell = contents.index.measured(game.setting, way, metric.measure)
+    if cell is None:
+        return None
+    scale = metric.scale / (game.setting.num_agents if metric.per_agent else 1)
+    return replace(cell, values=tuple(scale * value for value in cell.values))

@@ -1,0 +1,114 @@
+"""Over games: interquartile mean, performance profiles and probability of improvement of normalised scores, all by `rliable`."""
+
+import json
+from collections.abc import Mapping
+from functools import partial
+from hashlib import sha256
+
+import numpy as np
+
+from sjdsl.report import published
+from sjdsl.report.contents import Contents, Game
+from sjdsl.report.evidence import Run
+from sjdsl.report.figure_text import bounded
+from sjdsl.report.page import Picture, Section, Table
+from sjdsl.report.rliable_statistics import INSTALL, Interval, draw_profiles, improvements, interquartile_means, is_installed
+from sjdsl.report.ways import in_words
+
+TITLE = "Over games"
+Scores = dict[str, np.ndarray]  # way of training -> [seeds, games]
+
+
+def over_games(contents: Contents) -> Section:
+    """Returns the section of the ways of training that were tried in the same two games or more, with two seeds at least."""
+    games, scores, remarks = scores_of(contents)
+    text = [
+        "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper. "
+        "Intervals are of 95 %, by resampling the seeds of each game (stratified bootstrap). Within one game nothing of this is shown.",
+        *remarks,
+    ]
+    if len(scores) < 1:
+        wanted = _without_random(contents)
+        fill = [f"sjdsl crossplay {name} --policies random --episodes 200 -o runs/{name}_random" for name in wanted]
+        return Section(
+            TITLE, (*text, "There are no two games yet with the same way of training, two seeds, and a random policy."), fill=tuple(fill)
+        )
+    text.append(f"Of the games {', '.join(games)}.")
+    stamp = sha256(json.dumps([games, {way: found.tolist() for way, found in scores.items()}]).encode()).hexdigest()[:12]
+    if not is_installed():
+        return Section(TITLE, (*text, INSTALL), stamp=stamp, lacks=INSTALL)
+    tables = [_means_table(interquartile_means(scores), scores)]
+    if len(scores) > 1:
+        tables.append(_improvement_table(improvements(scores)))
+    pictures = (Picture("performance_profiles", "performance profiles", partial(draw_profiles, scores)),)
+    return Section(TITLE, tuple(text), tuple(tables), pictures, stamp=stamp)
+
+
+def scores_of(contents: Contents) -> tuple[list[str], Scores, list[str]]:
+    """Returns the games, the scores of each way of training in them, and what must be said of the choice.
+
+    The games are those of the way of training that has most; ways that lack one of them are left out, and seeds beyond the fewest.
+    """
+    found: dict[str, dict[str, np.ndarray]] = {}
+    for game in contents.games:
+        for way, values in _scores_in(contents, game).items():
+            found.setdefault(way, {})[game.label] = values
+    most = max(found.values(), key=len, default={})
+    if len(most) < 2:
+        return [], {}, []
+    games = list(most)
+    scores, remarks = {}, []
+    for way, by_game in sorted(found.items()):
+        if not set(games) <= by_game.keys():
+            remarks.append(f"{way} is left out: it lacks {', '.join(game for game in games if game not in by_game)}.")
+            continue
+        fewest = min(len(by_game[game]) for game in games)
+        if any(len(by_game[game]) > fewest for game in games):
+            remarks.append(f"Of {way} the first {fewest} seeds of each game are taken, for one game has no more.")
+        scores[way] = np.stack([by_game[game][:fewest] for game in games], axis=1)
+    return games, scores, remarks
+
+
+def _scores_in(contents: Contents, game: Game) -> Mapping[str, np.ndarray]:
+    """Returns the scores of the seeds by way of training; of two seeds at least."""
+    best = published.best_return(game.published)
+    random = None if game.setting is None else contents.index.random(game.setting.game, game.setting.hash)
+    if best is None or random is None or game.setting is None:
+        return {}
+    scores = {}
+    for way in {in_words(run) for run in contents.index.runs(game.setting) if run.stage != 1}:
+        cell = contents.index.returns(game.setting, partial(_is, way))
+        if cell is not None and cell.estimate is not None and len(cell.values) > 1:
+            scores[way] = (np.array(cell.values) - random.mean) / (best - random.mean)
+    return scores
+
+
+def _is(way: str, run: Run) -> bool:
+    return run.stage != 1 and in_words(run) == way
+
+
+def _without_random(contents: Contents) -> list[str]:
+    settings = [game.setting for game in contents.games if game.setting is not None]
+    names = [s.game for s in settings if published.best_return(s.game) is not None and contents.index.random(s.game, s.hash) is None]
+    return list(dict.fromkeys(names))
+
+
+def _means_table(means: Mapping[str, Interval], scores: Scores) -> Table:
+    rows = [(way, bounded(*found), f"{scores[way].shape[0]} seeds, {scores[way].shape[1]} games") for way, found in means.items()]
+    records = [
+        {"way": way, "iqm": mean, "low": low, "high": high, "seeds": scores[way].shape[0], "games": scores[way].shape[1]}
+        for way, (mean, low, high) in means.items()
+    ]
+    headings = ("way of training", "interquartile mean", "of")
+    return Table("over_games", "Interquartile mean of the scores", headings, tuple(rows), tuple(records))
+
+
+def _improvement_table(found: Mapping[tuple[str, str], Interval]) -> Table:
+    rows = [(first, second, bounded(*interval)) for (first, second), interval in found.items()]
+    records = [
+        {"way": first, "over": second, "probability": p, "low": low, "high": high} for (first, second), (p, low, high) in found.items()
+    ]
+    headings = ("way of training", "over", "probability")
+    return Table(
+        "improvement", "Probability that a seed has more than one of the other way, in a game", headings, tuple(rows), tuple(records), 2
+    )

@@ -1,0 +1,28 @@
+"""What common reward changes: individual against common reward in each game, by Welch's t-test."""
+
+from sjdsl.report.comparing import Pair, compared_table
+from sjdsl.report.contents import Contents, Game
+from sjdsl.report.figure_text import bounded
+from sjdsl.report.page import Section
+from sjdsl.report.published import difficulty
+from sjdsl.report.ways import common, individual
+
+
+def own_and_common(contents: Contents) -> Section:
+    """Returns the section of IPPO with individual and with common reward."""
+    lines: list[Pair] = []
+    for game in contents.games:
+        own, shared = (None if game.setting is None else contents.index.returns(game.setting, way) for way in (individual, common))
+        lines.append(((game.label, difficulty(game.published), _random(contents, game)), own, shared))
+    table = compared_table(
+        "own_and_common", "Collective return of IPPO", ("game", "the paper calls it", "random policy"), ("individual", "common"), lines
+    )
+    text = ("If common reward earns the group more than individual reward does, what is good for an agent is bad for the group.",)
+    missing = dict.fromkeys(game.name for game, line in zip(contents.games, lines, strict=True) if None in line[1:])
+    fill = f"sjdsl sweep {' '.join(missing or ['coins'])} --axis reward=individual,common --preset two_cores --seeds 5 --run runs/rewards"
+    return Section("Individual and common reward", text, (table,) if lines else (), fill=(fill,) if missing or not lines else ())
+
+
+def _random(contents: Contents, game: Game) -> str:
+    found = None if game.setting is None or game.setting.params else contents.index.random(game.setting.game, game.setting.hash)
+    return "" if found is None else bounded(found.mean, found.low, found.high)

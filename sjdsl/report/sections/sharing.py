@@ -1,0 +1,38 @@
+"""Shared against separate parameters: one network for all agents, or one for each."""
+
+from collections import defaultdict
+from dataclasses import replace
+
+from sjdsl.report.cells import Cell, Setting
+from sjdsl.report.comparing import Pair, compared_table
+from sjdsl.report.contents import Contents
+from sjdsl.report.page import Section
+from sjdsl.report.ways import APART, SHARED, in_words
+
+
+def sharing(contents: Contents) -> Section:
+    """Returns the section: every way of training that was tried with both."""
+    lines: list[Pair] = []
+    for game in contents.games:
+        ways: dict[str, set[str]] = defaultdict(set)
+        for run in contents.index.runs(game.setting) if game.setting is not None else ():
+            ways[in_words(replace(run, sharing=SHARED))].add(run.sharing)
+        for way in sorted(way for way, found in ways.items() if {SHARED, APART} <= found):
+            lines.append(((game.label, way), _cell(contents, game.setting, way, SHARED), _cell(contents, game.setting, way, APART)))
+    text = (
+        "Agents share one network, or each has its own, with its own initial weights. "
+        "The paper says that both take about the same time and converge alike, and has no figures.",
+    )
+    title = "Collective return with shared and with separate parameters"
+    table = compared_table("sharing", title, ("game", "way of training"), ("shared", "separate"), lines)
+    untried = [
+        name for name in dict.fromkeys(game.name for game in contents.games) if name not in {words[0].split(",")[0] for words, *_ in lines}
+    ]
+    fill = (f"sjdsl sweep {' '.join(untried)} --protocol sharing --preset two_cores --seeds 5 --run runs/sharing",) if untried else ()
+    return Section("Shared and separate parameters", text, (table,) if lines else (), fill=fill)
+
+
+def _cell(contents: Contents, setting: Setting | None, way: str, sharing: str) -> Cell | None:
+    if setting is None:
+        return None
+    return contents.index.returns(setting, lambda run: in_words(replace(run, sharing=SHARED)) == way and run.sharing == sharing)

@@ -1,0 +1,86 @@
+"""SVO: returns by weight at 90 degrees, and by angle at the weight that was chosen."""
+
+from collections import Counter
+from functools import partial
+
+from sjdsl.report import published
+from sjdsl.report.beside import Line, beside_table
+from sjdsl.report.cells import Cell
+from sjdsl.report.contents import Contents, Game
+from sjdsl.report.page import Picture, Section, Table
+from sjdsl.report.small_multiples import Series, draw_series, panel_of
+from sjdsl.report.ways import svo as way
+
+WEIGHTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+ANGLES = (0.0, 22.5, 45.0, 67.5, 90.0)
+PROSOCIAL = 90.0  # degrees, at which weights are compared
+
+
+def svo(contents: Contents) -> Section:
+    """Returns the section of IPPO with social value orientation."""
+    weights = {game: _by_weight(contents, game) for game in contents.games}
+    angles = {game: by_angle(contents, game) for game in contents.games}
+    text = (
+        "Weights are compared at 90 degrees, angles at the weight that was chosen. "
+        "Angles have fresh seeds: the weight that is best among a few seeds owes that partly to them.",
+        f"Published: {published.source('svo')}.",
+    )
+    tables = [*_weight_table(weights), *_angle_table(contents, angles)]
+    panels = []
+    for game, (weight, cells) in angles.items():
+        if cells:
+            series = Series.of((angle, cell.estimate) for angle, cell in cells.items() if cell.estimate is not None)
+            printed = [(angle, figure.mean) for angle, figure in published.svo(game.published).items()]
+            panels.append(panel_of(f"{game.label}, weight {weight:g}", series, printed))
+    draw = partial(draw_series, panels, "SVO angle (degrees)", "collective return")
+    pictures = (Picture("svo", "returns by SVO angle", draw),) if panels else ()
+    wanted = [game.name for game, (_, cells) in angles.items() if not set(ANGLES) <= cells.keys()]
+    fill = [f"sjdsl sweep {' '.join(dict.fromkeys(wanted))} --protocol svo --preset two_cores --seeds 5 --run runs/svo"] if wanted else []
+    return Section("Social value orientation", text, tuple(tables), pictures, tuple(fill))
+
+
+def _by_weight(contents: Contents, game: Game) -> dict[float, Cell]:
+    """Returns the cells at 90 degrees: those of a sweep's first stage, or of runs outside sweeps."""
+    if game.setting is None:
+        return {}
+    weights = {run.svo_weight for run in contents.index.runs(game.setting) if run.svo_angle == PROSOCIAL and run.stage != 2}
+    cells = {
+        weight: contents.index.returns(game.setting, way(PROSOCIAL, weight, 1)) for weight in sorted(w for w in weights if w is not None)
+    }
+    return {weight: cell for weight, cell in cells.items() if cell is not None}
+
+
+def by_angle(contents: Contents, game: Game) -> tuple[float, dict[float, Cell]]:
+    """Returns the weight of which there are most angles, and its cells: those of a sweep's second stage, or of runs outside sweeps."""
+    if game.setting is None:
+        return 0.0, {}
+    runs = [run for run in contents.index.runs(game.setting) if run.svo_angle is not None and run.stage != 1]
+    tried = Counter(weight for weight, _ in {(run.svo_weight, run.svo_angle) for run in runs} if weight is not None)
+    if not tried:
+        return 0.0, {}
+    weight = max(tried, key=lambda weight: (tried[weight], weight))
+    angles = sorted({run.svo_angle for run in runs if run.svo_weight == weight and run.svo_angle is not None})
+    cells = {angle: contents.index.returns(game.setting, way(angle, weight, 2)) for angle in angles}
+    return weight, {angle: cell for angle, cell in cells.items() if cell is not None}
+
+
+def _weight_table(weights: dict[Game, dict[float, Cell]]) -> list[Table]:
+    found = {game: cells for game, cells in weights.items() if cells}
+    if not found:
+        return []
+    columns = sorted({*WEIGHTS, *(weight for cells in found.values() for weight in cells)})
+    lines = [Line(game.label, [cells.get(weight) for weight in columns], [None] * len(columns)) for game, cells in found.items()]
+    return [beside_table("svo_weights", "Collective return by SVO weight, at 90 degrees", [f"{weight:g}" for weight in columns], lines)]
+
+
+def _angle_table(contents: Contents, angles: dict[Game, tuple[float, dict[float, Cell]]]) -> list[Table]:
+    found = {game: pair for game, pair in angles.items() if pair[1] or contents.whole_suite}
+    if not found:
+        return []
+    columns = sorted({*ANGLES, *(angle for _, cells in found.values() for angle in cells)})
+    lines = []
+    for game, (weight, cells) in found.items():
+        printed = published.svo(game.published)
+        ours = (f"{weight:g}",) if cells else ("",)
+        lines.append(Line(game.label, [cells.get(angle) for angle in columns], [printed.get(angle) for angle in columns], ours))
+    return [beside_table("svo_angles", "Collective return by SVO angle", [f"{angle:g}°" for angle in columns], lines, ("weight",))]

@@ -1,0 +1,66 @@
+"""The ways of training that tables ask for, as questions about a run, and their names in words."""
+
+from collections.abc import Callable
+
+from sjdsl.report.evidence import Run
+
+Way = Callable[[Run], bool]
+SHARED, APART = "shared", "per_agent"
+
+
+def is_ippo(run: Run, sharing: str = SHARED) -> bool:
+    """Returns whether a run is of IPPO, its agents with one network or with one each."""
+    return run.algorithm == "ippo" and run.sharing == sharing
+
+
+def individual(run: Run) -> bool:
+    """IPPO, each agent its own reward."""
+    return is_ippo(run) and run.reward == "individual"
+
+
+def common(run: Run) -> bool:
+    """IPPO, the sum of all rewards."""
+    return is_ippo(run) and run.reward == "common"
+
+
+def mappo(run: Run) -> bool:
+    """MAPPO, the sum of all rewards, as in the released configurations."""
+    return run.algorithm == "mappo" and run.sharing == SHARED and run.reward == "common"
+
+
+def vdn(run: Run) -> bool:
+    """VDN, which always learns from the sum of all rewards."""
+    return run.algorithm == "vdn"
+
+
+def exchanged(ratio: float) -> Way:
+    """IPPO with exchanged rewards; 0 is individual and 1 common reward, as the protocol `exchange` has them."""
+    if ratio == 0:
+        return individual
+    if ratio == 1:
+        return common
+    return lambda run: is_ippo(run) and run.exchange_ratio == ratio
+
+
+def svo(angle: float, weight: float, stage: int | None = None) -> Way:
+    """IPPO with SVO at an angle and a weight; `stage`: 1 or 2 of a sweep, whose seeds are never taken for those of the other."""
+    return lambda run: is_ippo(run) and run.svo_angle == angle and run.svo_weight == weight and run.stage in (stage, None)
+
+
+NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "vdn": "VDN"}
+
+
+def in_words(run: Run) -> str:
+    """Returns a way of training in words: `IPPO, exchange 0.5`, `IPPO, SVO 45°, weight 0.4`, `MAPPO, common, separate parameters`."""
+    name = NAMES.get(run.algorithm, run.algorithm)
+    if run.algorithm == "vdn":
+        return name
+    rewards = {"exchange": f"exchange {run.exchange_ratio:g}" if run.exchange_ratio is not None else "exchange", "svo": _svo(run)}
+    sharing = {SHARED: "", APART: ", separate parameters"}.get(run.sharing, f", parameters {run.sharing.replace('_', ' ')}")
+    return f"{name}, {rewards.get(run.reward, run.reward)}{sharing}"
+
+
+def _svo(run: Run) -> str:
+    angle = "several angles" if run.svo_angle is None else f"{run.svo_angle:g}°"
+    stage = ", choosing the weight" if run.stage == 1 else ""
+    return f"SVO {angle}, weight {run.svo_weight or 0:g}{stage}"

@@ -1,0 +1,173 @@
+"""The page and the tables of a report: a golden of one of everything, and what each cell may say."""
+
+import csv
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import pytest
+from report_folders import write_diagram, write_run
+
+from sjdsl.cli import commands
+from sjdsl.report import Evidence, read_folders
+from sjdsl.report.report import Report, make_report
+
+GOLDEN = Path(__file__).parent / "golden"
+Golden = Callable[[Path, str], None]
+
+
+def report_of(*folders: Path, whole_suite: bool = False) -> Report:
+    return make_report(read_folders(folders), "sjdsl report runs", whole_suite=whole_suite)
+
+
+def records(report: Report, table: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(report.files[f"tables/{table}.csv"].splitlines()))
+
+
+def line(report: Report, start: str, which: int = 0) -> list[str]:
+    """Returns the cells of a row of a table on the page that begins so."""
+    rows = [row for row in report.page.splitlines() if row.startswith(f"| {start}")]
+    return [cell.strip() for cell in rows[which].strip("|").split(" | ")]
+
+
+def test_golden(written: Path, golden: Golden) -> None:
+    golden(GOLDEN / "report.md", (written / "report.md").read_text())
+    names = sorted(path.relative_to(written).as_posix() for path in written.rglob("*.csv"))
+    golden(
+        GOLDEN / "files.txt",
+        "\n".join(sorted(path.relative_to(written).as_posix() for path in written.rglob("*") if path.is_file())) + "\n",
+    )
+    for name in names:
+        golden(GOLDEN / name, (written / name).read_text())
+
+
+def test_pictures(written: Path) -> None:
+    pictures = sorted((written / "figures").iterdir())
+    assert {path.stem for path in pictures} == {"curves_coins", "curves_harvest_open", "curves_pd_arena", "exchange", "speed", "svo"}
+    assert all(path.read_bytes()[:4] in (b"\x89PNG", b"<?xm") for path in pictures)
+    assert len(pictures) == 12
+
+
+def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None:
+    found = records(report_of(write_run(tmp_path / "run", "coins", (150.0, 160.0, 155.0), reward="common")), "exchange")
+    cell = next(row for row in found if row["column"] == "1: common")
+    # Student's t at 97.5 % with two degrees of freedom, from a printed table: 4.303; the standard error of 150, 160, 155 is 5 / sqrt(3).
+    margin = 4.303 * 5 / 3**0.5
+    assert abs(float(cell["mean"]) - 155) < 1e-9
+    assert abs(float(cell["high"]) - (155 + margin)) < 1e-2
+    assert (cell["seeds"], cell["failed"], cell["steps"], cell["hardware"]) == ("3", "0", "400", "cpu")
+    assert (cell["published"], cell["difference"], cell["published_inside"]) == ("164", "-9", "yes")
+
+
+def test_one_seed_has_no_interval_and_no_test(tmp_path: Path) -> None:
+    runs = [write_run(tmp_path / reward, "coins", (100.0,), reward=reward) for reward in ("individual", "common")]
+    report = report_of(*runs)
+    assert line(report, "coins | ours")[2] == "100"
+    assert line(report, " | ours - published")[2] == "+61"  # neither inside nor outside of an interval
+    assert line(report, "coins | easy")[5:7] == ["0", ""]
+    assert any("too few seeds for an interval" in note for note in report.notes)
+
+
+@pytest.mark.parametrize(("diverged", "said"), [((1,), "failed: 1 of 3 seeds"), ((0, 1, 2), "failed: 3 of 3 seeds")])
+def test_a_cell_with_a_seed_that_has_failed_is_never_averaged(tmp_path: Path, diverged: tuple[int, ...], said: str) -> None:
+    runs = [write_run(tmp_path / "own", "coins", (10.0, 20.0, 30.0), reward="individual")]
+    runs += [write_run(tmp_path / "shared", "coins", (150.0, 160.0, 170.0), diverged=diverged, reward="common")]
+    report = report_of(*runs)
+    assert line(report, "coins | easy")[3:7] == ["20 [-4.841, 44.84]", said, "", ""]
+    row = line(report, "coins | ours")
+    assert row[6] == said
+    cell = next(row for row in records(report, "exchange") if row["column"] == "1: common")
+    assert (cell["mean"], cell["low"], cell["failed"], cell["difference"]) == ("", "", str(len(diverged)), "")
+
+
+def test_the_rule_and_how_sure_its_choice_is(tmp_path: Path) -> None:
+    runs = [
+        write_run(tmp_path / "0", "orchard", (10.0, 12.0), reward="individual"),
+        write_run(tmp_path / "half", "orchard", (96.0, 98.0), reward="exchange", exchange_ratio=0.5),
+        write_run(tmp_path / "1", "orchard", (99.0, 101.0), reward="common"),
+    ]
+    report = report_of(*runs)
+    assert line(report, "orchard | ours")[7] == "0.5 of 3 ratios"
+    assert {row["ratio"]: row["frequency"] for row in records(report, "exchange_choices")} == {"0": "0", "0.5": "1", "1": "0", "none": "0"}
+    assert "published |" not in report.page.split("## Social")[0].split("## Returns")[1]  # nothing is published of this game
+
+
+def test_of_several_ways_of_training_the_longer_is_shown_and_the_other_named(tmp_path: Path) -> None:
+    short = write_run(tmp_path / "short", "coins", (10.0, 12.0), reward="common")
+    long = write_run(tmp_path / "long", "coins", (50.0, 52.0), reward="common", total_timesteps=800, num_envs=20)
+    report = report_of(short, long)
+    assert line(report, "coins | ours")[6].startswith("51 [")
+    (note,) = (note for note in report.notes if "is shown in tables, not" in note)
+    assert "800 steps" in note.split("not")[0]
+
+
+def test_the_angles_have_the_fresh_seeds_and_not_those_that_chose_the_weight(evidence: Evidence) -> None:
+    report = make_report(evidence, "sjdsl report runs")
+    weights = {row["column"]: row["mean"] for row in records(report, "svo_weights") if row["mean"]}
+    angles = {row["column"]: row["mean"] for row in records(report, "svo_angles") if row["mean"]}
+    assert weights == {"0.4": "110", "0.6": "145"}
+    assert angles == {"45°": "70", "90°": "137"}
+
+
+def test_metrics_are_on_the_scale_of_the_paper(tmp_path: Path) -> None:
+    games = {
+        "coop_mining": ("event ores_shared", 60.0, "480"),
+        "mushrooms": ("event eaten[blue]", 60.0, "20"),
+        "coins": ("event own_coins", 60.0, "60"),
+    }
+    runs = [
+        write_run(tmp_path / game, game, (1.0, 1.0), measures={name: (value, value)}, reward="individual")
+        for game, (name, value, _) in games.items()
+    ]
+    found = {row["game"]: row["mean"] for row in records(report_of(*runs), "metrics") if row["column"] == "IPPO individual"}
+    assert found == {game: wanted for game, (_, _, wanted) in games.items()}  # 8 a gold ore; mushrooms of one agent of three
+
+
+def test_other_numbers_and_maps_are_other_games_without_published_figures(tmp_path: Path) -> None:
+    runs = [
+        write_run(tmp_path / "harmless", "coins", (10.0, 12.0), reward="common", rules="c01", provenance={"params": {"harm": 0}}),
+        write_run(tmp_path / "socialjax", "coins", (10.0, 12.0), reward="common", rules="c02", provenance={"variant": "socialjax"}),
+    ]
+    page = report_of(*runs).page
+    assert "| coins, harm=0 | ours |" in page
+    assert "| coins, variant socialjax | ours |" in page
+    assert page.split("## Returns")[1].split("## Social")[0].count("| published |") == 1
+
+
+def test_runs_of_other_rules_are_noted_and_never_pooled(tmp_path: Path) -> None:
+    runs = [write_run(tmp_path / rules, "coins", (10.0, 12.0), reward="common", rules=rules) for rules in ("c01", "old")]
+    write_diagram(tmp_path / "d", "harvest_open", dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5)), "dilemma")
+    report = report_of(*runs, tmp_path / "d")
+    assert [note for note in report.notes if "other rules" in note] == [
+        "the runs of coins, rules old, 2 agents are of other rules (old) than the game has now (c01)",
+        "the diagram of harvest_open is of other rules (4a7) than the game has now (new)",
+    ]
+
+
+def test_a_verdict_on_samples_without_spread_says_so(tmp_path: Path) -> None:
+    write_diagram(tmp_path, "coins", dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 1.0, 1.0)), "dilemma", caution="This rests on zeros.")
+    page = report_of(tmp_path).page
+    assert "coins: This rests on zeros." in page
+    assert "| 1 [1, 1] | dilemma, fear and greed | fear, called a prisoner's dilemma" in page
+
+
+def test_the_suite_is_shown_whole_where_nothing_is_known_and_says_what_finds_it() -> None:
+    report = make_report(Evidence(), "sjdsl report", whole_suite=True)
+    assert line(report, "pd_arena | ours") == ["pd_arena", "ours", *[""] * 7]
+    assert line(report, " | published", which=8)[2] == "144 ± 40"
+    called = [shlex.split(row) for row in report.page.splitlines() if row.startswith("sjdsl ")]
+    assert {call[1] for call in called} == {"sweep", "train", "schelling", "crossplay", "bench"}
+    above = click.Context(commands, info_name="sjdsl")
+    for _, name, *arguments in called:
+        command = commands.get_command(above, name)
+        if name == "sweep" and command is None:
+            continue
+        assert command is not None, name
+        command.make_context(name, arguments, parent=above)
+
+
+def test_a_report_of_nothing_is_short() -> None:
+    report = make_report(Evidence(), "sjdsl report")
+    assert len(report.page) < 6000
+    assert not report.pictures

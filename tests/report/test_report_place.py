@@ -1,0 +1,145 @@
+"""Where a report goes: nothing that no report has written is touched, no result is lost, and a page can be checked."""
+
+import shutil
+from pathlib import Path
+from unittest import mock
+
+import pytest
+from report_folders import random_returns, write_run
+
+from sjdsl.cli import run
+from sjdsl.report import Evidence, ReportError, check_report, read_folders, write_report
+from sjdsl.report.markdown import FIGURES
+from sjdsl.report.written import ENDINGS
+
+COMMAND = "sjdsl report runs"
+INSTALLED = "sjdsl.report.sections.over_games.is_installed"
+
+
+@pytest.fixture(autouse=True)
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures cost more than all else here, and are drawn in another file."""
+    monkeypatch.setattr("sjdsl.report.written._drawn", lambda picture: {f"{FIGURES}/{picture.name}.{end}": b"" for end in ENDINGS})
+
+
+@pytest.fixture
+def found(tmp_path: Path) -> Evidence:
+    return read_folders([write_run(tmp_path / "runs/a", "coins", (3.0, 5.0))])
+
+
+def files(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_page_with_its_files_in_a_folder_beside_it(tmp_path: Path, found: Evidence) -> None:
+    (tmp_path / "docs").mkdir()
+    write_report(found, tmp_path / "docs/results.md", COMMAND)
+    assert {"results.md", "results/data/runs.csv", "results/figures/curves_coins.svg"} <= files(tmp_path / "docs")
+    page = (tmp_path / "docs/results.md").read_text()
+    assert "(results/figures/curves_coins.png)" in page
+    assert check_report(found, tmp_path / "docs/results.md", COMMAND) == []
+
+
+def test_a_report_is_made_again_from_its_own_data(tmp_path: Path, found: Evidence) -> None:
+    write_report(found, tmp_path / "out", COMMAND)
+    before = {name: (tmp_path / "out" / name).read_bytes() for name in files(tmp_path / "out")}
+    write_report(read_folders([tmp_path / "out/data"]), tmp_path / "out", COMMAND)
+    assert {name: (tmp_path / "out" / name).read_bytes() for name in files(tmp_path / "out")} == before
+
+
+def test_more_results_only_add_rows(tmp_path: Path, found: Evidence) -> None:
+    write_report(found, tmp_path / "out", COMMAND)
+    more = write_run(tmp_path / "runs/b", "coins", (4.0,), first=2)
+    write_report(read_folders([tmp_path / "out/data", more]), tmp_path / "out", COMMAND)
+    rows = (tmp_path / "out/data/seeds.csv").read_text().splitlines()
+    assert len(rows) == 4
+
+
+def test_no_result_is_lost(tmp_path: Path, found: Evidence) -> None:
+    write_report(found, tmp_path / "out", COMMAND)
+    other = read_folders([write_run(tmp_path / "runs/b", "coins", (4.0,), first=2)])
+    with pytest.raises(ReportError, match=r"out/data` has 2 rows of seeds that are not among what was read; name"):
+        write_report(other, tmp_path / "out", COMMAND)
+    assert check_report(found, tmp_path / "out", COMMAND) == []
+
+
+def test_a_place_with_other_files_is_refused(tmp_path: Path, found: Evidence) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "thesis.tex").write_text("mine")
+    with pytest.raises(ReportError, match=r"holds files that no report has written \(thesis.tex\)"):
+        write_report(found, out, COMMAND)
+    assert files(out) == {"thesis.tex"}
+    (tmp_path / "notes.md").write_text("mine")
+    with pytest.raises(ReportError, match=r"notes.md` is there, and no report has written it"):
+        write_report(found, tmp_path / "notes.md", COMMAND)
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(ReportError, match="is a file, and a folder is wanted"):
+        write_report(found, tmp_path / "file", COMMAND)
+    write_report(found, tmp_path / "good", COMMAND)
+    (tmp_path / "good/figures/mine.png").write_text("mine")
+    with pytest.raises(ReportError, match=r"figures/mine.png"):
+        write_report(found, tmp_path / "good", COMMAND)
+
+
+def test_files_that_are_no_longer_part_of_it_are_removed(tmp_path: Path, found: Evidence) -> None:
+    write_report(found, tmp_path / "out", COMMAND, nested=True)
+    assert "marl_eval.json" in files(tmp_path / "out")
+    write_report(found, tmp_path / "out", COMMAND)
+    assert "marl_eval.json" not in files(tmp_path / "out")
+
+
+def test_what_is_not_up_to_date(tmp_path: Path, found: Evidence) -> None:
+    out = tmp_path / "out"
+    write_report(found, out, COMMAND)
+    (out / FIGURES / "curves_coins.png").unlink()
+    (out / "tables/exchange.csv").write_text("by hand")
+    (out / "report.md").write_text((out / "report.md").read_text().replace("4 [", "5 ["))
+    assert check_report(found, out, COMMAND) == [
+        f"{out / 'report.md'}: not what its results say",
+        f"{out / 'tables/exchange.csv'}: not what its results say",
+        f"{out / 'figures/curves_coins.png'}: missing",
+    ]
+
+
+def test_a_section_stays_where_its_extra_is_missing_and_nothing_has_changed(tmp_path: Path) -> None:
+    runs = [write_run(tmp_path / game, game, (30.0, 50.0), reward="common") for game in ("coins", "harvest_open")]
+    random_returns(tmp_path / "games.json", {"coins": 0.0, "harvest_open": 10.0})
+    found, out = read_folders([*runs, tmp_path / "games.json"]), tmp_path / "out"
+    means = {"IPPO, common": (0.12345, 0.1, 0.2)}
+    with mock.patch(INSTALLED, return_value=True), mock.patch("sjdsl.report.sections.over_games.interquartile_means", return_value=means):
+        write_report(found, out, COMMAND)
+    assert "| IPPO, common | 0.1235 [0.1, 0.2] | 2 seeds, 2 games |" in (out / "report.md").read_text()
+    assert check_report(found, out, COMMAND) == []
+    report = write_report(found, out, COMMAND)
+    assert [*report.kept] == ["Over games"]
+    assert {"tables/over_games.csv", "figures/performance_profiles.svg"} <= files(out)
+    more = read_folders([out / "data", write_run(tmp_path / "more", "coins", (90.0,), first=0, reward="common")])
+    report = write_report(more, out, COMMAND)
+    assert report.lacks == (
+        "This section takes the extra `rliable`: install it with `pip install 'sjdsl[rliable]'` and make the report again.",
+    )
+    assert "0.1235" not in (out / "report.md").read_text()
+    assert "tables/over_games.csv" not in files(out)
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_run(Path("runs/a"), "coins", (3.0, 5.0))
+    write_run(Path("runs/b"), "coins", (3.0,), status="running", reward="common")
+    assert run(["report", "runs", "-o", "out", "--json"]) == 0
+    told = capsys.readouterr()
+    assert "out/report.md  2 ways of training, 3 seeds" in told.out
+    assert "note: `runs/b` is not finished" in told.err
+    assert run(["report", "runs", "-o", "out", "--check"]) == 0
+    shutil.rmtree("runs/b")
+    for arguments, said in (
+        (["nowhere", "-o", "other"], "error: there is no folder or file `nowhere`"),
+        (["runs", "-o", "out"], "name `out/data`, too, and they stay"),
+        (["out/report.md", "-o", "other"], "is nothing that a report is made of"),
+        (["runs", "-o", "runs"], "error: `runs` holds files that no report has written"),
+        (["runs", "-o", "no/such/place"], "error: there is no folder `no/such`"),
+    ):
+        assert run(["report", *arguments]) == 1
+        assert said in capsys.readouterr().err
+    assert run(["report", "-o", "out"]) == 2

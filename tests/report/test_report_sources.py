@@ -1,0 +1,188 @@
+"""What a report reads of each kind of folder, and what it says of folders that are half written, failed, of other rules, or of no kind."""
+
+from pathlib import Path
+
+import pytest
+from report_folders import random_returns, write_cross_play, write_diagram, write_json, write_run, write_speeds, write_sweep, write_training
+
+from sjdsl.report import Evidence, ReportError, read_folders
+from sjdsl.report.evidence_files import evidence_files, read_evidence
+from sjdsl.report.reading_runs import POINTS
+
+DIAGRAM = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 9.0), "fear": (-4.0, -5.0, -3.0), "greed": (2.0, 1.0, 3.0)}
+
+
+def earned(evidence: Evidence) -> dict[int, float | None]:
+    """Returns the returns of the seeds."""
+    return {row.seed: row.collective_return for row in evidence.seeds}
+
+
+def test_a_run(tmp_path: Path) -> None:
+    folder = write_run(
+        tmp_path / "run", "coins", (3.0, 5.0), first=4, measures={"event own_coins": (7.0, 8.0)}, reward="exchange", exchange_ratio=0.25
+    )
+    found = read_folders([folder])
+    (run,) = found.runs
+    assert (run.game, run.algorithm, run.reward, run.exchange_ratio, run.svo_weight, run.sharing) == (
+        "coins",
+        "ippo",
+        "exchange",
+        0.25,
+        None,
+        "shared",
+    )
+    assert earned(found) == {4: 3.0, 5: 5.0}
+    assert [(row.steps, row.episodes, row.hardware, row.status) for row in found.seeds] == [(400, 30, "cpu", "done")] * 2
+    assert [(row.seed, row.measure, row.value) for row in found.measures] == [(4, "event own_coins", 7.0), (5, "event own_coins", 8.0)]
+    assert [(row.env_steps, row.collective_return) for row in found.curves if row.seed == 4] == [(200, 1.5), (300, 2.25), (400, 3.0)]
+    assert found.notes == ()
+
+
+def test_a_single_seed_lies_in_the_folder_itself(tmp_path: Path) -> None:
+    assert earned(read_folders([write_run(tmp_path / "run", "coins", (3.0,), first=7)])) == {7: 3.0}
+
+
+def test_seeds_of_one_way_of_training_are_taken_together_from_several_folders(tmp_path: Path) -> None:
+    folders = [write_run(tmp_path / "a", "coins", (3.0, 5.0)), write_run(tmp_path / "b", "coins", (4.0,), first=2)]
+    together = read_folders(folders)
+    assert len(together.runs) == 1
+    assert earned(together) == {0: 3.0, 1: 5.0, 2: 4.0}
+    others = [write_run(tmp_path / "c", "coins", (4.0,), learning_rate=0.5), write_run(tmp_path / "d", "coins", (4.0,), rules="other")]
+    assert len(read_folders([*folders, *others]).runs) == 3
+
+
+def test_what_is_found_twice_is_taken_from_the_later_one(tmp_path: Path) -> None:
+    first, second = write_run(tmp_path / "a", "coins", (3.0,)), write_run(tmp_path / "b", "coins", (9.0,))
+    found = read_folders([first, second])
+    assert earned(found) == {0: 9.0}
+    assert [row.collective_return for row in found.curves] == [4.5, 6.75, 9.0]
+    assert "found twice, with different figures" in found.notes[0]
+    assert read_folders([first, first]).notes == ()
+    stopped = write_run(tmp_path / "c", "coins", (9.0,), status="interrupted")
+    assert earned(read_folders([first, stopped])) == {0: 3.0}
+
+
+def test_a_half_written_run_is_left_out_and_says_how_it_goes_on(tmp_path: Path) -> None:
+    going, ended = (write_run(tmp_path / status, "coins", (3.0,), status=status) for status in ("running", "interrupted"))
+    for folder, how in ((going, "is not finished"), (ended, "has ended early (interrupted)")):
+        found = read_folders([folder])
+        assert [row.status for row in found.seeds] == ["unfinished"]
+        assert not found.curves
+        assert how in found.notes[0]
+        assert f"sjdsl train --resume {folder}" in found.notes[0]
+    (going / "manifest.json").write_text("{half")
+    assert "no manifest.json in it that can be read: it is left out" in read_folders([going]).notes[0]
+
+
+def test_a_run_that_is_not_evaluated(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (None, None))
+    found = read_folders([folder])
+    assert earned(found) == {0: None, 1: None}
+    assert f"sjdsl evaluate {folder}" in found.notes[0]
+    assert len(found.curves) == 6
+    write_json(folder / "seed_0/evaluation.json", {"summary": "half"})
+    assert earned(read_folders([folder])) == {0: None, 1: None}
+
+
+def test_a_seed_that_has_failed(tmp_path: Path) -> None:
+    found = read_folders([write_run(tmp_path / "run", "coins", (1.0, 2.0), diverged=[1])])
+    assert [(row.seed, row.status) for row in found.seeds] == [(0, "done"), (1, "failed")]
+    assert {row.seed for row in found.curves} == {0}
+    assert "seed 1" in found.notes[0]
+    alone = read_folders([write_run(tmp_path / "alone", "coins", (1.0,), status="failed: the loss became nan", diverged=[0])])
+    assert [row.status for row in alone.seeds] == ["failed"]
+
+
+def test_metrics_that_were_cut_off_and_long_ones(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (4.0,))
+    metrics = folder / "metrics.jsonl"
+    metrics.write_text(metrics.read_text() + '{"update": 5, "env_st')
+    assert len(read_folders([folder]).curves) == 3
+    many = [f'{{"env_steps": {100 * n}, "collective_return": {n}}}\n' for n in range(1, 1001)]
+    metrics.write_text("".join(many))
+    points = read_folders([folder]).curves
+    assert len(points) == POINTS
+    assert (points[0].env_steps, points[0].collective_return) == (2500, 13.0)  # updates 1 to 25
+    assert points[-1].env_steps == 100_000
+
+
+def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> None:
+    sweep = tmp_path / "svo"
+    write_run(sweep / "cells/weight", "coins", (100.0, 101.0), reward="svo")
+    write_run(sweep / "cells/angle", "coins", (90.0, 91.0), first=2, reward="svo")
+    write_sweep(sweep, "svo", {"weight": 1, "angle": 2}, absent=["late"], failed=["bad"])
+    found = read_folders([sweep])
+    assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in found.runs) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
+    assert found.notes == (f"2 cells of the sweep `{sweep}` are still to be trained", f"the cell `bad` of the sweep `{sweep}` has failed")
+    write_sweep(sweep, "exchange", {"weight": 1, "angle": 1})
+    assert len(read_folders([sweep]).runs) == 1
+
+
+def test_experiments(tmp_path: Path) -> None:
+    write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma", notes=["seed 1 is left out"])
+    write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None), "stay": (0.0, 0.0, 0.0)})
+    found = read_folders([tmp_path])  # a folder of folders
+    (row,) = found.diagrams
+    assert (row.outcome, row.fear, row.greed, row.A_low, row.greed_high) == ("dilemma", False, True, 50.0, 3.0)
+    assert found.notes == ("seed 1 is left out",)
+    assert [(row.policy, row.mean, row.low) for row in found.meetings] == [("random", -0.5, None), ("stay", 0.0, 0.0)]
+    assert [(row.mean, row.low) for row in found.random] == [(-1.0, None)]  # of both agents together
+
+
+def test_an_experiment_that_is_not_finished(tmp_path: Path) -> None:
+    for name in ("schelling", "crossplay"):
+        write_json(tmp_path / name / "experiment.json", {"experiment": name})
+        assert "not finished" in read_folders([tmp_path / name]).notes[0]
+
+
+def test_benchmarks(tmp_path: Path) -> None:
+    write_speeds(tmp_path / "speed.json", {("coins", None, 128): 4e5, ("harvest_open", 20, 1): 900.0})
+    write_training(tmp_path / "training.json", {"coins": (0.2, 0.4, 0.25)})
+    random_returns(tmp_path / "games.json", {"coins": -1.0})
+    found = read_folders([tmp_path / name for name in ("speed.json", "training.json", "games.json")])
+    assert [(row.game, row.crowd, row.rate) for row in found.speeds] == [("coins", False, 4e5), ("harvest_open", True, 900.0)]
+    (update,) = found.updates
+    assert (update.rate, update.slowest, update.fastest, update.hardware) == (32_000.0, 20_000.0, 40_000.0, "Some CPU, 2 cores")
+    assert found.random[0].mean == -1.0
+
+
+def test_the_data_of_a_report_is_read_as_it_was_written(tmp_path: Path) -> None:
+    write_run(tmp_path / "runs/a", "coins", (1.23456789, -2.0), measures={"event own_coins": (1 / 3, 2e9)}, reward="svo")
+    write_run(tmp_path / "runs/b", "coins", (None,), reward="svo", svo_angle=(45, 90), provenance={"params": {"harm": -3}, "map": ["AB"]})
+    write_diagram(tmp_path / "runs/d", "coins", DIAGRAM, "dilemma")
+    write_cross_play(tmp_path / "runs/m", "coins", {"random": (-0.5, None, None)})
+    write_speeds(tmp_path / "runs/speed.json", {("coins", None, 128): 4e5})
+    found = read_folders([tmp_path / "runs"])
+    data = tmp_path / "data"
+    data.mkdir()
+    for name, text in evidence_files(found).items():
+        (data / name).write_text(text)
+    again = read_folders([data])
+    assert again.rows() == found.rows()
+    assert read_folders([data, tmp_path / "runs"]).rows() == found.rows()
+    (data / "seeds.csv").write_text((data / "seeds.csv").read_text().replace("done", "well"))
+    with pytest.raises(ReportError, match=r"seeds.csv, line \d: status = 'well'"):
+        read_evidence(data)
+    (data / "seeds.csv").write_text("seed,run\n")
+    with pytest.raises(ReportError, match="must have the columns run, seed, status"):
+        read_evidence(data)
+
+
+def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
+    with pytest.raises(ReportError, match="there is no folder or file"):
+        read_folders([tmp_path / "nowhere"])
+    with pytest.raises(ReportError, match="nothing that a report is made of; name the folder of a run, a sweep"):
+        read_folders([tmp_path])
+    write_json(tmp_path / "other.json", [1])
+    with pytest.raises(ReportError, match="nothing that a report is made of"):
+        read_folders([tmp_path / "other.json"])
+    write_json(tmp_path / "bench.json", {"sort": "report", "machine": {}})
+    with pytest.raises(ReportError, match="holds no figures that sjdsl bench wrote"):
+        read_folders([tmp_path / "bench.json"])
+    for content, said in (({"format": 9}, "has the format 9, and 1 is read here"), ({"format": 1}, "cannot be read")):
+        write_json(tmp_path / "diagram/schelling.json", content)
+        with pytest.raises(ReportError, match=said):
+            read_folders([tmp_path / "diagram"])
+    write_json(tmp_path / "sweep/sweep.json", {"protocol": "svo", "cells": {"a": 1}})
+    with pytest.raises(ReportError, match="cannot be read"):
+        read_folders([tmp_path / "sweep"])
