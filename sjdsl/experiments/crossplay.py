@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from sjdsl.experiments.folder import open_folder
 from sjdsl.experiments.lineups import Lineup, all_mixtures, paired_mixtures
 from sjdsl.experiments.mixtures import CrossPlay, Mix, report_of, table_of
 from sjdsl.experiments.pictures import draw_matrix, picture_bytes
@@ -45,11 +46,11 @@ def cross_play(
 
 def play_mixtures(experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell) -> CrossPlay:
     """Plays what `plan_cross_play` planned; see `cross_play`. `mix`: None for one line-up that was given."""
-    asked = {"experiment": "crossplay", "mix": mix, "lineups": experiment.lineups}
-    parts = play_experiment(experiment, asked, None if folder is None else Path(folder), tell)
-    found = CrossPlay(experiment, tuple(parts), mix)
-    if folder is not None:
-        write_cross_play(found, Path(folder))
+    asked = {"experiment": "crossplay", "mix": mix, "lineups": experiment.lineups, **experiment.describe()}
+    with open_folder(None if folder is None else Path(folder), asked) as kept:
+        found = CrossPlay(experiment, tuple(play_experiment(experiment, kept, tell)), mix)
+        if kept is not None:
+            write_cross_play(found, kept.path)
     return found
 
 

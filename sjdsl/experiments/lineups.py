@@ -71,8 +71,13 @@ def orders_of(seed: int, replicate: int, episodes: int, slots: int) -> np.ndarra
     It is the same in every mixture, and that of an episode does not depend on how many there are.
     """
     key = jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), ORDERS), replicate)
-    draw = jax.jit(jax.vmap(partial(jax.random.permutation, x=slots)))
-    return np.asarray(draw(jax.random.split(key, episodes)), np.int32)
+    return np.asarray(_permutations(jax.random.split(key, episodes), slots), np.int32)
+
+
+@partial(jax.jit, static_argnames="slots")
+def _permutations(keys: Array, slots: int) -> Array:
+    """Returns a permutation `[E, N]` of the slots for each key."""
+    return jax.vmap(partial(jax.random.permutation, x=slots))(keys)
 
 
 def as_given(episodes: int, slots: int) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Plays the line-ups of an experiment, one after the other, and keeps each in the folder as soon as it is played."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -88,17 +88,15 @@ def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tup
     return tuple(pool for _, pool in found)
 
 
-def play_experiment(experiment: Experiment, asked: Mapping[str, Any], folder: Path | None, tell: Tell) -> list[Part]:
+def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell) -> list[Part]:
     """Returns each line-up as every replicate played it, line-up by line-up; what the folder has already is not played again.
 
     Args:
-      asked: of the experiment, besides what `describe` says.
-      folder: for results; None keeps nothing.
+      kept: the folder for what is played; None keeps nothing.
       tell: called with a line before each line-up that is played.
     Raises:
-      ExperimentError: the folder holds something else, or a return is not finite. OSError: the disk is full; what was kept stays.
+      ExperimentError: a return is not finite. OSError: the disk is full; what was kept stays.
     """
-    kept = None if folder is None else Folder(folder, {**asked, **experiment.describe()})
     env, slots = experiment.env, experiment.env.num_agents
     replicates = range(experiment.replicates)
     orders = [

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from sjdsl.experiments.diagram import Diagram, report_of, returns_of
+from sjdsl.experiments.folder import open_folder
 from sjdsl.experiments.lineups import cooperating
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
@@ -45,10 +46,12 @@ def schelling_diagram(
 
 def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) -> Diagram:
     """Plays what `plan_diagram` planned; see `schelling_diagram`."""
-    parts = play_experiment(experiment, {"experiment": "schelling"}, None if folder is None else Path(folder), tell)
-    found = Diagram(experiment, returns_of(parts, experiment.env.num_agents, experiment.replicates))
-    if folder is not None:
-        write_diagram(found, Path(folder))
+    asked = {"experiment": "schelling", **experiment.describe()}
+    with open_folder(None if folder is None else Path(folder), asked) as kept:
+        parts = play_experiment(experiment, kept, tell)
+        found = Diagram(experiment, returns_of(parts, experiment.env.num_agents, experiment.replicates))
+        if kept is not None:
+            write_diagram(found, kept.path)
     return found
 
 

@@ -8,6 +8,7 @@ from stored_policies import store, store_pool
 
 from sjdsl.experiments import ExperimentError, find_pool
 from sjdsl.experiments.players import LEARNING, player_of, replicates_of
+from sjdsl.experiments.schelling import plan_diagram
 from sjdsl.trainers import PolicyError, PPOConfig, VDNConfig
 
 ACTING = {
@@ -90,6 +91,9 @@ def test_another_form_of_the_game_is_noted(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="another form of the game: matrix_game 0123456789abcdef"):
         pool = find_pool(str(file), env)
     assert "another form of the game" in pool.notes[0]
+    with pytest.warns(UserWarning, match="another form of the game"):
+        described = plan_diagram(env, str(file), STAY, 2, 0).describe()
+    assert described["notes"] == list(pool.notes), "it is in the files, too"
 
 
 def test_unequal_pools_are_refused(tmp_path: Path) -> None:

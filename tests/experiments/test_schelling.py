@@ -14,7 +14,7 @@ from sjdsl.experiments.contrasts import Returns
 from sjdsl.experiments.lineups import orders_of, play_key
 from sjdsl.experiments.pictures import draw_diagram
 from sjdsl.experiments.playing import Experiment, play_experiment
-from sjdsl.experiments.schelling import plan_diagram
+from sjdsl.experiments.schelling import plan_diagram, play_diagram
 from sjdsl.experiments.summaries import diagram_text
 from sjdsl.trainers import evaluate
 
@@ -149,7 +149,7 @@ def test_a_stopped_diagram_goes_on_to_the_same_result(tmp_path: Path) -> None:
 
 def test_another_experiment_does_not_go_on_in_the_folder(tmp_path: Path) -> None:
     plan = plan_diagram(matrix_game(), "stay", OTHER, 2, 0)
-    play_experiment(plan, {}, tmp_path / "diagram", lambda _: None)
+    play_diagram(plan, tmp_path / "diagram", lambda _: None)
     changed = {
         "episodes 2 there, 3 here": plan_diagram(matrix_game(), "stay", OTHER, 3, 0),
         "seed 0 there, 1 here": plan_diagram(matrix_game(), "stay", OTHER, 2, 1),
@@ -158,16 +158,7 @@ def test_another_experiment_does_not_go_on_in_the_folder(tmp_path: Path) -> None
     }
     for message, other in changed.items():
         with pytest.raises(ExperimentError, match=message):
-            play_experiment(other, {}, tmp_path / "diagram", lambda _: None)
-
-
-def test_a_folder_in_use_is_not_written_to(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to go on with \(notes.txt\)"):
-        schelling_diagram(matrix_game(), STAY, OTHER, episodes=1, folder=tmp_path)
-    with pytest.raises(ExperimentError, match="is a file"):
-        schelling_diagram(matrix_game(), STAY, OTHER, episodes=1, folder=tmp_path / "notes.txt")
-    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+            play_diagram(other, tmp_path / "diagram", lambda _: None)
 
 
 def test_returns_that_are_not_finite_are_refused() -> None:
@@ -176,7 +167,7 @@ def test_returns_that_are_not_finite_are_refused() -> None:
     env = endless_riches()
     experiment = Experiment(env, plan_diagram(env, STAY, OTHER, 1, 0).pools, ((0, 0),), 1, 0, permuted=False)
     with pytest.raises(ExperimentError, match="the return of agent 0 in episode 0 of lineup_000_replicate_00 is not finite"):
-        play_experiment(experiment, {}, None, lambda _: None)
+        play_experiment(experiment, None, lambda _: None)
 
 
 def test_one_agent_has_no_dilemma() -> None:
