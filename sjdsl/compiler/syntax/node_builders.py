@@ -1,7 +1,8 @@
 """Builders of AST nodes whose fields are not simply the children of their grammar rule."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
+from itertools import zip_longest
 from typing import Any
 
 from sjdsl.compiler import ast
@@ -39,6 +40,22 @@ def several(node: Build, single: int = 0) -> Build:
     return lambda span, *items: node(span, *items[:single], items[single:])
 
 
+def with_clauses(node: type[ast.Node], *same: str, **other: str) -> Build:
+    """A rule with clauses, each of which fills the field of its name, or that of `field=clause`; its other children fill the rest in order.
+
+    A field whose child or clause is missing is None; a missing list of names is empty.
+    """
+    clauses = dict(zip(same, same, strict=True)) | other
+    rest = [field.name for field in fields(node)[1:] if field.name not in clauses]
+
+    def build(span: Span, *items: Any) -> ast.Node:
+        plain, given = split(items)
+        values = {name: given.get(clause, () if clause == "names" else None) for name, clause in clauses.items()}
+        return node(span=span, **values, **dict(zip_longest(rest, plain)))
+
+    return build
+
+
 # ---- the file and its declarations
 
 
@@ -73,11 +90,6 @@ def blocks(span: Span, *items: Any) -> ast.Blocks:
     return ast.Blocks(span, what, items[-1] if len(items) > len(what) else None)
 
 
-def field(span: Span, *items: Any) -> ast.Field:
-    (name, type_, *start), clauses = split(items)
-    return ast.Field(span, name, clauses.get("by"), type_, start[0] if start else None)
-
-
 def range_(span: Span, low: ast.Expr, high: ast.Expr, *capped: Part) -> ast.Range:
     return ast.Range(span, low, high, bool(capped))
 
@@ -104,38 +116,8 @@ def shape(span: Span, name: ast.Name, content: ast.Call | tuple[ast.String, ...]
     return ast.Shape(span, name, (), content) if isinstance(content, ast.Call) else ast.Shape(span, name, content, None)
 
 
-def define(span: Span, *items: Any) -> ast.Define:
-    (name, value), clauses = split(items)
-    return ast.Define(span, name, clauses.get("names", ()), value)
-
-
-def phase(span: Span, *items: Any) -> ast.Phase:
-    (name, block), clauses = split(items)
-    return ast.Phase(span, name, clauses.get("names", ()), block)
-
-
 def window(span: Span, *items: Any) -> ast.Window:
     return ast.Window(span, tuple(zip(items[::2], items[1::2], strict=True)))
-
-
-def relabel(span: Span, *items: Any) -> ast.Relabel:
-    (label,), clauses = split(items)
-    return ast.Relabel(span, label, clauses.get("where"))
-
-
-def look(span: Span, *items: Any) -> ast.Look:
-    (what,), clauses = split(items)
-    return ast.Look(span, what, clauses.get("where"), clauses.get("body"), clauses.get("badge"))
-
-
-def hide(span: Span, *items: Any) -> ast.Hide:
-    (what, *condition), clauses = split(items)
-    return ast.Hide(span, what, clauses.get("hidden_on"), condition[0] if condition else None)
-
-
-def event(span: Span, *items: Any) -> ast.Event:
-    (name,), clauses = split(items)
-    return ast.Event(span, name, clauses.get("by"))
 
 
 def checks(span: Span, *items: Any) -> ast.Checks:
@@ -168,27 +150,6 @@ def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
 def match_(span: Span, left: ast.Domain, *items: Any) -> ast.Match:
     (right, block), clauses = split(items)
     return ast.Match(span, left, "nearest" in clauses, right, block)
-
-
-def tally(span: Span, *items: Any) -> ast.Tally:
-    (event,), clauses = split(items)
-    return ast.Tally(span, event, clauses.get("amount"), clauses.get("gainer"))
-
-
-def send(span: Span, *items: Any) -> ast.Send:
-    (who, domain), clauses = split(items)
-    return ast.Send(span, who, domain, clauses.get("after"), clauses.get("facing"), clauses.get("stay"))
-
-
-def on(span: Span, *items: Any) -> ast.On:
-    (kind,), clauses = split(items)
-    return ast.On(span, kind, clauses.get("bind"))
-
-
-def domain(span: Span, *items: Any) -> ast.Domain:
-    (kind, *on), clauses = split(items)
-    where = clauses.get("where")
-    return ast.Domain(span, kind, clauses.get("bind"), on[0] if on else None, clauses.get("inside"), where)
 
 
 def shape_name(span: Span, name: ast.Name) -> ast.ShapeRef:
