@@ -1,8 +1,9 @@
 """Compiles the functions of a run for its seeds and devices, and predicts whether they fit into memory."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import jax
@@ -34,9 +35,22 @@ class Compiled:
     megabytes: float  # that XLA says the larger of both functions needs
 
 
-def compile_train(program: Train, config: Config) -> Compiled:
+@dataclass(frozen=True)
+class Lanes:
+    """Runs side by side in one program: L lanes, each of one seed of one run, that differ in numbers."""
+
+    seeds: Sequence[int]  # [L]
+    numbers: Any  # tree of [L, ...]
+    program_of: Callable[[Any], Train]  # one lane's numbers, which are traced, to its run
+
+
+def compile_train(program: Train, config: Config, lanes: Lanes | None = None) -> Compiled:
     """Compiles a run.
 
+    Args:
+      program: the run.
+      config: its configuration. With lanes `seeds` is their number.
+      lanes: instead of the seeds of one run: seeds of several runs, of which `program` is any.
     Raises:
       ConfigError: the environments do not divide into the devices.
       NoMemoryError: the run would not fit the device.
@@ -44,29 +58,40 @@ def compile_train(program: Train, config: Config) -> Compiled:
     began = time.perf_counter()
     placement = make_placement(config)
     over_seeds: Callable[..., Callable[..., Any]] = jax.vmap if config.seeds > 1 else (lambda function: function)
+    lanes = lanes or Lanes(config.seed_numbers, (), lambda _: program)
+    program_of = lanes.program_of
 
-    def first(seeds: Array) -> TrainState:
-        return over_seeds(lambda seed: program.init(jax.random.key(seed)))(seeds if config.seeds > 1 else seeds[0])
+    def first(numbers: Any, seeds: Array) -> TrainState:
+        start = over_seeds(lambda own, seed: program_of(own).init(jax.random.key(seed)))
+        return start(numbers, seeds if config.seeds > 1 else seeds[0])
 
-    seeds = jnp.asarray(config.seed_numbers, jnp.uint32)
-    shapes = jax.eval_shape(first, seeds)
+    seeds = jnp.asarray(lanes.seeds, jnp.uint32)
+    numbers = jax.device_put(lanes.numbers, placement.everywhere)
+    shapes = jax.eval_shape(first, numbers, seeds)
     places = placement.of_state(shapes)
     state = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, places)
     init = jax.jit(first, out_shardings=places)
-    collect = jax.jit(over_seeds(program.collect), donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
-    played = _played_shapes(over_seeds(program.collect), state, collect)
-    learn_over = jax.jit(over_seeds(program.learn), donate_argnums=0, out_shardings=(places, placement.everywhere))
-    learn = learn_over.lower(state, played).compile()
+    collect_over = over_seeds(lambda own, state: program_of(own).collect(state))
+    collect = jax.jit(collect_over, donate_argnums=1, out_shardings=(places, None)).lower(numbers, state).compile()
+    played = _played_shapes(collect_over, numbers, state, collect)
+    learn_over = over_seeds(lambda own, state, played: program_of(own).learn(state, played))
+    learn = jax.jit(learn_over, donate_argnums=1, out_shardings=(places, placement.everywhere)).lower(numbers, state, played).compile()
     need = max(_bytes(collect), _bytes(learn))
     _check_memory(need, placement)
     return Compiled(
-        lambda: init(seeds), collect, learn, over_seeds(program.parameters), state, time.perf_counter() - began, need / MEGABYTE
+        lambda: init(numbers, seeds),
+        partial(collect, numbers),
+        partial(learn, numbers),
+        over_seeds(program.parameters),
+        state,
+        time.perf_counter() - began,
+        need / MEGABYTE,
     )
 
 
-def _played_shapes(collect: Callable[..., Any], state: TrainState, compiled: Any) -> Any:
+def _played_shapes(collect: Callable[..., Any], numbers: Any, state: TrainState, compiled: Any) -> Any:
     """Returns the shapes of what `collect` hands to `learn`, placed as the compiled function leaves them."""
-    shapes = jax.eval_shape(collect, state)[1]
+    shapes = jax.eval_shape(collect, numbers, state)[1]
     return jax.tree.map(
         lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, compiled.output_shardings[1]
     )

@@ -12,8 +12,9 @@ from sjdsl.runtime.planes import TokenPlane
 class Environment(Protocol):
     """One environment of N agents, not batched: trainers `vmap` it.
 
-    Besides, it may have `state_vector(state)`, `roles`, and `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take.
-    Without the last, or where `forbids_actions` is false, all always are.
+    Besides, it may have `state_vector(state)`, `roles`, `with_params(params)`, the same with other numbers, and
+    `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take. Without the last, or where `forbids_actions` is false,
+    all always are.
     """
 
     params: Any  # pytree of the game's numbers; not part of `hash`

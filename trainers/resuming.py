@@ -19,6 +19,18 @@ class RunError(Exception):
     """A run cannot start, or cannot go on."""
 
 
+class TooLargeError(RunError):
+    """A run needs more memory than there is."""
+
+
+class DiskError(RunError):
+    """A file of a run could not be written; what was saved before is whole."""
+
+
+class TakenError(Exception):
+    """The folder of a run is another process's by now: nothing more is written into it."""
+
+
 def read_manifest(run_dir: Path) -> dict[str, Any]:
     """Returns the manifest of a run.
 

@@ -1,9 +1,9 @@
 """Runs a whole training: starts a new folder or resumes one, runs all updates, and returns the trained policies."""
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from itertools import zip_longest
 from pathlib import Path
@@ -13,7 +13,7 @@ import jax
 
 from .algorithms import make_train
 from .checkpoints import Checkpoints
-from .compiled import NoMemoryError, compile_train, peak_megabytes
+from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes
 from .config import Config, make_config
 from .environment import Environment
 from .loggers import LoggerName
@@ -22,13 +22,15 @@ from .metrics_files import METRICS_JSONL, Row, read_rows
 from .policy_file import START, copy_policy
 from .processes import any_says, is_first
 from .progress import ProgressStyle, show_progress
-from .recorder import open_recorders
-from .resuming import RunError, check_same_run, extended, restore_last
+from .recorder import Recorder, open_recorders
+from .resuming import DiskError, RunError, TakenError, TooLargeError, check_same_run, extended, restore_last
 from .run_files import write_json
-from .run_folder import MANIFEST, describe_run, seed_folders
-from .updates import Callback, Keeping, Progress, diverged_before, make_teller, run_updates
+from .run_folder import MANIFEST, describe_run
+from .side_by_side import CheckpointsOfParts, Part, compile_parts, joint_config, kind_of, of_part
+from .training_functions import TrainState
+from .updates import Callback, Keeping, Progress, Saver, diverged_before, divergence, make_teller, run_updates
 
-__all__ = ["Result", "RunError", "resume", "train"]
+__all__ = ["Result", "Run", "RunError", "resume", "train", "train_side_by_side"]
 
 
 @dataclass(frozen=True)
@@ -79,12 +81,24 @@ def train(
     run_dir = Path(run_dir)
     if any_says(run_dir.exists() and (not run_dir.is_dir() or any(run_dir.iterdir()))):
         raise RunError(f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it")
+    return _run((_new(env, config, run_dir, provenance, loggers, asked),), progress, callback)[0]
+
+
+def _new(
+    env: Environment,
+    config: Config,
+    run_dir: Path,
+    provenance: Mapping[str, Any] | None,
+    loggers: Sequence[LoggerName],
+    asked: Mapping[str, Any] | None,
+) -> Part:
+    """Returns a run that starts in a new or empty folder."""
     make_train(env, config)  # what does not fit is said before the folder is made
     run_dir.mkdir(parents=True, exist_ok=True)
     if config.init_from and is_first():
         copy_policy(config.init_from, run_dir / START)
     manifest = describe_run(env, config, provenance or {}) | {"loggers": list(loggers), "asked": dict(asked or {})}
-    return _run(env, config, run_dir, progress, manifest, callback)
+    return Part(env, config, run_dir, manifest)
 
 
 def resume(
@@ -111,45 +125,145 @@ def resume(
     manifest = check_same_run(env, run_dir)
     if total_timesteps is not None:
         manifest = extended(manifest, run_dir, total_timesteps)
-    manifest |= {"status": "running", "resumed": [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]}
+    manifest = _gone_on(manifest)
     manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
     manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
-    return _run(env, make_config(manifest["config"]), run_dir, progress, manifest, callback)
+    return _run((Part(env, make_config(manifest["config"]), run_dir, manifest),), progress, callback)[0]
 
 
-def _run(
-    env: Environment, config: Config, run_dir: Path, progress: ProgressStyle, manifest: dict[str, Any], callback: Callback | None
-) -> Result:
+@dataclass(frozen=True)
+class Run:
+    """What `train_side_by_side` is to train; the fields are the arguments of `train`."""
+
+    env: Environment
+    config: Config
+    run_dir: Path
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    loggers: Sequence[LoggerName] = ()
+    asked: Mapping[str, Any] = field(default_factory=dict)
+
+
+def train_side_by_side(runs: Sequence[Run], progress: ProgressStyle = "auto", callback: Callback | None = None) -> tuple[Result, ...]:
+    """Trains runs that differ in numbers without shape as one program, and writes the folder of each as `train` would.
+
+    A folder that holds the run already, stopped, is gone on with. Figures are those of runs trained apart but for rounding: programs
+    that are compiled apart do not add up in the same order.
+
+    Args:
+      runs: of one kind (`side_by_side.kind_of`), none of them further than its last checkpoint but one from the others.
+      progress: as in `train`.
+      callback: called with an `Update` of each run after each update; all end there if it returns True for one.
+    Raises:
+      RunError: as `train`; every seed of every run has diverged; runs that cannot be trained as one program.
+    """
+    if len({kind_of(run.env, run.config) for run in runs}) != 1:
+        raise RunError("runs that are trained side by side may differ in seeds and in numbers without shape only")
+    parts = []
+    for run in runs:
+        if (run.run_dir / MANIFEST).is_file():
+            manifest = _gone_on(check_same_run(run.env, run.run_dir))
+            parts.append(Part(run.env, run.config, run.run_dir, manifest))
+        else:
+            parts.append(_new(run.env, run.config, run.run_dir, run.provenance, run.loggers, run.asked))
+    return _run(parts, progress, callback)
+
+
+def _gone_on(manifest: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the manifest of a run that is gone on with now."""
+    resumed = [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]
+    return {**manifest, "status": "running", "resumed": resumed}
+
+
+def _run(parts: Sequence[Part], progress: ProgressStyle, callback: Callback | None) -> tuple[Result, ...]:
+    """Runs the updates that are left of one run, or of several side by side."""
     began = time.perf_counter()
-    title = f"{env.name}, {config.algorithm}, {config.reward} reward"
-    folders = seed_folders(run_dir, config)
+    config = joint_config(parts)
+    title = _title(parts[0]) + (f", and {len(parts) - 1} more side by side" if len(parts) > 1 else "")
     with ExitStack() as stack:
-        stack.enter_context(_told(run_dir, manifest))
+        for part in parts:
+            stack.enter_context(_told(part.run_dir, part.manifest))
         show = stack.enter_context(show_progress(progress if is_first() else "none", config.num_updates, title, config.seeds))
-        start = run_dir / START  # not where it was copied from, which may be gone
-        program = make_train(env, config.model_copy(update={"init_from": str(start)}) if start.is_file() else config)
-        compiled = compile_train(program, config)
-        manifest |= {"compile_seconds": compiled.seconds, "program_megabytes": compiled.megabytes}
-        checkpoints = Checkpoints(run_dir)
-        stack.callback(checkpoints.close)
-        state, done = restore_last(checkpoints, compiled)
-        recorders = stack.enter_context(open_recorders(folders, env, config, done, manifest["loggers"], title))
+        compiled, checkpoints, (state, done) = _prepared(parts, stack)
+        recorders: list[Recorder] = []
+        for part in parts:
+            part.manifest.update(compile_seconds=compiled.seconds, program_megabytes=compiled.megabytes)
+            recorders += stack.enter_context(
+                open_recorders(part.folders, part.env, part.config, done, part.manifest["loggers"], _title(part))
+            )
         so_far = Progress(done, diverged_before(state, recorders, config))
         try:
-            told = () if callback is None or not is_first() else (make_teller(callback, env, config, run_dir),)
-            state = run_updates(compiled, state, so_far, config, Keeping(recorders, checkpoints, show, *told))
+            keeping = Keeping(recorders, checkpoints, show, runs=len(parts))
+            if callback is not None and is_first():
+                keeping = replace(keeping, tell=_teller(callback, parts))
+            state = run_updates(compiled, state, so_far, config, keeping)
         finally:
-            manifest |= {
-                "updates": so_far.updates,
-                "diverged": [{"seed": seed, "update": update} for seed, update in so_far.diverged.items()],
-                "seconds": time.perf_counter() - began,
-                "peak_megabytes": peak_megabytes(),
-            }
-        if so_far.stopped:
-            manifest["status"] = f"stopped by its callback after update {so_far.updates}"
+            for index, part in enumerate(parts):
+                part.manifest.update(
+                    updates=so_far.updates,
+                    diverged=[{"seed": seed, "update": update} for seed, update in diverged_of(index, parts, so_far).items()],
+                    seconds=time.perf_counter() - began,
+                    peak_megabytes=peak_megabytes(),
+                )
+        for index, part in enumerate(parts):
+            stopped = diverged_of(index, parts, so_far)
+            if len(stopped) == part.config.seeds:  # others went on
+                part.manifest["status"] = f"failed: {divergence(stopped)}"
+            elif so_far.stopped:
+                part.manifest["status"] = f"stopped by its callback after update {so_far.updates}"
         parameters = jax.device_get(compiled.parameters(state))
-    seconds = time.perf_counter() - began
-    return Result(run_dir, parameters, so_far.updates, so_far.diverged, folders, compiled.seconds, seconds, peak_megabytes())
+    times = (compiled.seconds, time.perf_counter() - began, peak_megabytes())
+    return tuple(
+        Result(part.run_dir, of_part(parameters, index, parts), so_far.updates, diverged_of(index, parts, so_far), part.folders, *times)
+        for index, part in enumerate(parts)
+    )
+
+
+def _title(part: Part) -> str:
+    return f"{part.env.name}, {part.config.algorithm}, {part.config.reward} reward"
+
+
+def _prepared(parts: Sequence[Part], stack: ExitStack) -> tuple[Compiled, Saver, tuple[TrainState, int]]:
+    """Returns the compiled program, its checkpoints, and the state to go on from with the updates done."""
+    if len(parts) > 1:
+        for part in parts:
+            part.manifest["together"] = len(parts)
+        compiled, all_of_them = compile_parts([_from_own_start(part) for part in parts]), CheckpointsOfParts(parts)
+        stack.callback(all_of_them.close)
+        return compiled, all_of_them, all_of_them.restore_last(compiled)
+    (part,) = parts
+    compiled = compile_train(make_train(part.env, _from_own_start(part).config), part.config)
+    checkpoints = Checkpoints(part.run_dir)
+    stack.callback(checkpoints.close)
+    return compiled, checkpoints, restore_last(checkpoints, compiled)
+
+
+def _from_own_start(part: Part) -> Part:
+    """Returns a run that starts from the copy in its folder of the policy it began with, which may be gone where it was."""
+    start = part.run_dir / START
+    return replace(part, config=part.config.model_copy(update={"init_from": str(start)})) if start.is_file() else part
+
+
+def _teller(callback: Callback, parts: Sequence[Part]) -> Callable[[int, Sequence[Row], Sequence[int], Any], bool]:
+    """Returns what tells a callback of an update, run by run; of those that have a seed that learns."""
+    tellers = [make_teller(callback, part.env, part.config, part.run_dir) for part in parts]
+
+    def tell(number: int, rows: Sequence[Row], learning: Sequence[int], parameters: Any) -> bool:
+        ends = []
+        for index, (part, teller) in enumerate(zip(parts, tellers, strict=True)):
+            first, seeds = index * part.config.seeds, part.config.seeds
+            own = [lane - first for lane in learning if first <= lane < first + seeds]
+            if own:
+                ends.append(teller(number, rows[first : first + seeds], own, of_part(parameters, index, parts)))
+        return any(ends)
+
+    return tell
+
+
+def diverged_of(index: int, parts: Sequence[Part], so_far: Progress) -> dict[int, int]:
+    """Returns the seeds of a part that have diverged, with the update in which they did."""
+    config = parts[index].config
+    lanes = config.seed_numbers if len(parts) == 1 else range(index * config.seeds, (index + 1) * config.seeds)
+    return {seed: so_far.diverged[lane] for seed, lane in zip(config.seed_numbers, lanes, strict=True) if lane in so_far.diverged}
 
 
 @contextmanager
@@ -157,6 +271,7 @@ def _told(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
     """Writes the manifest at the start, and again with how the run ended; makes faults of memory and disk RunErrors."""
     if is_first():
         write_json(run_dir / MANIFEST, manifest)
+    taken = False
     try:
         yield
         if manifest["status"] == "running":
@@ -164,15 +279,18 @@ def _told(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
     except KeyboardInterrupt:
         manifest["status"] = "interrupted"
         raise
+    except TakenError:
+        taken = True
+        raise
     except BaseException as error:
         manifest["status"] = f"failed: {error}"
         if isinstance(error, NoMemoryError):
-            raise RunError(str(error)) from None
+            raise TooLargeError(str(error)) from None
         if isinstance(error, OSError):
-            raise RunError(_of_disk(error, run_dir)) from error
+            raise DiskError(_of_disk(error, run_dir)) from error
         raise
     finally:
-        if is_first():
+        if is_first() and not taken:
             _write_if_room(run_dir / MANIFEST, manifest)
 
 

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,10 +12,12 @@ from typing import Any
 import jax
 import numpy as np
 
+UNFINISHED = ".unfinished"  # ends the name of a file that is being written
 
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
+
+def write_json(path: Path, content: Mapping[str, Any], shared: bool = False) -> None:
     """Writes a JSON file whole or not at all; arrays become lists, and what is not finite becomes null."""
-    write_whole(path, (json.dumps(plain(content), indent=2, allow_nan=False) + "\n").encode())
+    write_whole(path, (json.dumps(plain(content), indent=2, allow_nan=False) + "\n").encode(), shared)
 
 
 def plain(value: Any) -> Any:
@@ -32,9 +35,10 @@ def plain(value: Any) -> Any:
             return value
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file under another name, to the disk, and then gives it its own."""
-    unfinished = path.with_name(path.name + ".unfinished")
+def write_whole(path: Path, content: bytes, shared: bool = False) -> None:
+    """Writes a file under another name, to the disk, and then gives it its own. `shared`: several processes may write it at once."""
+    writer = f".{socket.gethostname()}.{os.getpid()}" if shared else ""
+    unfinished = path.with_name(f"{path.name}{writer}{UNFINISHED}")
     with naming(path), open(unfinished, "wb") as file:
         file.write(content)
         file.flush()

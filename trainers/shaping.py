@@ -70,7 +70,7 @@ def _angle_of_each(config: Config, num_agents: int) -> Array:
     angles = config.svo_angle * num_agents if len(config.svo_angle) == 1 else config.svo_angle
     if len(angles) != num_agents:
         raise ConfigError(f"`svo_angle` must be one angle, or one for each of the {num_agents} agents, not {len(angles)}")
-    return jnp.asarray([math.radians(angle) for angle in angles], jnp.float32)
+    return jnp.asarray([angle * (math.pi / 180) for angle in angles], jnp.float32)  # not math.radians: angles may be traced
 
 
 def common_sum(reward: Array) -> Array:

@@ -8,14 +8,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from .checkpoint_pace import CheckpointPace
-from .checkpoints import Checkpoints
 from .compiled import Compiled, NoMemoryError
 from .config import Config
 from .environment import Environment
@@ -24,7 +23,7 @@ from .metrics_files import Row
 from .policies import Policy, trained_policy
 from .processes import any_says
 from .recorder import Recorder
-from .resuming import RunError
+from .resuming import RunError, TakenError
 from .training_functions import TrainState
 
 Show = Callable[[Row], None]  # what is done with a row for people to see
@@ -59,14 +58,23 @@ class Progress:
     stopped: bool = False  # by its callback
 
 
+class Saver(Protocol):
+    """What writes checkpoints."""
+
+    def save(self, update: int, state: Any, known: Mapping[str, Any]) -> None:
+        """Writes the state after an update. Raises OSError when there is no room."""
+        ...
+
+
 @dataclass(frozen=True)
 class Keeping:
     """Where the updates of a run are kept and shown."""
 
     recorders: Sequence[Recorder]  # of each seed; none in processes that do not write
-    checkpoints: Checkpoints
+    checkpoints: Saver
     show: Show
     tell: Callable[[int, Sequence[Row], Sequence[int], Any], bool] = lambda *_: False  # the callback; whether the run is to end
+    runs: int = 1  # that are trained side by side by one program, with as many seeds each
 
 
 def run_updates(compiled: Compiled, state: TrainState, progress: Progress, config: Config, keeping: Keeping) -> TrainState:
@@ -97,7 +105,7 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                     "update": number,
                     "env_steps": number * config.steps_per_update,
                     "seconds": before + now - began,
-                    "steps_per_second": config.steps_per_update * config.seeds / (now - last),
+                    "steps_per_second": config.steps_per_update * config.seeds / keeping.runs / (now - last),
                     "rollout_share": (acted - last) / (now - last),
                 }
                 rows = [start | flatten_metrics(of_seed(measured, index, config)) for index in range(config.seeds)]
@@ -115,8 +123,8 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                     progress.stopped = True
                     break
                 last = time.perf_counter()  # what was evaluated, saved and told is no part of an update
-        except OSError:
-            whole = None  # there is no room for another attempt
+        except (OSError, TakenError):
+            whole = None  # there is no room for another attempt, or it is another process's
             raise
         except jax.errors.JaxRuntimeError as error:
             if "RESOURCE_EXHAUSTED" in str(error):

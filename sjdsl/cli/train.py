@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.cli.configuration_options import check_policies, configuration_options, read_configuration, read_texts
 from sjdsl.cli.environment_options import (
-    SEED,
     check_environment,
     describe_environment,
     environment_options,
@@ -17,7 +17,6 @@ from sjdsl.cli.environment_options import (
     read_assignments,
 )
 from sjdsl.cli.evaluate import evaluate_run, list_files
-from sjdsl.cli.policies import check_policy
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers import load_preset, make_config
 from sjdsl.trainers.extensions import find, lasting
@@ -27,29 +26,12 @@ if TYPE_CHECKING:
     from sjdsl.trainers import Config, Result
     from sjdsl.trainers.loggers import LoggerName
 
-ALGORITHMS = ("ippo", "mappo", "vdn")
 EPISODES = 30  # of the evaluation at the end
-REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 
 
 @click.command("train")
 @click.argument("game", required=False)
-@click.option("--algorithm", type=click.Choice(ALGORITHMS), help="ippo unless the preset has another.")
-@click.option(
-    "--reward",
-    metavar="R",
-    help=f"Reward to learn from: {', '.join(REWARDS)}, or FILE.py:FUNCTION; its own reward (individual) unless the preset has another, "
-    "and common with vdn.",
-)
-@click.option("--preset", metavar="P", help="paper, released, two_cores, quick, or a .toml file, which may name the game.")
-@click.option(
-    "--set",
-    "changes",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="A value of the configuration, such as total_timesteps=1e6; `sjdsl train --keys` lists them.",
-)
-@click.option("--seed", type=SEED, help="0 unless the preset has another.")
+@configuration_options
 @click.option("--seeds", type=click.IntRange(min=1), metavar="K", help="Train K seeds side by side: seed, seed + 1 and so on.")
 @click.option("--run", "run_dir", metavar="DIR", help="Where the run's files go; by default a new folder in runs/.")
 @click.option(
@@ -66,15 +48,6 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
     multiple=True,
     type=click.Choice(["tensorboard", "wandb"]),
     help="Where metrics go besides files; a run that is resumed keeps its own.",
-)
-@click.option(
-    "--init-from", metavar="POLICY", help="Start with the parameters of a policy: RUN, RUN@best, RUN@UPDATE or a .safetensors file."
-)
-@click.option(
-    "--partners",
-    multiple=True,
-    metavar="AGENT=POLICY",
-    help="Agents that act by a policy and do not learn, such as 1=random or 1,2=RUN@best.",
 )
 @click.option("--callback", metavar="FILE.py:NAME", help="Your own function, called after each update.")
 @click.option("--distributed", is_flag=True, help="One of several processes that train together; see docs/training.md.")
@@ -103,9 +76,7 @@ def command(
 
     The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation.
     """
-    given: dict[str, Any] = {"algorithm": algorithm, "reward": reward, "seed": seed, "seeds": seeds, "init_from": init_from}
-    given["partners"] = ",".join(partners) or None
-    known = {name: value for name, value in given.items() if value is not None}
+    known = read_configuration(algorithm, reward, seed, seeds, init_from, partners)
     if distributed:
         join_processes()
     if resumed is not None:
@@ -125,8 +96,7 @@ def command(
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
     check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
-    for named in filter(None, (config.init_from, *(policy for _, policy in config.partners))):
-        check_policy(named)
+    check_policies(config)
     if not distributed:  # then another process may have begun to write there
         _require_unused(run_dir)
     _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers, callback)
@@ -279,15 +249,6 @@ def _choose(game: str | None, preset: str | None, changes: dict[str, Any], neede
             click.get_current_context(),
         )
     return loaded.game or "", dict(loaded.environment), loaded.config
-
-
-def read_texts(given: tuple[str, ...]) -> dict[str, str]:
-    """Returns `name=value` as a mapping of texts: the configuration knows what they mean."""
-    pairs = [text.partition("=") for text in given]
-    for text, (name, equals, _) in zip(given, pairs, strict=True):
-        if not equals or not name:
-            raise click.UsageError(f"`{text}` must have the form name=value", click.get_current_context(silent=True))
-    return {name.strip(): value.strip() for name, _, value in pairs}
 
 
 def new_folder(name: str) -> Path:

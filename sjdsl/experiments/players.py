@@ -147,14 +147,14 @@ def _stored(name: str, file: Path, env: Environment) -> tuple[Player, list[str]]
         name=name,
         seed=int(stored.get("seed", described.config.seed)),
         digest=sha256(file.read_bytes()).hexdigest(),
-        kind=_kind(described.config),
+        kind=acting_kind(described.config),
         policy_of=partial(trained_policy, env, described.config),
         parameters=parameters,
     )
     return player, [str(warning.message) for warning in caught]
 
 
-def _kind(config: Config) -> str:
+def acting_kind(config: Config) -> str:
     """Returns what policies have alike that differ in their parameters only."""
     acting = {key: value for key, value in config.model_dump(mode="json").items() if key not in LEARNING}
     return json.dumps(acting, sort_keys=True)

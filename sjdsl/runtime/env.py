@@ -96,6 +96,10 @@ class Environment:
         """Steps until truncation under `params`."""
         return int(self.module.episode_length(self.params))
 
+    def with_params(self, params: Params) -> "Environment":
+        """Returns the same game with other run-time parameters, which may be traced; see `jax.vmap`."""
+        return Environment(self.module, params, self.observation, self.game)
+
     def __repr__(self) -> str:
         return f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, {self.num_actions} actions, {self.observation}>"
 

@@ -1,0 +1,181 @@
+"""Claims: which process runs a cell, as files that each one process alone can create, with a heartbeat.
+
+The first claim of a cell is the file `NAME@0.json`, the next `NAME@1.json`, and so on; the last one counts. A claim ends when its
+process releases it, or has died, or its heartbeat has stopped. Then a process takes over by creating the next file: of several that
+try, the system lets one succeed, also on a shared file system. No file is ever removed, so that no claim can be mistaken for another.
+"""
+
+import json
+import os
+import socket
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from sjdsl.trainers.run_files import naming, write_whole
+
+CLAIMS = "claims"
+BEAT = 15.0  # seconds between two beats
+STALE = 180.0  # seconds without a beat, after which another machine's claim is taken over: more than file systems cache for
+
+
+class Claim:
+    """A cell that this process runs, until it is released."""
+
+    def __init__(self, path: Path, content: Mapping[str, Any]) -> None:
+        self.path = path
+        self._content = content
+        self._stop = threading.Event()
+        self._beats = threading.Thread(target=self._beat, daemon=True, name=f"heartbeat of {path.stem}")
+        self._beats.start()
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether another process has taken over, for this one was suspended for long."""
+        return _next(self.path).exists()
+
+    def release(self) -> None:
+        """Lets other processes have the cell."""
+        self._stop.set()
+        self._beats.join()
+        write_whole(self.path, json.dumps({**self._content, "released": True}).encode())
+
+    def _beat(self) -> None:
+        while not self._stop.wait(BEAT):
+            try:
+                os.utime(self.path)
+            except OSError:  # the next beat may reach a file system that this one did not
+                continue
+
+
+@dataclass(frozen=True)
+class Holder:
+    """Who runs a cell."""
+
+    host: str
+    pid: int
+
+
+def take(folder: Path, name: str) -> Claim | None:
+    """Returns the claim of a cell; None where another process has it.
+
+    Args:
+      folder: of the sweep.
+    """
+    claims = folder / CLAIMS
+    claims.mkdir(exist_ok=True)
+    last = _last(claims, name)
+    if last is not None and _is_held(last):
+        return None
+    path = claims / f"{name}@0.json" if last is None else _next(last)
+    content = {**_this_process(), "since": time.time()}
+    with naming(path):
+        try:
+            file = open(path, "x", encoding="utf-8")  # noqa: SIM115 (it may be there)
+        except FileExistsError:
+            return None
+        with file:
+            file.write(json.dumps(content))
+    return Claim(path, content)
+
+
+def holder_of(folder: Path, name: str) -> Holder | None:
+    """Returns who runs a cell now; None where nobody does."""
+    last = _last(folder / CLAIMS, name)
+    if last is None or not _is_held(last):
+        return None
+    content = _read(last)
+    return Holder(str(content.get("host", "?")), int(content.get("pid", 0)))
+
+
+def left_by(folder: Path, name: str) -> Holder | None:
+    """Returns who ran a cell and died without releasing it; None where the last one released it, or runs it still."""
+    last = _last(folder / CLAIMS, name)
+    content = {} if last is None else _read(last)
+    if last is None or content.get("released") or _is_held(last):
+        return None
+    return Holder(str(content.get("host", "?")), int(content.get("pid", 0)))
+
+
+def _last(claims: Path, name: str) -> Path | None:
+    found = [path for path in claims.glob(f"{name}@*.json") if _number(path) is not None]
+    return max(found, key=lambda path: _number(path) or 0, default=None)
+
+
+def _number(path: Path) -> int | None:
+    number = path.stem.rpartition("@")[2]
+    return int(number) if number.isdigit() else None
+
+
+def _next(path: Path) -> Path:
+    name, _, number = path.stem.rpartition("@")
+    return path.with_name(f"{name}@{int(number) + 1}.json")
+
+
+def _is_held(path: Path) -> bool:
+    """Whether the process of a claim still runs its cell.
+
+    Of a process of this machine the system knows; of others the heartbeat tells, by the clock of the file system.
+    """
+    content = _read(path)
+    if content.get("released"):
+        return False
+    ours = _this_process()
+    if content.get("machine") == ours["machine"]:
+        return _runs(int(content["pid"]), float(content["started"]))
+    try:
+        return _clock(path.parent) - path.stat().st_mtime < STALE
+    except OSError:
+        return True
+
+
+def _runs(pid: int, started: float) -> bool:
+    try:
+        process = psutil.Process(pid)
+        return bool(abs(process.create_time() - started) < 1.0 and process.status() != psutil.STATUS_ZOMBIE)
+    except psutil.Error:
+        return False
+
+
+def _clock(folder: Path) -> float:
+    """Returns the time as the file system has it, for machines' clocks differ."""
+    probe = folder / f".clock_{socket.gethostname()}_{os.getpid()}"
+    probe.touch()
+    now = probe.stat().st_mtime
+    probe.unlink(missing_ok=True)
+    return now
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):  # it is being written
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _this_process() -> dict[str, Any]:
+    pid = os.getpid()
+    return {"machine": _machine(), "host": socket.gethostname(), "pid": pid, "started": _started(pid)}
+
+
+@cache
+def _started(pid: int) -> float:
+    return float(psutil.Process(pid).create_time())
+
+
+@cache
+def _machine() -> str:
+    """Returns what tells whether a number of a process is one of this machine: since it was started, and in which container."""
+    known = [socket.gethostname()]
+    try:
+        known += [Path("/proc/sys/kernel/random/boot_id").read_text("ascii").strip(), os.readlink("/proc/self/ns/pid")]
+    except OSError:  # not Linux
+        known.append(str(int(psutil.boot_time())))
+    return " ".join(known)

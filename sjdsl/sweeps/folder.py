@@ -1,0 +1,231 @@
+"""The folder of a sweep: what was asked, in `sweep.json`, and how far each cell is."""
+
+import json
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal
+
+from sjdsl.experiments.folder import differences, read_json
+from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.sweeps.cells import Cell
+from sjdsl.sweeps.claims import Holder, holder_of
+from sjdsl.sweeps.plan import Asked
+from sjdsl.trainers.checkpoints import CHECKPOINTS
+from sjdsl.trainers.run_files import UNFINISHED, plain, write_json
+from sjdsl.trainers.run_folder import MANIFEST, versions
+from sjdsl.trainers.updates import divergence
+
+FORMAT = 1
+SWEEP = "sweep.json"
+CELLS = "cells"
+EVALUATION = "evaluation.json"  # of each seed's last policy, as `sjdsl train` writes it
+FAILED = "failed"
+State = Literal["waiting", "running", "stopped", "done", "failed"]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a cell is."""
+
+    state: State
+    update: int = 0  # done
+    by: Holder | None = None  # who runs it
+    reason: str = ""  # why it failed
+
+
+def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Returns what `sweep.json` says of a sweep, before it has been merged with what the folder holds."""
+    axes: dict[str, list[Any]] = {axis.name: [] for axis in asked.axes}
+    for cell in cells:
+        for name, values in axes.items():
+            if cell.values[name] not in values:
+                values.append(cell.values[name])
+    return {
+        "format": FORMAT,
+        "protocol": asked.protocol,
+        "axes": axes,
+        "episodes": asked.episodes,
+        "versions": versions(),
+        "games": {cell.game: cell.hash for cell in cells},
+        "cells": {cell.name: cell.described() for cell in cells},
+    }
+
+
+def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns what `sweep.json` is to say: what is wanted now, added to what the folder holds.
+
+    Raises:
+      ExperimentError: the folder holds something else; nothing in it is changed.
+    """
+    wanted = plain(wanted)
+    if folder.exists() and not folder.is_dir():
+        raise ExperimentError(f"{folder} is a file, and a sweep is a folder; name another")
+    before = read_json(folder / SWEEP)
+    if before is None and (folder / SWEEP).exists():
+        raise ExperimentError(f"{folder / SWEEP} is damaged: what was asked there cannot be read. Name another folder, or remove this one")
+    if before is None:
+        inside = sorted(path.name for path in folder.iterdir() if not path.name.endswith(UNFINISHED)) if folder.is_dir() else []
+        if inside:
+            raise ExperimentError(f"{folder} is not empty and holds no sweep to go on with ({', '.join(inside[:3])}); name another folder")
+        return dict(wanted)
+    faults = list(_faults(before, wanted))
+    if faults:
+        raise ExperimentError(f"{folder} holds another sweep: {'; '.join(faults)}. Name another folder")
+    axes = {name: [*values, *(value for value in wanted["axes"][name] if value not in values)] for name, values in before["axes"].items()}
+    return {**before, "axes": axes, "games": {**before["games"], **wanted["games"]}, "cells": {**before["cells"], **wanted["cells"]}}
+
+
+def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[str]:
+    """Yields why what is wanted is no continuation of a sweep."""
+    if before.get("format") != FORMAT or not all(isinstance(before.get(key), dict) for key in ("axes", "games", "cells", "versions")):
+        yield f"the format of its {SWEEP} is not {FORMAT}"
+        return
+    if before["protocol"] != wanted["protocol"]:
+        yield f"its protocol is {before['protocol'] or 'none'}, here {wanted['protocol'] or 'none'}"
+        return
+    if before["axes"].keys() != wanted["axes"].keys():
+        yield f"its axes are {', '.join(before['axes']) or 'none'}, here {', '.join(wanted['axes']) or 'none'}"
+        return
+    if before["episodes"] != wanted["episodes"]:
+        yield f"it has {before['episodes']} episodes of each seed, here {wanted['episodes']}"
+    if before["versions"] != wanted["versions"]:
+        yield f"it was made with other versions: {'; '.join(differences(before['versions'], wanted['versions']))}"
+    for name, cell in wanted["cells"].items():
+        there = before["cells"].get(name)
+        if there is not None and there != cell:
+            what = "; ".join(differences(_flat(there), _flat(cell)))
+            yield f"its cell {name} has {what}"
+            return  # the others most likely for the same reason
+
+
+def _flat(cell: Mapping[str, Any]) -> dict[str, Any]:
+    return {"hash of the game": cell["hash"], **cell["config"], **_game(cell)}
+
+
+def _game(cell: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the arguments of a cell's game under names that no key of a configuration has."""
+    return {f"{key} of the game": value for key, value in cell["provenance"].items()}
+
+
+def read_sweep(folder: Path) -> dict[str, Any]:
+    """Returns what the folder of a sweep says. Raises ExperimentError where it is none."""
+    found = read_json(folder / SWEEP)
+    if found is None or found.get("format") != FORMAT:
+        raise ExperimentError(f"{folder} is not the folder of a sweep: there is no {SWEEP} in it that can be read")
+    return found
+
+
+def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
+    """Adds what is wanted to `sweep.json`, which is written if that changes it; returns what it says now."""
+    known = merged(folder, wanted)
+    (folder / CELLS).mkdir(parents=True, exist_ok=True)
+    if known != read_json(folder / SWEEP):
+        write_json(folder / SWEEP, known, shared=True)
+    return known
+
+
+def cells_of(known: Mapping[str, Any]) -> list[Cell]:
+    """Returns the cells of a sweep, in their order."""
+    return [Cell.read(name, described) for name, described in known["cells"].items()]
+
+
+def run_dir(folder: Path, cell: Cell) -> Path:
+    """Returns the folder of a cell's run."""
+    return folder / CELLS / cell.name
+
+
+def progress_of(folder: Path, cell: Cell, episodes: int, claimed: bool = False) -> Progress:
+    """Returns how far a cell is, from its files alone.
+
+    Args:
+      episodes: of its evaluation.
+      claimed: whether this process has claimed it: then it is not taken for one that runs.
+    """
+    path = run_dir(folder, cell)
+    update = _updates(path)
+    failed = read_json(folder / FAILED / f"{cell.name}.json")
+    if failed is not None:
+        return Progress("failed", update, reason=str(failed.get("reason", "")))
+    by = None if claimed else holder_of(folder, cell.name)
+    if by is not None:
+        return Progress("running", update, by)
+    if is_done(folder, cell, episodes):
+        return Progress("done", update)
+    return Progress("stopped" if path.is_dir() and any(path.iterdir()) else "waiting", update)
+
+
+def _updates(path: Path) -> int:
+    """Returns the updates that a run has done, as far as they are kept."""
+    kept = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdigit()]
+    return max([int((read_json(path / MANIFEST) or {}).get("updates", 0)), *kept])
+
+
+def is_finished(path: Path) -> bool:
+    """Whether a run has done all its updates, with every seed."""
+    manifest = read_json(path / MANIFEST) or {}
+    return manifest.get("status") == "finished" and not manifest.get("diverged")
+
+
+def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
+    """Whether a cell's run is finished, with every seed, and each is evaluated."""
+    path = run_dir(folder, cell)
+    return is_finished(path) and all(evaluation_of(own, seed, episodes) is not None for seed, own in seed_dirs(path, cell).items())
+
+
+def evaluation_of(path: Path, seed: int, episodes: int) -> dict[str, Any] | None:
+    """Returns the evaluation of a seed's last policy that its results are read from.
+
+    None where there is none, or another has taken its place: `sjdsl evaluate` writes with the seed and the episodes that it is given.
+    """
+    found = read_json(path / EVALUATION)
+    if found is None or not isinstance(found.get("summary"), dict):
+        return None
+    asked = {"policy": "last", "seed": seed, "greedy": None, "episodes": episodes}
+    return found if all(found.get(key) == value for key, value in asked.items()) else None
+
+
+def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
+    """Returns the folder of each seed of a cell's run."""
+    return {seed: path if len(cell.seeds) == 1 else path / f"seed_{seed}" for seed in cell.seeds}
+
+
+def diverged_in(path: Path) -> str:
+    """Returns which seeds of a run diverged when, in words; empty where none did."""
+    listed = (read_json(path / MANIFEST) or {}).get("diverged") or []
+    return divergence({entry["seed"]: entry["update"] for entry in listed})
+
+
+def record_failure(folder: Path, cell: Cell, reason: str) -> None:
+    """Writes down why a cell has failed: it is not run again before `retry`."""
+    (folder / FAILED).mkdir(exist_ok=True)
+    at = datetime.now(UTC).isoformat(timespec="seconds")
+    write_json(folder / FAILED / f"{cell.name}.json", {"reason": reason, "at": at})
+
+
+def retry(folder: Path, cell: Cell) -> None:
+    """Has a failed cell run again: from its last checkpoint, or anew where a loss was not finite; then its files are put aside."""
+    path = run_dir(folder, cell)
+    if path.is_dir() and (diverged_in(path) or not (path / MANIFEST).is_file()):
+        number = 1
+        while (aside := folder / FAILED / f"{cell.name}_{number}").exists():
+            number += 1
+        shutil.move(path, aside)
+    (folder / FAILED / f"{cell.name}.json").unlink(missing_ok=True)
+
+
+def steps_of(cell: Cell) -> int:
+    """Returns the environment steps of each seed of a cell, rounded up to whole updates."""
+    config = cell.configuration()
+    return config.num_updates * config.steps_per_update
+
+
+def as_text(value: Any) -> str:
+    """Returns a value of an axis as tables have it."""
+    if isinstance(value, list):
+        return ";".join(map(as_text, value))
+    if isinstance(value, Mapping):
+        return json.dumps(value)
+    return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

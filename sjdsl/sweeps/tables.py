@@ -1,0 +1,182 @@
+"""The tables of a sweep, `results.csv` and `status.csv`: read from the folders of its cells, and written anew whenever one has changed."""
+
+import csv
+import io
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from sjdsl.experiments.folder import read_json
+from sjdsl.sweeps.cells import Cell
+from sjdsl.sweeps.folder import Progress, as_text, cells_of, evaluation_of, is_finished, progress_of, run_dir, seed_dirs, steps_of
+from sjdsl.trainers.metrics_files import METRICS_JSONL
+from sjdsl.trainers.run_files import write_whole
+from sjdsl.trainers.run_folder import MANIFEST
+
+RESULTS = "results.csv"
+STATUS = "status.csv"
+Row = dict[str, str]
+
+OF_CELL = ("cell", "game", "hash", "protocol", "stage", "point", "algorithm", "reward", "sharing", "variant")
+OF_RUN = ("seed", "updates", "env_steps", "episodes", "together", "seconds", "hardware")
+FIRST = ("collective_return", "collective_return_low", "collective_return_high", "equality", "episode_length")
+OF_STATUS = ("cell", "game", "stage", "point", "seeds", "state", "update", "updates", "env_steps", "by", "reason")
+
+
+def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
+    """Returns a row for each seed of each cell that is done, in the order of the cells.
+
+    Args:
+      folder: of the sweep.
+      known: what its `sweep.json` says.
+    """
+    rows = []
+    for cell in cells_of(known):
+        path = run_dir(folder, cell)
+        if not is_finished(path):
+            continue
+        found = {seed: evaluation_of(own, seed, known["episodes"]) for seed, own in seed_dirs(path, cell).items()}
+        if any(evaluation is None for evaluation in found.values()):
+            continue
+        for seed, evaluation in found.items():
+            assert evaluation is not None
+            own = seed_dirs(path, cell)[seed]
+            rows.append(_of_cell(cell, known) | _of_run(seed, path, own, evaluation) | figures(evaluation["summary"]))
+    return rows
+
+
+def collective_returns(folder: Path, known: Mapping[str, Any]) -> dict[str, list[float]]:
+    """Returns the mean collective return of each seed of each cell that is done."""
+    found: dict[str, list[float]] = {}
+    for row in results(folder, known):
+        found.setdefault(row["cell"], []).append(float(row["collective_return"]))
+    return found
+
+
+def _of_cell(cell: Cell, known: Mapping[str, Any]) -> Row:
+    config = cell.config
+    place = {
+        "cell": cell.name,
+        "game": cell.game,
+        "hash": cell.hash,
+        "protocol": known["protocol"],
+        "stage": cell.stage,
+        "point": cell.point,
+    }
+    way = {key: config.get(key) for key in ("algorithm", "reward", "sharing")} | {"variant": cell.provenance.get("variant")}
+    return {key: as_text(value) for key, value in {**cell.values, **place, **way}.items()}
+
+
+def _of_run(seed: int, path: Path, own: Path, evaluation: Mapping[str, Any]) -> Row:
+    manifest = read_json(path / MANIFEST) or {}
+    device = manifest.get("device", {})
+    last = _last_row(own / METRICS_JSONL)
+    known = {
+        "seed": seed,
+        "updates": last.get("update"),
+        "env_steps": last.get("env_steps"),
+        "episodes": evaluation["episodes"],
+        "together": manifest.get("together", 1),
+        "seconds": f"{last.get('seconds', 0.0):.1f}",
+        "hardware": f"{device.get('platform', '?')} x{device.get('count', '?')}: {device.get('kind', '?')}",
+    }
+    return {key: str(value) for key, value in known.items()}
+
+
+def _last_row(path: Path) -> dict[str, Any]:
+    """Returns the last line of a file of JSON lines that is whole."""
+    with open(path, "rb") as file:
+        file.seek(0, io.SEEK_END)
+        file.seek(max(0, file.tell() - 65_536))
+        for line in islice(reversed(file.read().splitlines()), 2):
+            try:
+                return dict(json.loads(line))
+            except ValueError:
+                continue
+    return {}
+
+
+def figures(summary: Mapping[str, Mapping[str, float | None]]) -> Row:
+    """Returns the means of an evaluation under the names that metrics have: `event eaten of agent 0` is `event_eaten_agent_0`."""
+    row = {name.replace(" of agent ", "_agent_").replace(" ", "_"): _number(found["mean"]) for name, found in summary.items()}
+    earned = summary["collective return"]
+    return row | {f"collective_return_{end}": _number(earned[end]) for end in ("low", "high")}
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else repr(float(value))
+
+
+def status(folder: Path, known: Mapping[str, Any]) -> list[Row]:
+    """Returns a row for each cell: how far it is, who runs it, why it failed."""
+    return [_status_of(cell, progress_of(folder, cell, known["episodes"])) for cell in cells_of(known)]
+
+
+def _status_of(cell: Cell, progress: Progress) -> Row:
+    seeds = cell.seeds
+    steps = steps_of(cell)
+    updates = cell.configuration().num_updates
+    known = {
+        "cell": cell.name,
+        "game": cell.game,
+        "stage": cell.stage,
+        "point": as_text(cell.point),
+        "seeds": f"{seeds[0]}-{seeds[-1]}" if len(seeds) > 1 else seeds[0],
+        "state": progress.state,
+        "update": progress.update,
+        "updates": updates,
+        "env_steps": steps * progress.update // updates,
+        "by": f"{progress.by.host} {progress.by.pid}" if progress.by else "",
+        "reason": progress.reason,
+    }
+    return {key: str(value) for key, value in known.items()}
+
+
+def write_tables(folder: Path, known: Mapping[str, Any]) -> None:
+    """Writes both tables, each whole or not at all.
+
+    Another process may write them at the same time, from what it has read before this one's cell was done. So they are read again
+    afterwards, and written again until the file says what the folders say: whoever writes last has read everything.
+    """
+    _write(folder / RESULTS, lambda: result_table(results(folder, known)))
+    _write(folder / STATUS, lambda: table(OF_STATUS, status(folder, known)))
+
+
+def _write(path: Path, make: Callable[[], str]) -> None:
+    text = make()
+    for _ in range(10):
+        write_whole(path, text.encode(), shared=True)
+        again = make()
+        if again == text:
+            return
+        text = again
+
+
+def result_table(rows: Sequence[Row]) -> str:
+    """Returns `results.csv`: first what a cell is, then what its axes have, then its run, then its figures."""
+    found = list(dict.fromkeys(name for row in rows for name in row))
+    own = [name for name in found if name not in (*OF_CELL, *OF_RUN, *FIRST) and not _is_figure(name)]
+    measured = [name for name in found if _is_figure(name) and name not in FIRST]
+    return table((*OF_CELL, *own, *OF_RUN, *FIRST, *sorted(measured, key=_kind_of_figure)), rows)
+
+
+KINDS = ("return_agent_", "event_", "mean_", "final_")
+
+
+def _is_figure(name: str) -> bool:
+    return name.startswith(KINDS) or name in FIRST
+
+
+def _kind_of_figure(name: str) -> int:
+    return next(number for number, kind in enumerate(KINDS) if name.startswith(kind))
+
+
+def table(columns: Iterable[str], rows: Sequence[Row]) -> str:
+    """Returns rows as CSV, empty where a row has no such column."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, [*columns], restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()

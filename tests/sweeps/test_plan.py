@@ -1,0 +1,147 @@
+"""From axes and protocols to cells: names, configurations, seeds, and what is refused."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from described import plan
+
+from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.sweeps.axes import read_axis, with_number
+from sjdsl.sweeps.plan import second_stage
+
+
+def test_every_combination_is_a_cell() -> None:
+    found = plan("reward=individual,common", "param.apple=1,2.5", games=("coins", "clean_up")).cells
+    assert [cell.name for cell in found] == [
+        f"{game}_reward-{reward}_apple-{apple}"
+        for game in ("coins", "clean_up")
+        for reward in ("individual", "common")
+        for apple in ("1", "2.5")
+    ]
+    last = found[-1]
+    assert last.values == {"reward": "common", "param.apple": 2.5}
+    assert last.provenance["params"] == {"apple": 2.5}
+    assert last.config["reward"] == "common"
+    assert last.seeds == range(2)
+
+
+def test_a_value_is_one_however_it_is_written() -> None:
+    (cell,) = plan("exchange_ratio=.50", settings={"reward": "exchange"}).cells
+    assert cell.values == {"exchange_ratio": 0.5}
+    assert cell.name == "coins_exchange_ratio-0.5"
+    (cell,) = plan("total_timesteps=1e3").cells
+    assert cell.values == {"total_timesteps": 1000}
+
+
+def test_values_with_commas_stand_in_brackets() -> None:
+    axis = read_axis('param.regrow=[0.1,0.2],{"red":0.5,"blue":[1]}')
+    assert axis.values == ("[0.1,0.2]", '{"red":0.5,"blue":[1]}')
+    (first, second) = plan("roles=[0,0,1],[0,1,1]", settings={"sharing": "by_role"}).cells
+    assert first.values == {"roles": [0, 0, 1]}
+    assert second.config["roles"] == [0, 1, 1]
+
+
+def test_entries_of_tables() -> None:
+    assert with_number({"a": 1}, "regrow[red]", 2) == {"a": 1, "regrow": {"red": 2}}
+    assert with_number({"regrow": {"blue": 1}}, "regrow[red]", 2) == {"regrow": {"blue": 1, "red": 2}}
+    (cell,) = plan("param.regrow[red][x]=0.1").cells
+    assert cell.provenance["params"] == {"regrow": {"red": {"x": 0.1}}}
+    assert re.fullmatch(r"[\w.-]+", cell.name)
+
+
+def test_variants_have_their_own_hash() -> None:
+    first, second = plan("variant=rich,poor").cells
+    assert (first.hash, second.hash) == ("coins-rich", "coins-poor")
+    assert first.provenance["variant"] == "rich"
+
+
+def test_presets_lay_their_tables_under_each_cell() -> None:
+    """`paper` has another learning schedule for the reward svo than for the others, and another seed than 0."""
+    own, other = plan("reward=individual,svo", preset="paper").cells
+    assert own.config["anneal_learning_rate"] is True
+    assert other.config["anneal_learning_rate"] is False
+    assert own.seeds == range(30, 32)
+
+
+EXCHANGE = [("individual", None), ("exchange", 0.25), ("exchange", 0.5), ("exchange", 0.75), ("common", None)]
+
+
+def test_the_protocol_exchange() -> None:
+    found = plan(protocol="exchange").cells
+    assert [(cell.values["reward"], cell.values.get("exchange_ratio")) for cell in found] == EXCHANGE
+    assert [cell.point for cell in found] == [0, 0.25, 0.5, 0.75, 1]
+
+
+def test_the_protocol_algorithms_has_six_columns() -> None:
+    found = {cell.point: cell.config for cell in plan(protocol="algorithms", settings={"network": "mlp"}).cells}
+    assert [*found] == ["ippo_individual", "ippo_common", "mappo", "vdn", "exchange", "svo_90"]
+    assert [found[column]["algorithm"] for column in found] == ["ippo", "ippo", "mappo", "vdn", "ippo", "ippo"]
+    assert found["mappo"]["reward"] == found["vdn"]["reward"] == "common"
+    assert found["exchange"]["exchange_ratio"] == 0.5  # the paper's for Coins
+    assert found["svo_90"]["svo_angle"] == [90.0]
+    (cell,) = [
+        cell
+        for cell in plan(protocol="algorithms", games=("clean_up",), settings={"exchange_ratio": 0.1}).cells
+        if cell.point == "exchange"
+    ]
+    assert cell.config["exchange_ratio"] == 0.1
+
+
+def test_the_protocol_sharing_and_an_axis() -> None:
+    found = plan("reward=individual,common", protocol="sharing").cells
+    assert [(cell.point, cell.values["reward"]) for cell in found] == [
+        (way, reward) for way in ("shared", "per_agent") for reward in ("individual", "common")
+    ]
+
+
+def test_the_second_stage_of_svo_has_the_best_weight_and_fresh_seeds() -> None:
+    """For each game and learning rate apart; of equal means the smallest weight."""
+    asked = plan("learning_rate=0.1,0.2", protocol="svo", settings={"seed": 5, "seeds": 3})
+    assert len(asked.cells) == 12
+    best = {0.1: 0.4, 0.2: 0.0}
+
+    def earned(weight: float, rate: float) -> list[float]:
+        return [1.0, 2.0, 3.0] if weight == best[rate] or (rate == 0.2 and weight == 0.8) else [0.0, 0.0, 5.0]
+
+    returns = {cell.name: earned(cell.values["svo_weight"], cell.values["learning_rate"]) for cell in asked.cells}
+    found = second_stage(asked, returns)
+    assert [(cell.values["svo_weight"], cell.values["svo_angle"], cell.values["learning_rate"]) for cell in found] == [
+        (best[rate], angle, rate) for rate in (0.1, 0.2) for angle in (0, 22.5, 45, 67.5, 90)
+    ]
+    assert {cell.seeds for cell in asked.cells} == {range(5, 8)}
+    assert {cell.seeds for cell in found} == {range(8, 11)}
+    assert {cell.stage for cell in found} == {2}
+    assert not {cell.name for cell in found} & {cell.name for cell in asked.cells}
+
+
+REFUSED: list[tuple[Callable[[], Any], str]] = [
+    (lambda: plan("svo_wieght=1"), "there is no axis `svo_wieght`; did you mean `svo_weight`?"),
+    (lambda: plan("varaint=rich"), "did you mean `variant`?"),
+    (lambda: plan("reward"), "`reward` must have the form NAME=value,value,…"),
+    (lambda: plan("reward=individual,"), "`reward=individual,` must have the form"),
+    (lambda: plan("seed=1,2"), "`seed` is no axis, for each cell has all seeds"),
+    (lambda: plan("reward=individual", "reward=common"), "the axis `reward` is given twice"),
+    (lambda: plan("learning_rate=0.5,.50"), "coins_learning_rate-0.5 is asked for twice"),
+    (lambda: plan("reward=individual", settings={"reward": "common"}), "`reward` is an axis, and is also set for all cells"),
+    (lambda: plan("variant=a", variant="b"), "`variant` is an axis, and is also set for all cells"),
+    (lambda: plan("reward=individal"), "coins with reward individal: `reward` must be"),
+    (lambda: plan("param.aple=1"), "coins with param.aple 1: the game has no number `aple`"),
+    (lambda: plan("exchange_ratio=0.1,0.2"), "`exchange_ratio` does nothing where the reward is individual; add --reward exchange"),
+    (lambda: plan("learning_rate=-1"), "`learning_rate` must be more than 0"),
+    (lambda: plan("algorithm=ippo,vdn", settings={"num_epochs": 2}), "table [algorithm.NAME]"),
+    (lambda: plan(), "say what is varied: --axis NAME=value,value,… or --protocol exchange, svo, algorithms, sharing"),
+    (lambda: plan(protocol="exchang"), "there is no protocol `exchang`; did you mean `exchange`?"),
+    (lambda: plan("exchange_ratio=1", protocol="exchange"), "the protocol exchange sets `exchange_ratio` itself: leave out the axis"),
+    (lambda: plan(protocol="svo", settings={"svo_angle": 45}), "the protocol svo sets `svo_angle` itself"),
+    (lambda: plan("reward=common", games=()), "name the games to train in"),
+    (lambda: plan("reward=common", games=("coins", "my/coins.sj")), "the game `coins` is named twice"),
+    (lambda: plan(f"learning_rate={','.join(map(str, range(1, 10_002)))}"), "10,001 cells, and 10,000 are the most"),
+]
+
+
+@pytest.mark.parametrize(("asked", "said"), REFUSED, ids=[said[:40] for _, said in REFUSED])
+def test_what_does_not_fit_is_refused(asked: Callable[[], Any], said: str) -> None:
+    with pytest.raises(ExperimentError, match=re.escape(said)):
+        asked()

@@ -1,0 +1,283 @@
+"""Whole sweeps of a game so small that a cell trains in seconds: what is kept, what goes on, what fails, and the tables."""
+
+import csv
+import json
+import math
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jax
+import pytest
+from described import GAME, TINY
+
+import sjdsl
+from sjdsl.experiments import find_pool
+from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.sweeps import work
+from sjdsl.sweeps.axes import Axis
+from sjdsl.sweeps.engines import Crew
+from sjdsl.sweeps.plan import Asked
+from sjdsl.sweeps.sweep import Outcome, sweep
+from sjdsl.trainers import evaluate, load_policy
+from sjdsl.trainers.evaluation import evaluation_key
+from sjdsl.trainers.resuming import DiskError
+
+LOW, HIGH = "matrix_game_exchange_ratio-0.25", "matrix_game_exchange_ratio-0.75"
+
+
+@pytest.fixture(autouse=True)
+def no_key_check() -> Iterator[None]:
+    """JAX takes the keys of any vmapped scan for used."""
+    with jax.debug_key_reuse(False):
+        yield
+
+
+def asked(*ratios: float, **changes: Any) -> Asked:
+    settings = {**TINY, "reward": "exchange", **changes.pop("settings", {})}
+    return Asked([GAME], [Axis("exchange_ratio", ratios)], settings=settings, episodes=3, **changes)
+
+
+def rows_of(folder: Path) -> list[dict[str, str]]:
+    with open(folder / "results.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def timeless(rows: list[dict[str, str]]) -> list[dict[str, str]]:
+    return [{name: value for name, value in row.items() if name not in ("seconds", "together")} for row in rows]
+
+
+def states_of(folder: Path) -> dict[str, str]:
+    with open(folder / "status.csv", newline="", encoding="utf-8") as file:
+        return {row["cell"]: row["state"] for row in csv.DictReader(file)}
+
+
+@pytest.fixture(scope="module")
+def grown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Outcome]:
+    """A sweep of one ratio, to which another was added; what was said; what came of it. `killed`: the folder while the second was trained."""
+    folder, lines = tmp_path_factory.mktemp("sweeps") / "grown", list[str]()
+    sweep(asked(0.25), folder, crew=Crew(tell=lines.append))
+    once = work._callback
+
+    def copying(held: Any, stop: Any) -> Any:
+        look = once(held, stop)
+
+        def copy(update: Any) -> bool:
+            if update.number == 2:  # as a process leaves it that is killed now
+                shutil.copytree(folder, folder.parent / "killed")
+            return look(update)
+
+        return copy
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(work, "_callback", copying)
+        outcome = sweep(asked(0.75), folder, crew=Crew(tell=lines.append))
+    return folder, lines, outcome
+
+
+def test_a_new_value_only_adds_cells(grown: tuple[Path, list[str], Outcome]) -> None:
+    folder, lines, outcome = grown
+    assert [line.partition(":")[0] for line in lines] == [LOW, LOW, HIGH, HIGH]
+    assert outcome.done == (HIGH,)
+    assert outcome.complete and not outcome.failed
+    known = json.loads((folder / "sweep.json").read_text())
+    assert known["axes"] == {"exchange_ratio": [0.25, 0.75]}
+    assert [*known["cells"]] == [LOW, HIGH]
+    assert known["cells"][HIGH]["values"] == {"exchange_ratio": 0.75}
+    assert states_of(folder) == {LOW: "done", HIGH: "done"}
+
+
+def test_results_are_the_evaluations_of_the_last_policies(grown: tuple[Path, list[str], Outcome]) -> None:
+    rows = rows_of(grown[0])
+    assert [(row["cell"], row["seed"]) for row in rows] == [(LOW, "0"), (LOW, "1"), (HIGH, "0"), (HIGH, "1")]
+    env = sjdsl.make(GAME)
+    row = rows[3]
+    folder = grown[0] / "cells" / HIGH / "seed_1"
+    played = evaluate(env, load_policy(folder, env), evaluation_key(1), 3)
+    assert float(row["collective_return"]) == pytest.approx(played.collective_returns.mean())
+    assert float(row["return_agent_1"]) == pytest.approx(played.returns[:, 1].mean())
+    assert (row["env_steps"], row["updates"], row["episodes"], row["hash"]) == ("64", "4", "3", env.hash)
+    assert (row["algorithm"], row["reward"], row["sharing"], row["exchange_ratio"]) == ("ippo", "exchange", "shared", "0.75")
+    assert row["hardware"].startswith("cpu x1")
+
+
+def test_a_cell_is_a_pool_of_its_seeds(grown: tuple[Path, list[str], Outcome]) -> None:
+    pool = find_pool(grown[0] / "cells" / LOW, sjdsl.make(GAME))
+    assert [player.seed for player in pool.players] == [0, 1]
+
+
+def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(work, "train_side_by_side", None)
+    before = (grown[0] / "results.csv").read_bytes()
+    said: list[str] = []
+    outcome = sweep(asked(0.25, 0.75), grown[0], crew=Crew(tell=said.append))
+    assert outcome.done == (LOW, HIGH)
+    assert said == []
+    assert (grown[0] / "results.csv").read_bytes() == before
+
+
+def test_killed_it_goes_on_to_the_same_results(grown: tuple[Path, list[str], Outcome]) -> None:
+    folder = grown[0].parent / "killed"
+    (claim,) = folder.glob(f"claims/{HIGH}@*.json")
+    held = json.loads(claim.read_text())
+    claim.write_text(json.dumps({**held, "started": held["started"] - 100.0}))  # a process of this number that is no more
+    said: list[str] = []
+    sweep(asked(0.25, 0.75), folder, crew=Crew(tell=said.append))
+    assert said[0] == f"{HIGH}: training, from its last checkpoint"
+    assert timeless(rows_of(folder)) == timeless(rows_of(grown[0]))
+
+
+def test_what_another_process_runs_is_waited_for(
+    grown: tuple[Path, list[str], Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(grown[0], tmp_path / "copy")
+    folder = tmp_path / "copy"
+    done = folder / "cells" / HIGH / "seed_1" / "evaluation.json"
+    text = done.read_text()
+    done.unlink()
+    other = work.take(folder, HIGH)
+    assert other is not None
+    assert work.run_cell(folder / "cells" / HIGH) == "running"
+    monkeypatch.setattr("sjdsl.sweeps.sweep.PATIENCE", 0.0)
+    said: list[str] = []
+
+    def tell(line: str) -> None:
+        said.append(line)
+        done.write_text(text)  # the other process has done it
+        other.release()
+
+    outcome = sweep(asked(0.25, 0.75), folder, crew=Crew(tell=tell))
+    assert outcome.done == (LOW, HIGH)
+    assert len(said) == 1
+    assert said[0].startswith(f"{HIGH}: waiting for the process ")
+
+
+def test_an_evaluation_of_something_else_is_not_taken_for_a_result(grown: tuple[Path, list[str], Outcome], tmp_path: Path) -> None:
+    """`sjdsl evaluate` writes the same file, with other episodes and another seed."""
+    shutil.copytree(grown[0], tmp_path / "copy")
+    file = tmp_path / "copy" / "cells" / LOW / "seed_1" / "evaluation.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"seed": 0}))
+    assert sweep(asked(0.25, 0.75), tmp_path / "copy").done == (LOW, HIGH)
+    assert timeless(rows_of(tmp_path / "copy")) == timeless(rows_of(grown[0]))
+
+
+REFUSED: list[tuple[Any, str]] = [
+    (asked(0.25, settings={"seeds": 3}), f"its cell {LOW} has seeds 2 there, 3 here"),
+    (asked(0.25, settings={"learning_rate": 0.5}), "learning_rate 0.0005 there, 0.5 here"),
+    (
+        Asked([GAME], [Axis("svo_weight", (0.5,))], settings={**TINY, "reward": "svo"}, episodes=3),
+        "its axes are exchange_ratio, here svo_weight",
+    ),
+    (Asked([GAME], (), "exchange", settings=TINY, episodes=3), "its protocol is none, here exchange"),
+    (Asked([GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}), "it has 3 episodes of each seed, here 30"),
+    (asked(0.25, variant="chicken"), "hash of the game"),
+]
+
+
+@pytest.mark.parametrize(("other", "said"), REFUSED, ids=[said[:30] for _, said in REFUSED])
+def test_another_sweep_is_refused(grown: tuple[Path, list[str], Outcome], other: Asked, said: str) -> None:
+    before = (grown[0] / "sweep.json").read_bytes()
+    with pytest.raises(ExperimentError, match="holds another sweep") as refused:
+        sweep(other, grown[0])
+    assert said in str(refused.value)
+    assert (grown[0] / "sweep.json").read_bytes() == before
+
+
+def test_other_versions_are_refused(grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sjdsl.sweeps.folder.versions", lambda: {"jax": "0.0.1"})
+    with pytest.raises(ExperimentError, match=r"it was made with other versions: .*jax .* there, 0\.0\.1 here"):
+        sweep(asked(0.25), grown[0])
+
+
+def test_folders_of_something_else_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ExperimentError, match=r"is not empty and holds no sweep to go on with \(notes.txt\)"):
+        sweep(asked(0.25), tmp_path)
+    with pytest.raises(ExperimentError, match="is a file, and a sweep is a folder"):
+        sweep(asked(0.25), tmp_path / "notes.txt")
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_engines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sjdsl.sweeps.engines.find_spec", lambda _: None)
+    for engine, said in (
+        ("ray", r"needs the package ray: pip install 'sjdsl\[ray\]'"),
+        ("slurm", r"needs the package submitit: pip install 'sjdsl\[slurm\]'"),
+        ("rya", "did you mean `ray`"),
+    ):
+        with pytest.raises(ExperimentError, match=said):
+            sweep(asked(0.25), tmp_path / "new", crew=Crew(engine))
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.fixture(scope="module")
+def diverging(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Outcome]:
+    """Two cells side by side, of which one has a learning rate that no network survives."""
+    folder, lines = tmp_path_factory.mktemp("sweeps") / "diverging", list[str]()
+    rates = Asked([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
+    with jax.debug_key_reuse(False):
+        return folder, lines, sweep(rates, folder, crew=Crew(tell=lines.append), together=2)
+
+
+GOOD, BAD = "matrix_game_learning_rate-0.001", "matrix_game_learning_rate-1e-38"
+
+
+def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[str], Outcome]) -> None:
+    folder, lines, outcome = diverging
+    assert lines[:2] == [f"{GOOD}: training side by side", f"{lines[1].partition(':')[0]}: training side by side"]
+    assert outcome.done == (GOOD,)
+    ((bad, reason),) = outcome.failed.items()
+    assert "the loss became nan in update" in reason
+    assert [row["cell"] for row in rows_of(folder)] == [GOOD]
+    assert rows_of(folder)[0]["together"] == "2"
+    assert states_of(folder) == {GOOD: "done", bad: "failed"}
+    assert all(math.isfinite(float(row["collective_return"])) for row in rows_of(folder))
+
+
+def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = diverging[0]
+    (bad,) = diverging[2].failed
+    rates = Asked([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
+    trained: list[str] = []
+
+    def full(runs: Any, *_: Any) -> None:
+        trained.extend(run.run_dir.name for run in runs)
+        raise DiskError("no room")
+
+    monkeypatch.setattr(work, "train_side_by_side", full)
+    assert [*sweep(rates, folder).failed] == [bad]
+    assert trained == []
+    with pytest.raises(DiskError, match="no room"):
+        sweep(rates, folder, again=True)
+    assert trained == [bad]
+    assert (folder / "failed" / f"{bad}_1" / "manifest.json").is_file(), "what it had written is put aside"
+    assert not (folder / "cells" / bad).exists()
+    assert states_of(folder)[GOOD] == "done"
+
+    def wrong(*_: Any) -> None:
+        raise ZeroDivisionError("in a reward of one's own")
+
+    monkeypatch.setattr(work, "train_side_by_side", wrong)
+    assert sweep(rates, folder).failed == {bad: "ZeroDivisionError: in a reward of one's own"}
+
+
+def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def nothing(*_: Any) -> None:
+        raise DiskError("no room")
+
+    monkeypatch.setattr(work, "train_side_by_side", nothing)
+    with pytest.raises(DiskError):
+        sweep(asked(0.25), tmp_path / "sweep")
+    cell = tmp_path / "sweep" / "cells" / LOW
+    cell.mkdir()
+    (cell / "start.json").write_text("{}")
+    with pytest.raises(DiskError):
+        sweep(asked(0.25), tmp_path / "sweep")
+    assert not (cell / "start.json").exists(), "a run that was stopped before it began"
+    (cell / "policies").mkdir()
+    failed = sweep(asked(0.25), tmp_path / "sweep").failed
+    assert "holds policies and no manifest.json" in failed[LOW]
+    with pytest.raises(DiskError):
+        sweep(asked(0.25), tmp_path / "sweep", again=True)
+    assert (tmp_path / "sweep" / "failed" / f"{LOW}_1" / "policies").is_dir()
