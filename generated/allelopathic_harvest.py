@@ -205,16 +205,13 @@ SEEDS_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), 
 ZAP_OFFSETS = jnp.asarray(  # cells of zap from an agent's cell, for each heading
     shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0), (0, -1), (1, -1), (2, -1), (0, 1), (1, 1), (2, 1)))
 )
-# cells of each lane of zap, nearest first
-LANES_OF_ZAP = jnp.asarray([[0, 1, 2],
-                            [3, 4, 5],
-                            [6, 7, 8]], jnp.int32)
+LANES_OF_ZAP = jnp.asarray([[0, 1, 2], [3, 4, 5], [6, 7, 8]], jnp.int32)  # cells of each lane of zap, nearest first
 # actions a `forbid` is about
-FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True,  True,  True,  True], bool)
+FORBIDS = jnp.asarray([True, True, True, True, True, True, False, True, True, True, True], bool)
 # actions a `forbid` is about
-FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True, False, False, False], bool)
+FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False, True, False, False, False], bool)
 # actions a `forbid` is about
-FORBIDS_3 = jnp.asarray([False, False, False, False, False, False, False, False,  True,  True,  True], bool)
+FORBIDS_3 = jnp.asarray([False, False, False, False, False, False, False, False, True, True, True], bool)
 BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "r": 2, "g": 2, "b": 2}))  # looks of the cells of the frame, fields aside
 CELLS_BUSH = jnp.asarray(cells_of(MAP, PAD, "rgb"))  # cells of bush
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own

@@ -145,7 +145,7 @@ REACH_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0),)))  # cells of reac
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
 # number of each cell among gate; past the end: none
 SITE_OF_GATE = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, "P")))
-FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
+FORBIDS = jnp.asarray([True, True, True, True, True, True, False, True], bool)  # actions a `forbid` is about
 # looks of the cells of the frame, fields aside
 BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "C": 3, "D": 3, "P": 7}))
 CELLS_PATCH = jnp.asarray(cells_of(MAP, PAD, "CD"))  # cells of patch

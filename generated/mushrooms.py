@@ -137,7 +137,7 @@ SITE_OF_GROUND = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, ".RGBO"))
 # cells of beam from an agent's cell, for each heading
 BEAM_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, -1), (1, 0), (2, 0), (1, 1))))
 INSIDE = jnp.asarray(inside(MAP, PAD))  # cells of the map in the frame
-FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
+FORBIDS = jnp.asarray([True, True, True, True, True, True, False, True], bool)  # actions a `forbid` is about
 # looks of the cells of the frame, fields aside
 BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "R": 1, "G": 1, "B": 1, "O": 1}))
 MYSELF = jnp.asarray(own_cell(11, 11, 9, 5))  # which cell of its window is the observer's own

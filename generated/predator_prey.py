@@ -193,7 +193,7 @@ DISC_3_CENTRE_OFFSETS = jnp.asarray(  # cells of disc(3, centre) from an agent's
         ),
     )
 )
-FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True], bool)  # actions a `forbid` is about
+FORBIDS = jnp.asarray([True, True, True, True, True, True, False, True], bool)  # actions a `forbid` is about
 # looks of the cells of the frame, fields aside
 BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "g": 3, "P": 4, "X": 5, "a": 6, "n": 8}))
 CELLS_TREE = jnp.asarray(cells_of(MAP, PAD, "a"))  # cells of tree

@@ -181,15 +181,11 @@ PAINT_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), 
 # cells of zap from an agent's cell, for each heading
 ZAP_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (0, -1), (1, -1), (0, 1), (1, 1))))
 BLOCKS_ZAP = jnp.asarray(blocking(MAP, PAD, "#"))  # cells that always block zap
-ZAP_STARTS = jnp.asarray([ True, False,  True, False,  True, False], bool)  # first cells of the lanes of zap
-# cells of each lane of zap, nearest first
-LANES_OF_ZAP = jnp.asarray([[0, 1],
-                            [2, 3],
-                            [4, 5]], jnp.int32)
+ZAP_STARTS = jnp.asarray([True, False, True, False, True, False], bool)  # first cells of the lanes of zap
+LANES_OF_ZAP = jnp.asarray([[0, 1], [2, 3], [4, 5]], jnp.int32)  # cells of each lane of zap, nearest first
+FORBIDS = jnp.asarray([True, True, True, True, True, True, False, True, True], bool)  # actions a `forbid` is about
 # actions a `forbid` is about
-FORBIDS = jnp.asarray([ True,  True,  True,  True,  True,  True, False,  True,  True], bool)
-# actions a `forbid` is about
-FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False,  True, False], bool)
+FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False, True, False], bool)
 # looks of the cells of the frame, fields aside
 BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "#": 2, "R": 3, "P": 93}))
 CELLS_BRICK = jnp.asarray(cells_of(MAP, PAD, "R"))  # cells of brick

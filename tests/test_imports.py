@@ -21,7 +21,8 @@ TABLES = {
 # An import inside a function is for one thing: that its module loads without these, which take long to load or need not be installed.
 HEAVY = {
     *("dm_env", "gymnasium", "jaxmarl", "minari", "pettingzoo"),
-    *("flax", "hypothesis", "jax", "jinja2", "matplotlib", "numpy", "orbax", "PIL", "psutil", "resvg_py", "rich", "textual"),
+    *("flax", "hypothesis", "jax", "jinja2", "lark", "matplotlib", "numpy", "orbax", "PIL", "psutil", "pydantic"),
+    *("resvg_py", "rich", "textual"),
 }
 
 

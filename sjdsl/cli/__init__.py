@@ -99,6 +99,7 @@ def main() -> NoReturn:
     """Runs the command line of this process; what JAX compiles in it is kept for the next."""
     gc.set_threshold(FEW_COLLECTIONS)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses: a tenth of a second
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins reads what every installed package says of itself
     keep_programs()
     status = run()
     gc.freeze()

@@ -4,7 +4,7 @@ Source -> Composition -> ir.Game -> Program -> text
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -18,6 +18,7 @@ from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Tried
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
@@ -27,8 +28,7 @@ from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.program import Program
 
 
-@dataclass(frozen=True)
-class Build:
+class Build(Record):
     """A checked game: its typed rules, the warnings, and the texts they came from by name."""
 
     game: ir.Game

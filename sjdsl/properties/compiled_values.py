@@ -11,6 +11,7 @@ from typing import Any
 import jax.numpy as jnp
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.emit.expressions import text
 from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.names import KERNELS, identifier
 from sjdsl.compiler.ir.traverse import rewrite
@@ -20,7 +21,7 @@ from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import DTYPES, Attribute, Binary, Call, Expression, Literal, Sequence, call
+from sjdsl.compiler.program.expressions import DTYPES, Attribute, Binary, Call, Expression, Literal, Sequence, as_array, call
 
 Total = tuple[str, str | None]  # an event, and its word or None
 
@@ -66,7 +67,7 @@ def _total(node: Any, totals: dict[Total, str]) -> Any:
 def _values(expressions: list[ir.Expr], module: Module) -> str:
     w = Writer(module)
     numbers = [as_dtype(w.value(e, IterationScope()), "f32") for e in expressions]
-    parts = tuple(call("jnp.asarray", number.node, DTYPES["f32"]) for number in numbers)
+    parts = tuple(as_array(number.node, "f32") for number in numbers)
     if parts:
         w.give_back(call("jnp.stack", Sequence(parts, is_list=True)))
     else:
@@ -107,5 +108,6 @@ def _namespace(module: Module) -> dict[str, Any]:
     names: dict[str, Any] = {"jnp": jnp}
     for home, kernels in KERNELS.items():
         names |= {kernel: getattr(import_module(home), kernel) for kernel in kernels}
-    names |= {c.name: jnp.asarray(c.value) for c in module.constants.values()}
-    return names | {n.name: n.value for n in module.numbers.values()} | {"NUM_AGENTS": module.num_agents, "PAD": module.layout.pad}
+    names |= {"NUM_AGENTS": module.num_agents, "MAP": module.layout.map, "PAD": module.layout.pad}
+    exec("\n".join(f"{c.name} = {text(c.value)}" for c in module.constants.values()), names)
+    return names | {n.name: n.value for n in module.numbers.values()}

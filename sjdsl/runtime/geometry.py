@@ -25,6 +25,25 @@ def cells_of(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     return np.array(found, np.int32)
 
 
+def numbers_among(rows: Rows, group: str, glyphs: str) -> np.ndarray:
+    """Returns the number, among the cells with one of `glyphs`, of each cell of a group, in reading order: `[S + 1]` int32.
+
+    It is past their end for the other cells, and for the entry after the last cell.
+    """
+    chosen = np.array([g in glyphs for row in rows for g in row if g in group] + [False])
+    return np.where(chosen, np.cumsum(chosen) - 1, chosen.sum()).astype(np.int32)
+
+
+def reading_order(rows: Rows, kinds: Sequence[str]) -> np.ndarray:
+    """Returns where each cell of a group, in reading order, stands if the cells of its kinds follow each other: `[S]` int32.
+
+    Args:
+      kinds: the glyphs of each kind.
+    """
+    kind_of = [number for row in rows for g in row for number, glyphs in enumerate(kinds) if g in glyphs]
+    return np.argsort(np.argsort(kind_of, kind="stable")).astype(np.int32)
+
+
 def values_of(rows: Rows, values: Mapping[str, float], dtype: str) -> np.ndarray:
     """Returns the value of each cell whose glyph has one, in reading order: `[S]`."""
     return np.array([values[g] for row in rows for g in row if g in values], dtype)

@@ -64,6 +64,17 @@ def test_site_numbers(rows: tuple[str, ...], pad: int) -> None:
     assert table.tolist() == [expected[cell] for cell in range(table.size)]
 
 
+@MAPS
+def test_numbers_of_a_group(rows: tuple[str, ...]) -> None:
+    """A group's cells in reading order: each one's number among a kind, and its place if the kinds follow each other."""
+    group = [g for _, _, g in cells(rows) if g in "AB"]
+    of_a = iter(range(len(group)))
+    expected = [next(of_a) if g == "A" else group.count("A") for g in group]
+    assert geometry.numbers_among(rows, "AB", "A").tolist() == [*expected, group.count("A")]
+    together = [(g, i) for kind in "BA" for i, g in enumerate(group) if g == kind]  # first all of B, then all of A
+    assert geometry.reading_order(rows, ("B", "A")).tolist() == [together.index((g, i)) for i, g in enumerate(group)]
+
+
 def test_values_of_glyphs() -> None:
     assert geometry.values_of(("AB.", "BA#"), {"A": 0, "B": 3}, "uint8").tolist() == [0, 3, 3, 0]
 

@@ -5,13 +5,14 @@ conditions known to hold. Two writes of one field can only meet at one target, s
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Literal
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.free_variables import free_variables
@@ -20,8 +21,7 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.queries import declared_field, phases_of, written_field
 
 
-@dataclass(frozen=True)
-class Quantifier:
+class Quantifier(Record):
     """One quantifier: the statement, the variables it binds, and whether it gives at most one instance for each around it."""
 
     statement: ir.Stmt
@@ -29,8 +29,7 @@ class Quantifier:
     single: bool
 
 
-@dataclass(frozen=True)
-class Branch:
+class Branch(Record):
     """One way through a statement with several. `once`: the statement is met once in the phase, so only one of its ways is taken."""
 
     statement: ir.Stmt
@@ -38,8 +37,7 @@ class Branch:
     once: bool
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(Record):
     """What is written: the place of an agent, or a field of agents, cells or the world; `entries` of a row, None for any of them."""
 
     of: Literal["agent", "cell", "world", "place"]
@@ -47,8 +45,7 @@ class Target:
     entries: tuple[str | None, ...] = ()
 
 
-@dataclass(frozen=True)
-class Write:
+class Write(Record, eq=False):
     """One `set`, `add` or change of place. `owner`: whose field or place (None: the world's); `value`: what two equal writes share."""
 
     sort: Literal["set", "add", "place"]
@@ -75,8 +72,7 @@ class Write:
 PLACE = Target("place")
 
 
-@dataclass(frozen=True)
-class Around:
+class Around(Record):
     """What surrounds a statement. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
 
     quantifiers: tuple[Quantifier, ...] = ()

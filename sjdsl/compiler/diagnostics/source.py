@@ -3,9 +3,10 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from sjdsl.compiler.diagnostics.frozen import Record
 
-@dataclass(frozen=True)
-class Span:
+
+class Span(Record):
     """A half-open part `start .. end` of one file, in characters; `line` and `column` (from 1) of its start."""
 
     file: str

@@ -4,12 +4,12 @@ Composition -> ir.Game, with every mistake of the game reported at once
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.agents import build_agents
@@ -23,8 +23,7 @@ from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 
 
-@dataclass(frozen=True)
-class Overrides:
+class Overrides(Record):
     """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand."""
 
     sizes: Mapping[str, Any] | None = None

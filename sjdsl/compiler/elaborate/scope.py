@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.implications import Fact, facts
@@ -70,8 +71,7 @@ class Static:
         return named | {w for words in self.word_sets for w in words}
 
 
-@dataclass(frozen=True)
-class Scope:
+class Scope(Record):
     """Variables and known facts at one place of the text.
 
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.

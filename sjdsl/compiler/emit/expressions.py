@@ -4,10 +4,10 @@ An operand gets brackets where Python's precedence asks for them, and where a bi
 readers know whether `a + b & c == d` is `((a + b) & c) == d`.
 """
 
-from dataclasses import dataclass
 from math import copysign
 from typing import assert_never
 
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.program import expressions as array
 
 COMPARISON, UNARY, ATOM = 0, 6, 7
@@ -25,8 +25,7 @@ PYTHON_PRECEDENCE = {
 BITWISE = {"|", "^", "&", "<<", ">>"}
 
 
-@dataclass(frozen=True)
-class Bracketed:
+class Bracketed(Record):
     """`open` items `close`, the items with commas between them; `comma`: one follows the last even on one line."""
 
     open: str
@@ -35,15 +34,13 @@ class Bracketed:
     comma: bool = False
 
 
-@dataclass(frozen=True)
-class Chain:
+class Chain(Record):
     """Pieces one after another without anything between them: `state`, `.position`, `[…]`."""
 
     pieces: tuple["str | Bracketed", ...]
 
 
-@dataclass(frozen=True)
-class Operation:
+class Operation(Record):
     """Operands with operators between them that may stand on lines of their own: `a`, `+ b`, `+ c`."""
 
     first: "Piece"

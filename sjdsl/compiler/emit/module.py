@@ -6,13 +6,12 @@ from functools import cache
 from importlib.resources import files
 
 import jinja2
-import numpy as np
 
 from sjdsl.compiler.emit.expressions import pieces
 from sjdsl.compiler.emit.layout import WIDTH
-from sjdsl.compiler.emit.statements import assignment, comment_lines, commented, constant_lines, function_lines
+from sjdsl.compiler.emit.statements import assignment, commented, constant_lines, function_lines
 from sjdsl.compiler.ir.names import KERNELS
-from sjdsl.compiler.program import Constant, Field, Number, Program
+from sjdsl.compiler.program import Field, Number, Program
 from sjdsl.compiler.program.expressions import Literal, Name, call, constant, walk
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.version import __version__
@@ -57,7 +56,7 @@ def body(program: Program) -> str:
         map_rows=[repr(row) for row in program.map],
         planes=_lines(_plane(plane) for plane in program.planes),
         numbers=_lines(_number(n) for n in program.numbers),
-        constants=_lines(map(_constant, program.constants)),
+        constants=_lines(constant_lines(c.name, c.value, c.comment) for c in program.constants),
         classes={
             "Params": ("Run-time numbers of the game: change them without compiling again, `vmap` over them.", _fields(program.params)),
             "State": ("One environment: N agents, S cells of a kind in reading order.", _fields(program.state)),
@@ -69,7 +68,7 @@ def body(program: Program) -> str:
 
 def kernels(program: Program) -> dict[str, list[str]]:
     """Returns the kernels that a program calls, by the modules of the runtime they are imported from."""
-    parts = (program.facts, *(f.body for f in program.functions), *(c.made_by for c in program.constants))
+    parts = (program.facts, *(f.body for f in program.functions), *(c.value for c in program.constants))
     used = {node.identifier for part in parts for node in walk(part) if isinstance(node, Name)} | {"TokenPlane"}
     found = {module: [name for name in names if name in used] for module, names in KERNELS.items()}
     return {module: names for module, names in found.items() if names}
@@ -94,19 +93,6 @@ def _plane(plane: TokenPlane) -> list[str]:
 def _number(number: Number) -> list[str]:
     value = f"0x{number.value:08x}" if number.group == "stream" else str(number.value)
     return assignment(f"{number.name} = ", value, commented(number.comment))
-
-
-def _constant(constant: Constant) -> list[str]:
-    if constant.made_by is not None:
-        return constant_lines(constant.name, call("jnp.asarray", constant.made_by), commented(constant.comment))
-    head = f"{constant.name} = jnp.asarray("
-    size = constant.value.size + 1
-    values = np.array2string(constant.value, separator=", ", threshold=size, max_line_width=WIDTH - len(", jnp.uint32)"), prefix=head)
-    dtype = "bool" if constant.value.dtype == bool else f"jnp.{constant.value.dtype}"
-    first, *rest = f"{head}{values}, {dtype})".split("\n")
-    if rest or len(first) + len(constant.comment) + 4 > WIDTH:
-        return [*comment_lines(commented(constant.comment)), first, *rest]
-    return [f"{first}  # {commented(constant.comment)}"]
 
 
 def _fields(found: tuple[Field, ...]) -> list[str]:

@@ -49,7 +49,7 @@ def assignment(head: str, value: Piece, comment: str, indent: int = 0) -> list[s
 
 def constant_lines(name: str, value: Expression, comment: str) -> list[str]:
     """Returns the lines of a module's constant."""
-    return assignment(f"{name} = ", pieces(value), comment)
+    return assignment(f"{name} = ", pieces(value), commented(comment))
 
 
 def comment_lines(comment: str, indent: int = 0) -> list[str]:

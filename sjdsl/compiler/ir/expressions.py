@@ -1,7 +1,5 @@
 """The typed IR: expressions, and the domains and shapes that quantifiers range over."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
 from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expression, Node, PlaceNode, Type
@@ -199,13 +197,13 @@ class Logic(Expression):
 
 class Count(Expression):
     type: Type
-    domain: Domain
+    domain: "Domain"
 
 
 class Sum(Expression):
     type: Type
     value: Expr
-    domain: Domain
+    domain: "Domain"
 
 
 class SumRow(Expression):

@@ -1,7 +1,5 @@
 """The typed IR: declarations, the schedule, and the game they make up."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Shape
@@ -179,7 +177,7 @@ class Check(Node):
     sort: Literal["require", "always", "once", "conserved", "monotone", "symmetric", "expect"]
     values: tuple[Expr, ...] = ()
     words: tuple[str, ...] = ()
-    policies: tuple[Policy, ...] = ()
+    policies: tuple["Policy", ...] = ()
     episodes: int = 0
 
 

@@ -1,12 +1,13 @@
 """What guards imply: conditions split into facts, and the intervals and words that these leave to an expression."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from math import ceil, floor, inf, isinf
 from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
 from sjdsl.compiler.ir.types import interval
 
@@ -36,8 +37,7 @@ Comparison = Literal["<", "<=", ">", ">=", "==", "!="]
 Interval = tuple[float, float]
 
 
-@dataclass(frozen=True, eq=False)
-class Fact:
+class Fact(Record, eq=False):
     """One condition that holds, and what it says of its subject: of a number an interval, of a word those it may be.
 
     `names`: what stands for free variables, as in `form`; two facts are compared under the same names.

@@ -1,7 +1,5 @@
 """The base classes of IR nodes: frozen, equal by content; and types."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field

@@ -1,7 +1,5 @@
 """The typed IR: statements of a phase."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Member
@@ -72,14 +70,14 @@ class Match(Statement):
 class When(Statement):
     """The first branch whose condition holds, else `otherwise`."""
 
-    branches: tuple[Branch, ...]
+    branches: tuple["Branch", ...]
     otherwise: tuple[Stmt, ...] = ()
 
 
 class Chance(Statement):
     """One draw per instance; branch k has its condition's probability given that none before it came."""
 
-    branches: tuple[Branch, ...]
+    branches: tuple["Branch", ...]
     otherwise: tuple[Stmt, ...] = ()
     stream: int
 

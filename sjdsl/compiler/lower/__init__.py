@@ -8,8 +8,6 @@ Assumes a verified game; guarantees that every index stays in the padded frame a
 import dataclasses
 from typing import get_args
 
-import numpy as np
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
@@ -222,8 +220,8 @@ def _allowed(module: Module) -> Function:
     for forbid in agents.forbids:
         w.origin = forbid.origin
         test = w.keep("forbidden", w.value(forbid.condition, scope))
-        mask = np.isin(np.arange(len(agents.actions)), [a for a in forbid.actions if a != agents.actions.index("stay")])
-        name = module.constant("forbids", mask, "actions a `forbid` is about")
+        closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
+        name = module.constant("forbids", array.constant(closes), "actions a `forbid` is about", "bool")
         condition = indexed(test.node, (array.ALL, array.NEW_AXIS)) if test.axes else test.node
         closed = w.bind("closed", array.Binary("&", condition, array.Index(name, (array.NEW_AXIS,))))
         allowed = (
@@ -252,7 +250,7 @@ def _episode(module: Module) -> Function:
     w = Writer(module)
     w.origin = module.game.episode.origin
     value = w.value(module.game.episode, IterationScope())
-    w.give_back(array.call("jnp.asarray", value.node, array.DTYPES["i32"]))
+    w.give_back(array.as_array(value.node, "i32"))
     doc = "Returns the steps until truncation: int32 scalar."
     return _function(w, "episode_length", (("params", "Params"),), "Array", doc)
 

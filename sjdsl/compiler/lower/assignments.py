@@ -1,10 +1,9 @@
 """Lowers `set` and `add`: by selection where the target is the axis itself, by scatter where its index is computed."""
 
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.compiler.lower import state_reads
@@ -30,8 +29,7 @@ from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(Record):
     """One field that a statement writes: of whom (None: the world), at which keys of its row, in which instances."""
 
     declared: ir.VarField
@@ -106,10 +104,9 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
     found = []
     layout = w.module.layout
     for kind in who.kinds:
-        if not len(layout.cells((kind,))):
+        if not layout.num_cells((kind,)):
             continue  # not on this map: no cell that could be written
-        table = layout.site_of((kind,))[layout.cells(who.kinds)]
-        table = np.append(table, len(layout.cells((kind,)))).astype(np.int32)
+        table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
         key = array.Slice(None, array.Literal(-1)) if who.axis is not None else who.site.node

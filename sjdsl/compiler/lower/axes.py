@@ -4,12 +4,12 @@ An operation lines its operands up by the names of their axes. An axis made late
 """
 
 import operator
-from dataclasses import dataclass, replace
+from array import array
+from dataclasses import replace
 from math import prod
 from typing import Literal as OneOf
 
-import numpy as np
-
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
@@ -41,8 +41,7 @@ _OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": ope
 _OPPOSITES = {"==": "!=", "!=": "=="}
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(Record):
     """One named axis; `order` is its place from left to right, `constant` the module's constant that is its size."""
 
     name: str
@@ -55,8 +54,7 @@ class Axis:
         return Literal(self.size, self.constant)
 
 
-@dataclass(frozen=True)
-class Value:
+class Value(Record):
     """`node` computes an array with `axes`, then `levels` axes of words."""
 
     node: Expression
@@ -83,6 +81,11 @@ def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
 
 
 TRUE, FALSE = literal(True, "bool"), literal(False, "bool")
+
+
+def float32(number: float) -> float:
+    """Returns the float32 that is nearest to a number."""
+    return array("f", [number])[0]
 
 
 def iota(axis: Axis, dtype: DType = "i32") -> Value:
@@ -143,8 +146,8 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     if a.literal and b.literal and op in _COMPARISONS:
         return literal(_COMPARISONS[op](a.number, b.number), "bool")
     if a.literal and b.literal and op in _OPERATIONS and not (op in "/%" and not b.number):
-        number = np.float32 if dtype == "f32" else int
-        return literal(_OPERATIONS[op](number(a.number), number(b.number)), dtype)
+        number = float32 if dtype == "f32" else int
+        return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)
     if op in _COMPARISONS:
         a, b = _as_kept(a, b), _as_kept(b, a)
     if _is_neutral(op, b) and a.dtype == dtype:

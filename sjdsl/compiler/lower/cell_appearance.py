@@ -1,8 +1,9 @@
 """Appearance of cells: numbers for the states of kinds, as painted and as an observer sees them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.queries import kinds_by_glyph, marking_phases, shown_field, sight_of_headings
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
@@ -15,8 +16,7 @@ COVERED = "covered"  # how a cell looks on which an agent stands, if agents hide
 OUTSIDE = "outside"
 
 
-@dataclass(frozen=True)
-class Look:
+class Look(Record):
     """One kind: its painted fields with their numbers of values, and its sights in order.
 
     `raw` and `final` are the first numbers of the kind in the two numberings; a kind that is not on the map has no raw ones. `labels`: the
@@ -131,7 +131,7 @@ def _values(field: ir.VarField, game: ir.Game) -> int:
 
 
 def _bound(field: ir.VarField, game: ir.Game) -> float:
-    return timer_bound(field, game) if field.timer else field.type.high
+    return timer_bound(field, ir.walk(game)) if field.timer else field.type.high
 
 
 def content_labels(game: ir.Game) -> tuple[str, ...]:

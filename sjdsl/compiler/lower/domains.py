@@ -1,20 +1,18 @@
 """Lowers domains: the axis that a quantifier adds, its membership mask, and the cells of shapes."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
-import numpy as np
-
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import ALL, NEW_AXIS, Binary, DType, Expression, Index, Literal, Reduce, Sequence, call
+from sjdsl.compiler.program.expressions import ALL, NEW_AXIS, Binary, DType, Expression, Index, Literal, Reduce, Sequence, call, constant
 
 
-@dataclass(frozen=True)
-class Swept:
+class Swept(Record):
     """The cells of a shape around an anchor: in the frame, along `axis`; `ok`: on the map and reached (None: see member)."""
 
     cells: Value
@@ -126,7 +124,7 @@ def sites_in(place: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: W
     if isinstance(anchor, CellVar):
         state_reads.check_placed(anchor)
         table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
-        axis = w.axis(name, table.value.shape[1])
+        axis = w.axis(name, sum(map(len, shape.lanes)))
         constant = w.module.constant(label, table, f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none")
         if anchor.axis is not None:
             site = Value(constant, "i32", (anchor.axis, axis))
@@ -145,7 +143,7 @@ def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
     if shape.see_through or not any(len(lane) > 1 for lane in shape.lanes):
         return False
     conditional = any(b.what == shape.name and b.condition is not None for k in w.module.game.kinds for b in k.blocks)
-    return conditional or bool(w.module.layout.blocking_table(shape.name).value.any())
+    return conditional or w.module.layout.count(w.module.layout.blocking_glyphs(shape.name)) > 0
 
 
 def shape_name(shape: str) -> str:
@@ -160,7 +158,7 @@ def sweep(place: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     offsets = w.module.layout.offsets_table(shape)
     ident = shape_name(place.shape)
     name = w.module.constant(f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading")
-    axis = _shape_axis(w, ident, offsets.value.shape[1], anchor)
+    axis = _shape_axis(w, ident, sum(map(len, shape.lanes)), anchor)
     if isinstance(anchor, AgentVar):
         at, facing = state_reads.position(anchor, w), state_reads.heading(anchor)
     else:  # a cell has no heading, and the shapes around cells have no direction
@@ -201,7 +199,7 @@ def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value
     if not has_inner_blocks(shape, w):
         return on_map
     if any(b.what == shape.name and b.condition is not None for k in w.module.game.kinds for b in k.blocks):
-        return w.keep(f"{ident}_reached", _walked(shape, on_map, cells, axis, w))
+        return w.keep(f"{ident}_reached", _walked(shape, on_map, cells, w))
     if axis.size > 32:
         what = f"a shape of {axis.size} cells that something on the map blocks (at most 32)"
         raise NotSupported(what, shape.origin, "make it smaller, or let nothing block it")
@@ -213,7 +211,7 @@ def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value
     return w.keep(f"{ident}_reached", Value(call("from_bits", bits.node, axis.extent), "bool", (*at.axes, axis)))
 
 
-def _walked(shape: ir.Shape, on_map: Value, cells: Value, axis: Axis, w: Writer) -> Value:
+def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
     """Lanes that may end at cells whose state decides: walked cell by cell."""
     layout = w.module.layout
     fixed = w.module.constant(f"blocks_{shape.name}", layout.blocking_table(shape.name), f"cells that always block {shape.name}")
@@ -223,9 +221,8 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, axis: Axis, w: Writer)
             if block.what == shape.name and block.condition is not None and layout.num_cells((kind.name,)):
                 blocked = binary("|", blocked, blocked_by(block, kind, cells, w), "bool")
     blocked = w.keep(f"{shape.name}_blocked", blocked)
-    starts = np.zeros(axis.size, bool)
-    starts[np.cumsum([0, *(len(lane) for lane in shape.lanes)])[:-1]] = True
-    first = w.module.constant(f"{shape.name}_starts", starts, f"first cells of the lanes of {shape.name}")
+    starts = constant([at == 0 for lane in shape.lanes for at in range(len(lane))])
+    first = w.module.constant(f"{shape.name}_starts", starts, f"first cells of the lanes of {shape.name}", "bool")
     return Value(call("reached", blocked.node, on_map.node, first), "bool", cells.axes)
 
 
@@ -251,9 +248,9 @@ def agents_in(place: ir.Near, variable: AgentVar, scope: IterationScope, w: Writ
     shape = w.module.shape(place.shape)
     assert variable.axis is not None
     if isinstance(anchor, CellVar):
-        around = w.module.layout.offsets(shape)[0]
+        around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
         offsets = w.module.constant(f"{shape.name.split('(')[0]}_around", around, f"cells of {shape.name}")
-        axis = w.axis("around", len(w.module.layout.shape_cells(shape)))
+        axis = w.axis("around", sum(map(len, shape.lanes)))
         cells, ok = _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis), None
     else:
         swept = sweep(place, scope, w)

@@ -5,7 +5,7 @@ from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, in
 from sjdsl.compiler.lower.expressions import real
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import DTYPES, Arange, Cast, Expression, Literal, Name, call, scalar
+from sjdsl.compiler.program.expressions import Arange, Cast, Expression, Literal, Name, as_array, call, scalar
 
 KEY = Name("key")
 
@@ -32,7 +32,7 @@ def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
 
 
 def _unsigned(number: Value) -> Expression:
-    return call("jnp.asarray", number.node, DTYPES["u32"]) if number.literal else Cast(number.node, "u32")
+    return as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
 
 
 def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value], Value]:

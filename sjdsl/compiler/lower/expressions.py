@@ -198,7 +198,7 @@ def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: W
     shift = numbers[-1] - (len(numbers) - 1)
     if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
         return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
-    table = array.call("jnp.asarray", array.Sequence(tuple(map(array.Literal, numbers)), is_list=True), array.DTYPES["u8"])
+    table = array.as_array(array.constant([*numbers]), "u8")
     return replace(value, node=array.Index(table, (value.node,)))
 
 

@@ -1,30 +1,18 @@
-"""Tables of the map for lowered code: glyphs of kinds, cells, padding, and the expression that builds each table."""
+"""Tables of the map for lowered code: glyphs of kinds, padding, and the expression that makes each table when a module is loaded."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, glyphs_of
 from sjdsl.compiler.program.expressions import Expression, Literal, Name, call, constant
-from sjdsl.runtime import geometry
-
-
-@dataclass(frozen=True)
-class Table:
-    """A constant array, and the expression that computes it in a generated module."""
-
-    value: np.ndarray
-    node: Expression
-
 
 MAP = (Name("MAP"), Name("PAD"))
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The map of one game and every table that follows from it."""
+    """The map of one game and every table that follows from it: a call of what `sjdsl.runtime.geometry` has."""
 
     game: ir.Game
 
@@ -61,82 +49,71 @@ class Layout:
         """Returns the glyphs that stand for cells of the kinds."""
         return glyphs_of(self.game, kinds)
 
-    def cells(self, kinds: tuple[str, ...]) -> np.ndarray:
-        """Returns the `[S]` int32 cells of the kinds, in reading order."""
-        return geometry.cells_of(self.map, self.pad, self.glyphs(kinds))
-
     def num_cells(self, kinds: tuple[str, ...]) -> int:
-        return sum(row.count(glyph) for glyph in self.glyphs(kinds) for row in self.map)
+        return self.count(self.glyphs(kinds))
 
-    def cells_table(self, kinds: tuple[str, ...]) -> Table:
-        return Table(self.cells(kinds), call("cells_of", *MAP, Literal(self.glyphs(kinds))))
+    def count(self, glyphs: str) -> int:
+        """Returns how many cells of the map have one of the glyphs."""
+        return sum(row.count(glyph) for glyph in glyphs for row in self.map)
 
-    def site_of(self, kinds: tuple[str, ...]) -> np.ndarray:
-        """Returns, for each cell of the frame, its number among the cells of the kinds; past the end if it is none."""
-        return geometry.site_numbers(self.map, self.pad, self.cells(kinds))
+    def cells_table(self, kinds: tuple[str, ...]) -> Expression:
+        return call("cells_of", *MAP, Literal(self.glyphs(kinds)))
 
-    def site_table(self, kinds: tuple[str, ...]) -> Table:
-        return Table(self.site_of(kinds), call("site_numbers", *MAP, self.cells_table(kinds).node))
+    def site_table(self, kinds: tuple[str, ...]) -> Expression:
+        """The number of each cell of the frame among the cells of the kinds; past the end if it is none."""
+        return call("site_numbers", *MAP, self.cells_table(kinds))
 
-    def starts_table(self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str) -> Table:
-        """Returns the starting values of a kind's field, cell by cell."""
+    def order_table(self, kinds: tuple[str, ...]) -> Expression:
+        """Where each cell of a group stands among those of its kinds, one kind after another."""
+        return call("reading_order", MAP[0], constant([self.glyphs((kind,)) for kind in kinds]))
+
+    def numbers_table(self, group: tuple[str, ...], kind: str) -> Expression:
+        """The number of each cell of a group among the cells of one kind; past the end if it is none, and once more at the end."""
+        return call("numbers_among", MAP[0], Literal(self.glyphs(group)), Literal(self.glyphs((kind,))))
+
+    def starts_table(self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str) -> Expression:
+        """The starting values of a kind's field, cell by cell."""
         values = {g.glyph: encode[dict(g.starts).get(field.name, field.start)] for g in self.game.glyphs if g.kind == kind}
-        return Table(geometry.values_of(self.map, values, dtype), call("values_of", Name("MAP"), constant(values), Literal(dtype)))
+        return call("values_of", MAP[0], constant(values), Literal(dtype))
 
     def starts(self, kind: str, field: ir.VarField) -> set[object]:
         """Returns the starting values that a kind's field has on this map."""
         used = {g for row in self.map for g in row}
         return {dict(g.starts).get(field.name, field.start) for g in self.game.glyphs if g.kind == kind and g.glyph in used}
 
-    def base_table(self, looks: dict[str, int]) -> Table:
-        """Returns the frame painted with one number a kind."""
-        values = {g.glyph: looks[g.kind] for g in self.game.glyphs}
-        return Table(geometry.painted(self.map, self.pad, values), call("painted", *MAP, constant(values)))
+    def base_table(self, looks: dict[str, int]) -> Expression:
+        """The frame painted with one number a kind."""
+        return call("painted", *MAP, constant({g.glyph: looks[g.kind] for g in self.game.glyphs}))
 
-    @cached_property
-    def inside_table(self) -> Table:
-        return Table(geometry.inside(self.map, self.pad), call("inside", *MAP))
+    @property
+    def inside_table(self) -> Expression:
+        return call("inside", *MAP)
 
     def blocking_glyphs(self, what: str) -> str:
         """Returns the glyphs of cells that always block agents, or a shape's lanes."""
-        kinds = tuple(kind.name for kind in self.game.kinds if blocks_always(kind, what))
-        return self.glyphs(kinds)
+        return self.glyphs(tuple(kind.name for kind in self.game.kinds if blocks_always(kind, what)))
 
-    def blocking_table(self, what: str) -> Table:
-        glyphs = self.blocking_glyphs(what)
-        return Table(geometry.blocking(self.map, self.pad, glyphs), call("blocking", *MAP, Literal(glyphs)))
+    def blocking_table(self, what: str) -> Expression:
+        return call("blocking", *MAP, Literal(self.blocking_glyphs(what)))
 
-    @cached_property
-    def next_table(self) -> Table:
+    @property
+    def next_table(self) -> Expression:
         """Where a step from a cell in a direction leads."""
-        glyphs = self.blocking_glyphs("agents")
-        return Table(geometry.next_cells(self.map, self.pad, glyphs), call("next_cells", *MAP, Literal(glyphs)))
+        return call("next_cells", *MAP, Literal(self.blocking_glyphs("agents")))
 
-    def shape_cells(self, shape: ir.Shape) -> tuple[tuple[int, int], ...]:
-        """Returns the shape's (ahead, right) offsets, lane by lane: the order in which they are numbered."""
-        return tuple(cell for lane in shape.lanes for cell in lane)
+    def offsets_table(self, shape: ir.Shape) -> Expression:
+        """What to add to a cell for each heading and each cell of a shape, which are numbered lane by lane."""
+        return call("shape_offsets", *MAP, constant(tuple(cell for lane in shape.lanes for cell in lane)))
 
-    def offsets(self, shape: ir.Shape) -> np.ndarray:
-        """Returns `[4, K]` int32: what to add to a cell for each heading and shape cell."""
-        return geometry.shape_offsets(self.map, self.pad, self.shape_cells(shape))
-
-    def offsets_table(self, shape: ir.Shape) -> Table:
-        return Table(self.offsets(shape), call("shape_offsets", *MAP, constant(self.shape_cells(shape))))
-
-    def reach_table(self, shape: ir.Shape) -> Table:
+    def reach_table(self, shape: ir.Shape) -> Expression:
         """Which cells of the shape are on the map and not behind what always blocks it: bits by cell and heading."""
-        glyphs, lanes = self.blocking_glyphs(shape.name), tuple(map(len, shape.lanes))
-        offsets = self.offsets_table(shape)
-        value = geometry.lane_reach(self.map, self.pad, offsets.value, lanes, glyphs)
-        return Table(value, call("lane_reach", *MAP, offsets.node, constant(lanes), Literal(glyphs)))
+        lanes = constant(tuple(map(len, shape.lanes)))
+        return call("lane_reach", *MAP, self.offsets_table(shape), lanes, Literal(self.blocking_glyphs(shape.name)))
 
-    def neighbours_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Table:
+    def neighbours_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Expression:
         """For each cell of the kinds, the numbers (among `others`) of the cells of the shape; past the end: none."""
-        value = geometry.neighbours(self.cells(kinds), self.site_of(others), self.offsets(shape))
-        parts = (self.cells_table(kinds), self.site_table(others), self.offsets_table(shape))
-        return Table(value, call("neighbours", *(p.node for p in parts)))
+        return call("neighbours", self.cells_table(kinds), self.site_table(others), self.offsets_table(shape))
 
-    def near_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Table:
+    def near_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Expression:
         """The neighbours of each cell as bits."""
-        around, size = self.neighbours_table(kinds, shape, others), self.num_cells(others)
-        return Table(geometry.near_masks(around.value, size), call("near_masks", around.node, Literal(size)))
+        return call("near_masks", self.neighbours_table(kinds, shape, others), Literal(self.num_cells(others)))

@@ -1,14 +1,12 @@
 """Lowers `move`: looks up the target of each action in tables of the map, then settles collisions of all agents at once."""
 
-import numpy as np
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import Value, binary
 from sjdsl.compiler.lower.domains import blocked_by, enter
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Binary, Index, Literal, Name, Where, call, path
+from sjdsl.compiler.program.expressions import Binary, Index, Literal, Name, Where, call, constant, path
 from sjdsl.runtime.actions import STEPS, TURNS
 
 NO_STEP = 4
@@ -22,10 +20,9 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     agent = inner.variables[s.domain.var.name]
     assert isinstance(agent, AgentVar)
     actions = game.agents.actions
-    turns = np.array([TURNS.get(a, 0) for a in actions], np.int32)
-    turn = w.module.constant("turn", turns, "quarter turns to the right by action")
-    steps = np.array([STEPS.get(a, NO_STEP) for a in actions], np.int32)
-    step = w.module.constant("step_by", steps, "direction of a step by action; 4: none")
+    turns, steps = (constant([found.get(a, other) for a in actions]) for found, other in ((TURNS, 0), (STEPS, NO_STEP)))
+    turn = w.module.constant("turn", turns, "quarter turns to the right by action", "i32")
+    step = w.module.constant("step_by", steps, "direction of a step by action; 4: none", "i32")
     table = w.module.constant("next_cell", layout.next_table, "where a step leads, by cell and direction; the cell itself if blocked")
     chosen = Value(Name("actions"), "i32")
     if inner.mask is not None:
@@ -39,7 +36,7 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     target = w.bind("target", Where(stays, POSITION, next_cell))
     _conditional_blocks(agent, target, w)
     w.assign("position", call("resolve", POSITION, target, call("random_bits", KEY, w.stream(s.stream), w.module.agents)))
-    if stores_moved(game):
+    if w.module.stores_moved:
         w.assign("moved", Binary("!=", w.current("position"), POSITION))
 
 
@@ -54,8 +51,3 @@ def _conditional_blocks(agent: AgentVar, target: Name, w: Writer) -> None:
                 moves = Value(Binary("!=", target, POSITION), "bool", (agent.axis,))
                 w.set(target, Where(binary("&", blocked, moves, "bool").node, POSITION, target))
                 w.forget()
-
-
-def stores_moved(game: ir.Game) -> bool:
-    """Returns whether any rule reads `moved`."""
-    return any(isinstance(n, ir.Attribute) and n.name == "moved" for n in ir.walk(game))

@@ -8,12 +8,10 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks
 from sjdsl.compiler.lower.expressions import first_of
-from sjdsl.compiler.lower.map_tables import Table
 from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, paint_planes, parts_of, shift_of
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
-from sjdsl.runtime.geometry import own_cell
 
 OTHER_FACING, OTHER_HIDDEN = 2, 6  # numbers of the agent plane: the first heading of another, and one whose heading is hidden
 
@@ -156,7 +154,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     """Returns the plane of agents, then one for each thing shown of the others."""
     game, window = w.module.game, w.module.game.window
     size = (*view_size(game), window.ahead, window.left)
-    own = Table(own_cell(*size), array.call("own_cell", *map(array.constant, size)))
+    own = array.call("own_cell", *map(array.constant, size))
     myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
     self_ = array.Index(myself, (array.NEW_AXIS,))
     agent = w.keep("agent", agent)

@@ -1,8 +1,7 @@
 """Painting: lowers the map as an observer sees it to numbers in its cells, packed into as few bytes as possible."""
 
-from dataclasses import dataclass
-
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, as_dtype, binary, literal
@@ -13,8 +12,7 @@ from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path
 POSITION, HEADING = path("state.position"), path("state.heading")
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(Record):
     """Some bits of a painted byte. `marks`: the phase whose marks they are."""
 
     name: str

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, both, iota, literal, reduce, select
 from sjdsl.compiler.lower.draws import KEY
@@ -16,8 +17,7 @@ ANY_HEADING, SAME_HEADING = 4, 5  # of an agent that is away
 AWAY = array.path("state.away")
 
 
-@dataclass(frozen=True)
-class Pool:
+class Pool(Record):
     """One destination of one phase use; `number` names it in the state of those who are away."""
 
     number: int
@@ -25,8 +25,7 @@ class Pool:
     phase: str
 
 
-@dataclass(frozen=True)
-class Leaving:
+class Leaving(Record):
     """Who goes away by one statement, and for how many ticks."""
 
     pool: Pool

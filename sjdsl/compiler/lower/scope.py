@@ -1,7 +1,8 @@
 """The variables in scope while statements are lowered, and the iteration scope: axes, mask, instance index and bindings."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.lower.axes import Axis, Value, both
 from sjdsl.compiler.program.expressions import Literal
@@ -15,8 +16,7 @@ class NotSupported(Exception):
         self.what, self.origin, self.instead = what, origin, instead
 
 
-@dataclass(frozen=True)
-class AgentVar:
+class AgentVar(Record):
     """An agent: its id along `axis` (each agent once), or computed ids `index`."""
 
     index: Value
@@ -28,8 +28,7 @@ class AgentVar:
         return self.index
 
 
-@dataclass(frozen=True)
-class CellVar:
+class CellVar(Record):
     """A cell of `kinds`: its number along `axis` (each cell once), or computed numbers `site` (S for none).
 
     `painted`: of a cell of a window only these fields are known, by their names.
@@ -49,8 +48,7 @@ class CellVar:
 Variable = AgentVar | CellVar
 
 
-@dataclass(frozen=True)
-class IterationScope:
+class IterationScope(Record):
     """The instances of a statement: their axes, which of them happen (mask), their index, and the bindings.
 
     `digits` make up the index: (number of the member, how many there are), outermost first.

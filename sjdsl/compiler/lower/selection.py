@@ -1,9 +1,8 @@
 """Lowers the quantifiers that choose among members: `pick` at random, `first` along each lane of a shape."""
 
 from dataclasses import replace
+from itertools import count
 from math import prod
-
-import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import state_reads
@@ -185,7 +184,7 @@ def _nearest_in_lanes(shape: ir.Shape, ok: Value, numbers: array.Expression, nam
         return found, w.keep(name, Value(array.call("jnp.take_along_axis", numbers, at.node, axis=array.Literal(axis)), "i32"))
     cells = ok.axes[-1].size
     table = w.module.constant(
-        f"lanes_of_{shape_name(shape.name)}", _lane_table(shape, cells), f"cells of each lane of {shape.name}, nearest first"
+        f"lanes_of_{shape_name(shape.name)}", _lane_table(shape, cells), f"cells of each lane of {shape.name}, nearest first", "i32"
     )
     lead = [array.ALL] * axis
     nobody = array.call("jnp.zeros_like", array.Index(ok.node, (*lead, array.Slice(None, array.Literal(1)))))
@@ -200,14 +199,10 @@ def _nearest_in_lanes(shape: ir.Shape, ok: Value, numbers: array.Expression, nam
     return found, w.keep(name, Value(array.call("jnp.take_along_axis", numbers, last, axis=array.Literal(axis)), "i32"))
 
 
-def _lane_table(shape: ir.Shape, cells: int) -> np.ndarray:
+def _lane_table(shape: ir.Shape, cells: int) -> array.Expression:
     """Returns the numbers of the cells of each lane, nearest first; past the end: none."""
-    table = np.full((len(shape.lanes), max(map(len, shape.lanes))), cells, np.int32)
-    number = 0
-    for i, lane in enumerate(shape.lanes):
-        table[i, : len(lane)] = range(number, number + len(lane))
-        number += len(lane)
-    return table
+    numbers, longest = count(), max(map(len, shape.lanes))
+    return array.constant([[next(numbers) if at < len(lane) else cells for at in range(longest)] for lane in shape.lanes])
 
 
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:

@@ -5,7 +5,6 @@ from sjdsl.compiler.ir.names import attribute_name, param_attribute
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.expressions import nobody
-from sjdsl.compiler.lower.movement import stores_moved
 from sjdsl.compiler.lower.statements import mark_size
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import Field
@@ -27,7 +26,7 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
         of_agents("position", "cell of each agent in the padded frame; 0: nowhere"),
         of_agents("heading", "0 north, 1 east, 2 south, 3 west"),
     ]
-    if stores_moved(game):
+    if w.module.stores_moved:
         found.append(of_agents("moved", "did the last movement change the cell", "bool_"))
     if w.module.stores_away:
         found.append(of_agents("away", "ticks until an agent that is nowhere returns; 0: never"))

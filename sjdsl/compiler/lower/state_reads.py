@@ -1,8 +1,7 @@
 """Lowers reads of the state: fields, positions and attributes of the variables in scope."""
 
+from collections.abc import Iterable
 from dataclasses import replace
-
-import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
@@ -36,9 +35,9 @@ def _of(owner: Variable, stored: Value) -> Value:
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     """A group's field: the kinds' vectors one after another, put into reading order."""
     parts = [w.module.field(e, kind) for kind in owner.kinds]
-    layout = w.module.layout
-    order = np.concatenate([layout.site_of(owner.kinds)[layout.cells((k,))] for k in owner.kinds])
-    name = w.module.constant("order_" + "_".join(owner.kinds), np.argsort(order).astype(np.int32), "cells of a group in reading order")
+    name = w.module.constant(
+        "order_" + "_".join(owner.kinds), w.module.layout.order_table(owner.kinds), "cells of a group in reading order"
+    )
     vectors = Sequence(tuple(path(f"state.{attribute_name(p)}") for p in parts), is_list=True)
     together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
     whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
@@ -58,7 +57,7 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
         case "word":
             return "u8"
         case "int":
-            high = timer_bound(declared, w.module.game) if declared.timer else type_.high
+            high = timer_bound(declared, w.module.nodes) if declared.timer else type_.high
             return "u8" if type_.low >= 0 and high <= 255 else "i32"
         case "real":
             return "f32"
@@ -70,10 +69,10 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
             raise AssertionError(type_)
 
 
-def timer_bound(declared: ir.VarField, game: ir.Game) -> float:
-    """Returns the largest value any statement sets a timer to."""
+def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
+    """Returns the largest value any statement sets a timer to. `nodes`: all of the game."""
     bound = 0.0
-    for node in ir.walk(game):
+    for node in nodes:
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
             if node.target.place == declared.place and (declared.place != "cell" or declared.kind in node.target.kinds):
                 bound = max(bound, node.value.type.high)

@@ -4,17 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-import numpy as np
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
 from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, shape_named
 from sjdsl.compiler.lower.axes import Axis, Value, literal
-from sjdsl.compiler.lower.map_tables import Layout, Table
+from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.scope import IterationScope, Variable
 from sjdsl.compiler.program import Constant, Group, Number
-from sjdsl.compiler.program.expressions import Assign, Attribute, Call, DType, Expression, Literal, Name, Return, Statement, path
+from sjdsl.compiler.program.expressions import Assign, Attribute, Call, DType, Expression, Literal, Name, Return, Statement, as_array, path
 from sjdsl.runtime.actions import HEADINGS
 
 FACTS = {"NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW", "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS"}
@@ -33,18 +31,17 @@ class Module:
     numbers: dict[str, Number] = field(default_factory=dict)
     names: Names = field(default_factory=lambda: Names(set(MODULE_NAMES)))
     writer: "Writer | None" = None  # the last one, whose statement is at fault where nothing else is known
-    _by_content: dict[tuple[str, bytes, tuple[int, ...]], str] = field(default_factory=dict)
+    _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
 
-    def constant(self, name: str, array: np.ndarray | Table, comment: str) -> Name:
-        """Returns the name of a module-level array; equal arrays are kept once."""
-        value, made_by = (array.value, array.node) if isinstance(array, Table) else (array, None)
-        key = (str(value.dtype), value.tobytes(), value.shape)
-        if key not in self._by_content:
+    def constant(self, name: str, table: Expression, comment: str, dtype: DType | None = None) -> Name:
+        """Returns the name of a module-level array; what is made in the same way is kept once. `dtype`: of written numbers."""
+        value = as_array(table, dtype)
+        if value not in self._by_value:
             fresh = self.names.fresh(name.upper())
-            self.constants[fresh] = Constant(fresh, value, comment, made_by)
-            self._by_content[key] = fresh
-        return Name(self._by_content[key])
+            self.constants[fresh] = Constant(fresh, value, comment)
+            self._by_value[value] = fresh
+        return Name(self._by_value[value])
 
     def number(self, name: str, value: int, comment: str = "", group: Group = "other") -> Literal:
         """Returns a number that the module gives a name to, if it is used."""
@@ -119,7 +116,17 @@ class Module:
     @cached_property
     def sends(self) -> tuple[ir.Send, ...]:
         """All statements that send agents somewhere, in the order of the game."""
-        return tuple(n for n in ir.walk(self.game) if isinstance(n, ir.Send))
+        return tuple(n for n in self.nodes if isinstance(n, ir.Send))
+
+    @cached_property
+    def stores_moved(self) -> bool:
+        """Whether any rule reads `moved`."""
+        return any(isinstance(n, ir.Attribute) and n.name == "moved" for n in self.nodes)
+
+    @cached_property
+    def nodes(self) -> tuple[ir.Node, ...]:
+        """All nodes of the game."""
+        return tuple(ir.walk(self.game))
 
     def field(self, read: ir.FieldRead, kind: str = "") -> ir.VarField:
         """Returns the declaration of a field."""

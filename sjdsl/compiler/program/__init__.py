@@ -1,16 +1,13 @@
 """The array program: everything a generated module consists of, in order, before it becomes text."""
 
-from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.program.expressions import Expression, Statement
 from sjdsl.runtime.planes import TokenPlane
 
 
-@dataclass(frozen=True)
-class Fact:
+class Fact(Record):
     """A constant by which the environment around a module knows the game."""
 
     name: str
@@ -21,8 +18,7 @@ class Fact:
 Group = Literal["size", "action", "word", "other", "stream"]
 
 
-@dataclass(frozen=True)
-class Number:
+class Number(Record):
     """A module-level number, such as how many cells of a kind there are. Those of one group stand together."""
 
     name: str
@@ -31,18 +27,15 @@ class Number:
     group: Group = "other"
 
 
-@dataclass(frozen=True)
-class Constant:
-    """A module-level array; `made_by` computes it from the map, None if its numbers are written out."""
+class Constant(Record):
+    """A module-level array, as what makes it when the module is loaded: from the map, or from numbers that are written out."""
 
     name: str
-    value: np.ndarray
+    value: Expression
     comment: str
-    made_by: Expression | None = None
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(Record):
     """One attribute of State, Params or Outcome: `shape` as text, `dtype` as jax.numpy names it, its default."""
 
     name: str
@@ -52,8 +45,7 @@ class Field:
     default: Expression
 
 
-@dataclass(frozen=True)
-class Function:
+class Function(Record):
     """A function of the module. `parameters`: (name, type); `returns`: the type."""
 
     name: str
@@ -63,8 +55,7 @@ class Function:
     body: tuple[Statement, ...]
 
 
-@dataclass(frozen=True)
-class Program:
+class Program(Record):
     """A whole module.
 
     facts: what the module says of itself (NAME, NUM_AGENTS, …). map: its rows. planes: what an observation holds.

@@ -1,31 +1,30 @@
 """Expressions and statements of an array program: frozen nodes, which `lower` builds and only `emit` turns into text.
 
-Two nodes are equal if they compute the same; the name that a literal is printed under does not matter to that.
+Two expressions are equal if they compute the same; the name that a literal is printed under does not matter to that.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cache
 from types import EllipsisType
 from typing import Any, TypeAlias
 from typing import Literal as OneOf
 
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 
 DType: TypeAlias = OneOf["f32", "i32", "u32", "u8", "bool"]
 
 
-@dataclass(frozen=True)
-class Name:
+class Name(Record):
     """A variable of a function, a constant of the module, a kernel, or what is imported."""
 
     identifier: str
 
 
-@dataclass(frozen=True, eq=False)
-class Literal:
+class Literal(Record):
     """A number, truth, text, None (in an index: a new axis) or `...`. `name`: the module's constant that has this value."""
 
     value: bool | int | float | str | EllipsisType | None
@@ -44,16 +43,14 @@ class Literal:
         return hash((type(self.value), self.value))
 
 
-@dataclass(frozen=True)
-class Attribute:
+class Attribute(Record):
     """`value.name`."""
 
     value: Expression
     name: str
 
 
-@dataclass(frozen=True)
-class Call:
+class Call(Record):
     """`function(arguments, keyword=argument, …)`."""
 
     function: Expression
@@ -61,32 +58,28 @@ class Call:
     keywords: tuple[tuple[str, Expression], ...] = ()
 
 
-@dataclass(frozen=True)
-class Slice:
+class Slice(Record):
     """`start:stop` in an index."""
 
     start: Expression | None = None
     stop: Expression | None = None
 
 
-@dataclass(frozen=True)
-class Index:
+class Index(Record):
     """`value[keys]`."""
 
     value: Expression
     keys: tuple[Expression | Slice, ...]
 
 
-@dataclass(frozen=True)
-class Unary:
+class Unary(Record):
     """`~operand` or `-operand`."""
 
     op: OneOf["~", "-"]
     operand: Expression
 
 
-@dataclass(frozen=True)
-class Binary:
+class Binary(Record):
     """An operation or comparison of two arrays, entry by entry."""
 
     op: str
@@ -94,8 +87,7 @@ class Binary:
     right: Expression
 
 
-@dataclass(frozen=True)
-class Where:
+class Where(Record):
     """`then` where the condition holds, else `otherwise`."""
 
     condition: Expression
@@ -103,8 +95,7 @@ class Where:
     otherwise: Expression
 
 
-@dataclass(frozen=True)
-class Cast:
+class Cast(Record):
     """An array in another dtype. `source`: what it was, if that is known."""
 
     value: Expression
@@ -112,8 +103,7 @@ class Cast:
     source: DType | None = None
 
 
-@dataclass(frozen=True)
-class Reduce:
+class Reduce(Record):
     """`any`, `all`, `sum` or `max` over some axes, all of them if there are none named. `dtype`: of a sum."""
 
     fn: OneOf["any", "all", "sum", "max"]
@@ -122,24 +112,21 @@ class Reduce:
     dtype: DType | None = None
 
 
-@dataclass(frozen=True)
-class Broadcast:
+class Broadcast(Record):
     """An array spread out to a shape."""
 
     value: Expression
     shape: tuple[Expression, ...]
 
 
-@dataclass(frozen=True)
-class Arange:
+class Arange(Record):
     """0, 1, … along an axis."""
 
     size: Expression
     dtype: DType | None = None
 
 
-@dataclass(frozen=True)
-class Update:
+class Update(Record):
     """An array with new values at some keys, or with values added to them; `drop`: keys past the end change nothing."""
 
     target: Expression
@@ -149,23 +136,20 @@ class Update:
     drop: bool = False
 
 
-@dataclass(frozen=True)
-class Sequence:
+class Sequence(Record):
     """A tuple, or a list."""
 
     items: tuple[Expression, ...]
     is_list: bool = False
 
 
-@dataclass(frozen=True)
-class Mapping:
+class Mapping(Record):
     """A dictionary with texts for keys."""
 
     entries: tuple[tuple[str, Expression], ...]
 
 
-@dataclass(frozen=True)
-class Lambda:
+class Lambda(Record):
     """A function of its parameters."""
 
     parameters: tuple[str, ...]
@@ -192,21 +176,19 @@ Expression: TypeAlias = (
 )
 
 
-@dataclass(frozen=True)
-class Assign:
+class Assign(Record):
     """Gives names to a value; several take it apart. `origin`: the line of the `.sj` file it comes from."""
 
     names: tuple[str, ...]
     value: Expression
-    origin: Span | None = field(default=None, compare=False)
+    origin: Span | None = None
 
 
-@dataclass(frozen=True)
-class Return:
+class Return(Record):
     """Ends a function; several values are a tuple."""
 
     values: tuple[Expression, ...]
-    origin: Span | None = field(default=None, compare=False)
+    origin: Span | None = None
 
 
 Statement: TypeAlias = Assign | Return
@@ -237,6 +219,11 @@ DTYPES: dict[DType, Expression] = {
     "u8": path("jnp.uint8"),
     "bool": Name("bool"),
 }
+
+
+def as_array(value: Expression, dtype: DType | None = None) -> Call:
+    """Returns numbers as an array."""
+    return Call(path("jnp.asarray"), (value,) if dtype is None else (value, DTYPES[dtype]))
 
 
 def scalar(value: Expression, dtype: DType) -> Call:

@@ -1,16 +1,16 @@
 """The parser's LALR table run on token types: what may come next, and which brackets are still open."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from lark import Lark
 
+from sjdsl.compiler.diagnostics.frozen import Record
+
 END = "$END"
 
 
-@dataclass(frozen=True, eq=False)
-class Stack:
+class Stack(Record, eq=False):
     """What has been read so far: a state of the table upon the stack below; `token` is the number of the token it ends with."""
 
     state: int
@@ -18,8 +18,7 @@ class Stack:
     token: int = -1
 
 
-@dataclass(frozen=True, eq=False)
-class Automaton:
+class Automaton(Record, eq=False):
     """The parser's table.
 
     `states`: for each state, symbol -> ("shift", state) or ("reduce", rule). `after`: the states that end with a kind of token.
