@@ -48,7 +48,7 @@ class Composition:
     schedule: ast.Schedule | None = None
     phases: dict[str, ast.Phase] = field(default_factory=dict)
     window: ast.Window | None = None
-    sights: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
+    observables: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
     looks: dict[str, tuple[ast.Look, ...]] = field(default_factory=dict)  # by what they are of
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
     checks: dict[str, tuple[ast.Check, ...]] = field(default_factory=dict)  # by the name of their block, "" without one
@@ -142,7 +142,7 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
         case ast.Agents():
             return [(f"agents {key}", node.span, node) for key, node in _agent_entries(section)]
         case ast.Observe():
-            return [(f"observe {key}", node.span, node) for key, node in _sight_entries(section)]
+            return [(f"observe {key}", node.span, node) for key, node in _observable_entries(section)]
         case ast.Look():
             return [(f"look {section.what.text}", section.span, section)]
         case ast.Metrics():
@@ -275,26 +275,26 @@ def _apply_agents(game: Composition, agents: ast.Agents) -> None:
                 game.agent_fields[key] = attribute
 
 
-def _sight_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
-    return [(_sight_key(s), s) for s in observe.sights]
+def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
+    return [(_observable_key(s), s) for s in observe.observables]
 
 
-def _sight_key(sight: ast.Window | ast.Show | ast.Hide) -> str:
-    match sight:
+def _observable_key(observable: ast.Window | ast.Show | ast.Hide) -> str:
+    match observable:
         case ast.Window():
             return "window"
         case ast.Hide(on=ast.Name() as on):
-            return f"{path_text(sight.what)} on {on.text}"
+            return f"{path_text(observable.what)} on {on.text}"
         case _:
-            return path_text(sight.what)
+            return path_text(observable.what)
 
 
 def _apply_observe(game: Composition, observe: ast.Observe) -> None:
-    for key, sight in _sight_entries(observe):
-        if isinstance(sight, ast.Window):
-            game.window = sight
+    for key, observable in _observable_entries(observe):
+        if isinstance(observable, ast.Window):
+            game.window = observable
         else:
-            game.sights[key] = sight
+            game.observables[key] = observable
 
 
 def path_text(path: ast.Path) -> str:
@@ -336,7 +336,7 @@ def _replace_entry(
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
-    for table in (*Composition.TABLES, "agent_fields", "sights", "about", "variants"):
+    for table in (*Composition.TABLES, "agent_fields", "observables", "about", "variants"):
         entries: dict[str, object] = getattr(game, table)
         if name.text in entries:
             del entries[name.text]

@@ -1,6 +1,5 @@
 """Measures the returns of a random policy in a game, and keeps them in a file with the hash of the rules."""
 
-import hashlib
 import json
 import math
 from collections.abc import Mapping
@@ -8,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.printer import game as ir_text
+from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.ir.queries import counts_of
 
 EPISODES = 200
@@ -93,8 +92,7 @@ def draw_picture(name: str, path: Path) -> None:
 
 def picture_digest(game: ir.Game) -> str:
     """Returns 16 hexadecimal digits of what a picture shows: the rules and the looks."""
-    shown = game.model_copy(update={"cites": (), "about": ()})
-    return hashlib.sha256(ir_text(shown).encode()).hexdigest()[:16]
+    return printed_digest(game.model_copy(update={"cites": (), "about": ()}))
 
 
 def is_picture_of(path: Path, game: ir.Game) -> bool:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import can_be_away, marking_phases, sight_of_headings
+from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
@@ -20,10 +20,10 @@ def seen(v: Vocabulary) -> list[Line]:
     """Returns what is seen in each cell of the window."""
     return [
         Line("the kind of every cell, or that it is outside the map" + _covered(v.game)),
-        *(_sight(s, v) if s.field else _look(s, v) for s in v.game.sights if s.what == "cell"),
+        *(_observable(s, v) if s.field else _look(s, v) for s in v.game.observables if s.what == "cell"),
         _agents(v),
         *_marks(v),
-        *(_sight(s, v) for s in v.game.sights if s.what not in ("cell", "heading")),
+        *(_observable(s, v) for s in v.game.observables if s.what not in ("cell", "heading")),
     ]
 
 
@@ -38,7 +38,7 @@ def window(v: Vocabulary) -> str:
 
 
 def _agents(v: Vocabulary) -> Line:
-    heading = sight_of_headings(v.game)
+    heading = heading_observable(v.game)
     who = "whether no agent, it itself or another agent stands there"
     if heading is None:
         return Line(f"{who}; not which way others look")
@@ -51,7 +51,7 @@ def _covered(game: ir.Game) -> str:
     return "; not of a cell on which an agent stands, the observer itself among them: it looks `covered`" if covered else ""
 
 
-def _look(s: ir.Sight, v: Vocabulary) -> Line:
+def _look(s: ir.Observable, v: Vocabulary) -> Line:
     """Returns how cells of a kind look that are shown as a whole."""
     if len(s.labels) == 1:
         return Line(f"{code(s.kind)} cells not as what they are, but as {code(s.labels[0].name)}")
@@ -75,7 +75,7 @@ def _not_marked(h: ir.Hidden, v: Vocabulary) -> str:
     return f"on {joined(list(h.kinds), 'or')} cells" + (f" (each *{h.name}*)" if h.name not in h.kinds else "") + test
 
 
-def _sight(s: ir.Sight, v: Vocabulary) -> Line:
+def _observable(s: ir.Observable, v: Vocabulary) -> Line:
     whose = {
         "cell": f"each {s.kind} cell",
         "own": "the observer itself",
@@ -92,8 +92,8 @@ def _sight(s: ir.Sight, v: Vocabulary) -> Line:
     return Line(text + (_readers(s) if s.labels or s.hidden_when is not None else ""))
 
 
-def _readers(s: ir.Sight) -> str:
-    """Returns what the variables in the conditions of a sight stand for."""
+def _readers(s: ir.Observable) -> str:
+    """Returns what the variables in the conditions of an observable stand for."""
     name = "everyone" if s.what == "everyone" else "other"
     other = {"cell": f', "the {s.kind} cell" the cell that is seen', "own": "", "world": ""}.get(
         s.what, f", agent *{name}* the one that is seen"
@@ -106,14 +106,14 @@ def _labels(labels: tuple[ir.Label, ...], v: Vocabulary) -> str:
 
 
 def unseen_fields(game: ir.Game) -> list[str]:
-    """Returns the fields that no sight shows."""
-    shown = {(s.what, s.kind, s.field) for s in game.sights}
-    shown |= {("cell", s.kind, name) for s in game.sights if s.what == "cell" and not s.field for name in _read(s)}
+    """Returns the fields that no observable shows."""
+    shown = {(s.what, s.kind, s.field) for s in game.observables}
+    shown |= {("cell", s.kind, name) for s in game.observables if s.what == "cell" and not s.field for name in _read(s)}
     shown |= {(what, "", name) for sort, _, name in shown if sort == "everyone" for what in ("own", "other")}
     return [text for key, text in _fields(game) if key not in shown]
 
 
-def _read(s: ir.Sight) -> set[str]:
+def _read(s: ir.Observable) -> set[str]:
     """Returns the fields of a kind that decide how its cells look."""
     nodes = (n for label in s.labels if label.condition is not None for n in ir.walk(label.condition))
     return {n.name for n in nodes if isinstance(n, ir.FieldRead) and n.place == "cell"}

@@ -17,7 +17,7 @@ class Board:
     pools: the first `send` written for each pool of sends, start first, then in the order of the schedule.
     moving: the phases in which agents move, by their identity.
     closed: whether an expression names nothing around it, as far as asked, by its identity.
-    read: what a sight reads, as far as asked, by its identity.
+    read: what an observable reads, as far as asked, by its identity.
     """
 
     game: ir.Game
@@ -32,7 +32,7 @@ class Board:
     pools: dict[Pool, ir.Send]
     moving: frozenset[int]
     closed: dict[int, tuple[ir.Expr, bool]] = field(default_factory=dict)
-    read: dict[int, tuple[ir.Sight, ir.Expr]] = field(default_factory=dict)
+    read: dict[int, tuple[ir.Observable, ir.Expr]] = field(default_factory=dict)
 
     @property
     def agents(self) -> int:

@@ -31,7 +31,7 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
         for number, plane in enumerate(all_planes):
             if plane.what in ("everyone", "own", "world"):  # the same in the whole window
                 inside = here if plane.agent is None else here.binding({"everyone": plane.agent})
-                picture[agent, number] = _shown(_sight(plane), inside, 0)
+                picture[agent, number] = _shown(_observable(plane), inside, 0)
                 continue
             for row in range(rows):
                 for column in range(columns):
@@ -54,7 +54,7 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
             return sum(1 << bit for bit, name in enumerate(names) if (name, *cell) in here.world.marks)
         case "other":
             other = _other(cell, agent, here)
-            return 0 if other is None else _shown(_sight(plane), here.binding({"other": other}), bool(plane.labels))
+            return 0 if other is None else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
         case "everyone" | "own" | "world":
             raise AssertionError(plane)
         case _:
@@ -71,10 +71,10 @@ def _content(cell: Cell, here: Instance) -> int:
     if whole is not None:
         return _content_labels(here.board).index(_word(whole, _at_cell(cell, here)))
     label = kind
-    for sight in planes.content_sights(here.board.game, kind):
+    for observable in planes.content_observables(here.board.game, kind):
         inside = _at_cell(cell, here)
-        word = planes.HIDDEN if _is_hidden(sight, inside) else _word(sight, inside)
-        label += f" {planes.field_name(sight)}={word}"
+        word = planes.HIDDEN if _is_hidden(observable, inside) else _word(observable, inside)
+        label += f" {planes.field_name(observable)}={word}"
     return _content_codes(here.board)[label]
 
 
@@ -115,7 +115,7 @@ def _agent(cell: Cell, agent: int, here: Instance) -> int:
     other = _other(cell, agent, here)
     if other is None:
         return 0
-    headings = [s for s in here.board.game.sights if s.what == "heading"]
+    headings = [s for s in here.board.game.observables if s.what == "heading"]
     if not headings:
         return 2
     if _is_hidden(headings[0], here.binding({"other": other})):
@@ -123,56 +123,56 @@ def _agent(cell: Cell, agent: int, here: Instance) -> int:
     return 2 + (here.world.heading[other] - here.world.heading[agent]) % 4
 
 
-def _shown(sight: ir.Sight, here: Instance, first: int) -> int:
-    """Returns the index of the sight's word, counted from `first`, or its number; 0 if it is hidden."""
-    if _is_hidden(sight, here):
+def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
+    """Returns the index of the observable's word, counted from `first`, or its number; 0 if it is hidden."""
+    if _is_hidden(observable, here):
         return 0
-    if planes.sight_words(sight):
-        return first + planes.sight_words(sight).index(_word(sight, here))
-    value = evaluate(_read(sight, here.board), here)
+    if planes.observable_words(observable):
+        return first + planes.observable_words(observable).index(_word(observable, here))
+    value = evaluate(_read(observable, here.board), here)
     return min(max(int(value), 0), 255)
 
 
-def _word(sight: ir.Sight, here: Instance) -> str:
-    for label in sight.labels:
+def _word(observable: ir.Observable, here: Instance) -> str:
+    for label in observable.labels:
         if label.condition is None or evaluate(label.condition, here):
             return label.name
-    return str(evaluate(_read(sight, here.board), here))
+    return str(evaluate(_read(observable, here.board), here))
 
 
-def _is_hidden(sight: ir.Sight, here: Instance) -> bool:
-    return sight.hidden_when is not None and evaluate(sight.hidden_when, here)
+def _is_hidden(observable: ir.Observable, here: Instance) -> bool:
+    return observable.hidden_when is not None and evaluate(observable.hidden_when, here)
 
 
-def _read(sight: ir.Sight, board: Board) -> ir.Expr:
-    """Returns the expression a sight shows. The board keeps it: making one takes longer than reading a cell."""
-    if id(sight) not in board.read:
-        board.read[id(sight)] = (sight, _make_read(sight, board))
-    return board.read[id(sight)][1]
+def _read(observable: ir.Observable, board: Board) -> ir.Expr:
+    """Returns the expression an observable shows. The board keeps it: making one takes longer than reading a cell."""
+    if id(observable) not in board.read:
+        board.read[id(observable)] = (observable, _make_read(observable, board))
+    return board.read[id(observable)][1]
 
 
-def _make_read(sight: ir.Sight, board: Board) -> ir.Expr:
+def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
     owner: ir.Member | None
-    match sight.what:
+    match observable.what:
         case "cell":
             owner, declared = (
-                ir.Member(name=sight.kind, who="cell", kinds=(sight.kind,)),
-                board.cell_fields[sight.kind, sight.field],
+                ir.Member(name=observable.kind, who="cell", kinds=(observable.kind,)),
+                board.cell_fields[observable.kind, observable.field],
             )
         case "own" | "other" | "everyone":
-            name = "agent" if sight.what == "own" else sight.what
-            owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[sight.field]
+            name = "agent" if observable.what == "own" else observable.what
+            owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[observable.field]
         case "world":
-            owner, declared = None, board.world_fields[sight.field]
+            owner, declared = None, board.world_fields[observable.field]
         case "heading":
-            raise AssertionError(sight)
+            raise AssertionError(observable)
         case _:
-            assert_never(sight.what)
-    field = ir.FieldRead(type=declared.type, owner=owner, place=declared.place, name=sight.field)
-    if sight.word is None:
+            assert_never(observable.what)
+    field = ir.FieldRead(type=declared.type, owner=owner, place=declared.place, name=observable.field)
+    if observable.word is None:
         return field
     inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
-    key = ir.Word(type=ir.Type(kind="word", words=declared.type.by[0]), value=sight.word)
+    key = ir.Word(type=ir.Type(kind="word", words=declared.type.by[0]), value=observable.word)
     return ir.At(type=inner, row=field, key=key)
 
 
@@ -185,6 +185,6 @@ def _other(cell: Cell, agent: int, here: Instance) -> int | None:
     return None if other is None or other == agent or not is_here(other, here.world) else other
 
 
-def _sight(plane: planes.Plane) -> ir.Sight:
-    assert plane.sight is not None, plane
-    return plane.sight
+def _observable(plane: planes.Plane) -> ir.Observable:
+    assert plane.observable is not None, plane
+    return plane.observable

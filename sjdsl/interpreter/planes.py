@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import marking_phases, sight_of_headings
+from sjdsl.compiler.ir.queries import heading_observable, marking_phases
 
 HIDDEN = "hidden"
 OUTSIDE = "outside"
@@ -17,7 +17,7 @@ class Plane:
     """One value for each cell of a window.
 
     encoding: `word`: an index into `labels`; `bits`: bit k stands for label k; `number`.
-    what: `content`, `agent`, `marks`, or what the sight is of. sight: what is shown, for planes of one field. agent: of whom, for
+    what: `content`, `agent`, `marks`, or what the observable is of. observable: what is shown, for planes of one field. agent: of whom, for
     planes of every agent.
     """
 
@@ -25,7 +25,7 @@ class Plane:
     encoding: Literal["word", "bits", "number"]
     labels: tuple[str, ...]
     what: Literal["content", "agent", "marks", "other", "everyone", "own", "world"]
-    sight: ir.Sight | None = None
+    observable: ir.Observable | None = None
     agent: int | None = None
 
 
@@ -39,23 +39,23 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
         result.append(Plane("marks", "bits", tuple(phase.label for phase in marking_phases(game)), "marks"))
     for what in ("other", "everyone", "own", "world"):
         agents = range(game.agents.number) if what == "everyone" else (None,)
-        result += [_field_plane(sight, agent) for sight in game.sights if sight.what == what for agent in agents]
+        result += [_field_plane(observable, agent) for observable in game.observables if observable.what == what for agent in agents]
     return tuple(result)
 
 
-def sight_words(sight: ir.Sight) -> tuple[str, ...]:
-    """Returns the words a sight can show: its labels if it has some, else the field's; none for a number."""
-    return tuple(dict.fromkeys(label.name for label in sight.labels)) or sight.type.words
+def observable_words(observable: ir.Observable) -> tuple[str, ...]:
+    """Returns the words an observable can show: its labels if it has some, else the field's; none for a number."""
+    return tuple(dict.fromkeys(label.name for label in observable.labels)) or observable.type.words
 
 
-def content_sights(game: ir.Game, kind: str) -> tuple[ir.Sight, ...]:
+def content_observables(game: ir.Game, kind: str) -> tuple[ir.Observable, ...]:
     """Returns the word fields that are seen of a kind's cells."""
-    return tuple(s for s in game.sights if s.what == "cell" and s.kind == kind)
+    return tuple(s for s in game.observables if s.what == "cell" and s.kind == kind)
 
 
-def content_words(sight: ir.Sight) -> tuple[str, ...]:
+def content_words(observable: ir.Observable) -> tuple[str, ...]:
     """Returns the words of a cell's field as they are seen: one more if it can be hidden."""
-    return (*sight_words(sight), HIDDEN) if sight.hidden_when is not None else sight_words(sight)
+    return (*observable_words(observable), HIDDEN) if observable.hidden_when is not None else observable_words(observable)
 
 
 def content_labels(game: ir.Game) -> tuple[str, ...]:
@@ -69,40 +69,40 @@ def content_labels(game: ir.Game) -> tuple[str, ...]:
     for kind in game.kinds:
         whole = look_of(game, kind.name)
         if whole is not None:
-            others += sight_words(whole)
+            others += observable_words(whole)
             continue
         states = [kind.name]
-        for sight in content_sights(game, kind.name):
-            states = [f"{state} {field_name(sight)}={word}" for state in states for word in content_words(sight)]
+        for observable in content_observables(game, kind.name):
+            states = [f"{state} {field_name(observable)}={word}" for state in states for word in content_words(observable)]
         labels += states
     if any(hidden.what == "content" for hidden in game.hidden):
         others.append(COVERED)
     return tuple(labels + [label for n, label in enumerate(others) if label not in labels + others[:n]])
 
 
-def look_of(game: ir.Game, kind: str) -> ir.Sight | None:
-    """Returns the sight that says how a kind looks as a whole, if there is one."""
-    wholes = [sight for sight in content_sights(game, kind) if not sight.field]
+def look_of(game: ir.Game, kind: str) -> ir.Observable | None:
+    """Returns the observable that says how a kind looks as a whole, if there is one."""
+    wholes = [observable for observable in content_observables(game, kind) if not observable.field]
     return wholes[0] if wholes else None
 
 
-def field_name(sight: ir.Sight) -> str:
+def field_name(observable: ir.Observable) -> str:
     """Returns the field as an author writes it after its owner."""
-    return sight.field if sight.word is None else f"{sight.field}[{sight.word}]"
+    return observable.field if observable.word is None else f"{observable.field}[{observable.word}]"
 
 
 def _agent_labels(game: ir.Game) -> tuple[str, ...]:
-    headings = sight_of_headings(game)
+    headings = heading_observable(game)
     if headings is None:
         return ("none", "self", "other")
     return AGENT_WORDS if headings.hidden_when is None else (*AGENT_WORDS, "other")
 
 
-def _field_plane(sight: ir.Sight, agent: int | None) -> Plane:
-    assert sight.what != "cell"
-    assert sight.what != "heading"
-    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[sight.what]
-    words = sight_words(sight)
-    if sight.what == "other" and words:
+def _field_plane(observable: ir.Observable, agent: int | None) -> Plane:
+    assert observable.what != "cell"
+    assert observable.what != "heading"
+    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[observable.what]
+    words = observable_words(observable)
+    if observable.what == "other" and words:
         words = ("nobody", *words)
-    return Plane(owner + field_name(sight), "word" if words else "number", words, sight.what, sight, agent)
+    return Plane(owner + field_name(observable), "word" if words else "number", words, observable.what, observable, agent)

@@ -47,8 +47,8 @@ def test_what_the_rules_contain() -> None:
     assert [phase.name for phase in queries.marking_phases(BEAMS)] == ["work"]
     assert queries.contains(SENDING, ir.Remove, ir.Mark)
     assert not queries.contains(ROWS, ir.Remove, ir.Mark)
-    headings = queries.sight_of_headings(BEAMS)
+    headings = queries.heading_observable(BEAMS)
     assert headings is not None
     assert headings.what == "heading"
-    assert queries.sight_of_headings(BEAMS.model_copy(update={"sights": ()})) is None
+    assert queries.heading_observable(BEAMS.model_copy(update={"observables": ()})) is None
     assert [queries.can_be_away(game) for game in (BEAMS, ROWS, SENDING)] == [False, False, True]

@@ -57,7 +57,7 @@ def observe(w: World) -> list[Lines]:
     for owner, fields in (("agent", w.agent_fields), ("other", w.agent_fields), ("everyone", w.agent_fields), ("", w.fields)):
         for f in fields:
             text = f"{owner}.{f.name}" if owner else f.name
-            made = _sight(w, owner, f, text) if w.is_now(0.15 if owner == "everyone" else 0.35) else ""
+            made = _observable(w, owner, f, text) if w.is_now(0.15 if owner == "everyone" else 0.35) else ""
             if made:
                 lines.append(made)
                 shown.add(text)
@@ -67,28 +67,28 @@ def observe(w: World) -> list[Lines]:
         lines.append(f"show {name} as {{ {_labels(w, name, (*LABELS, 'outside', *looks))} }}")
     for kind in (kind for name, kind in w.kinds.items() if name not in whole):
         for f in kind.fields:
-            made = _sight(w, kind.name, f, f"{kind.name}.{f.name}") if w.is_now(0.3) else ""
+            made = _observable(w, kind.name, f, f"{kind.name}.{f.name}") if w.is_now(0.3) else ""
             lines += [made] if made else []
     if w.is_now(0.2):
-        test = condition(_sight_scope(w, "other"), 1)
+        test = condition(_observable_scope(w, "other"), 1)
         lines.append("hide other.heading" + (f" when {test}" if w.is_now(0.7) else ""))
     lines += [f"hide {what}" for what in ("marks", "marks on agents", "content on agents") if w.is_now(0.1)]
     for name in w.kinds:
         if w.is_now(0.15):
-            test = condition(_sight_scope(w, name), 1)
+            test = condition(_observable_scope(w, name), 1)
             lines.append(f"hide marks on {name}" + (f" when {test}" if w.is_now(0.7) else ""))
     return [braces("observe", lines)] if lines or w.is_now(0.2) else []
 
 
-def _sight_scope(w: World, owner: str) -> Scope:
-    scope = Scope(w, "sight", (Variable("agent"),))
+def _observable_scope(w: World, owner: str) -> Scope:
+    scope = Scope(w, "observable", (Variable("agent"),))
     if owner in ("other", "everyone"):
         return scope.having(Variable(owner))
     return scope.having(Variable(owner, (owner,))) if owner in w.kinds else scope
 
 
-def _sight(w: World, owner: str, f: Field, text: str) -> str:
-    scope = _sight_scope(w, owner)
+def _observable(w: World, owner: str, f: Field, text: str) -> str:
+    scope = _observable_scope(w, owner)
     cell = owner in w.kinds
     if cell and w.is_now(0.4) and f.type.kind == "word":
         return f"hide {text}" + (f" when {condition(scope, 1)}" if w.is_now(0.7) else "")
@@ -103,5 +103,5 @@ def _sight(w: World, owner: str, f: Field, text: str) -> str:
 def _labels(w: World, owner: str, known: Sequence[str]) -> str:
     """Returns some labels with conditions, the last without one."""
     labels = w.random.sample(known, w.random.randint(1, 3))
-    tests = [f"{label} where {condition(_sight_scope(w, owner), 1)}" for label in labels[:-1]]
+    tests = [f"{label} where {condition(_observable_scope(w, owner), 1)}" for label in labels[:-1]]
     return ", ".join([*tests, labels[-1]])

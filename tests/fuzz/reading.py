@@ -40,7 +40,7 @@ class Frame:
 class Scope:
     """One place of the text.
 
-    sort: phase, start, metric, check, numbers (require), forbid, block, define, destination, sight, limits of nothing else.
+    sort: phase, start, metric, check, numbers (require), forbid, block, define, destination, observable, limits of nothing else.
     sure: texts of agents that are somebody; filled: rows with something in them. draws: locals that differ by chance.
     """
 
@@ -75,7 +75,7 @@ class Scope:
     @property
     def counts(self) -> bool:
         """Whether members can be counted and shapes looked into."""
-        return self.sort not in ("numbers", "forbid", "sight")
+        return self.sort not in ("numbers", "forbid", "observable")
 
     @cached_property
     def values(self) -> tuple[Typed, ...]:
@@ -104,7 +104,7 @@ class Scope:
 
     def _of_cell(self, v: Variable) -> list[Typed]:
         fields = self.world.cell_fields(v.kinds)
-        if self.sort == "sight":
+        if self.sort == "observable":
             return [(f"{v.name}.{f.name}", f.type) for f in fields if is_painted(f)]
         return [(f"{v.name}.{f.name}", f.type) for f in fields] + self._place(v)
 

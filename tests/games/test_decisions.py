@@ -1,4 +1,4 @@
-"""What was decided for each game: its numbers, order of events, moves, beams and sights, by default and in each variant.
+"""What was decided for each game: its numbers, order of events, moves, beams and observables, by default and in each variant.
 
 Every number of a game stands here once more, with its source: `paper` for the SocialJax paper, `released code` for its code, `MP` for
 Melting Pot. A variant differs from the default in what stands under its name and in nothing else that is looked at here.
@@ -191,8 +191,8 @@ def facts_of(game: ir.Game, plain: ir.Game) -> Facts:
         schedule=" ".join(turns),
         shape=cells,
         walls_stop=frozenset(b.what for kind in game.kinds if kind.name == "wall" for b in kind.blocks),
-        seen=frozenset(s.field for s in game.sights if s.what == "own"),
-        of_others=frozenset(s.field for s in game.sights if s.what in ("other", "everyone")),
+        seen=frozenset(s.field for s in game.observables if s.what == "own"),
+        of_others=frozenset(s.field for s in game.observables if s.what in ("other", "everyone")),
         timers=frozenset(f.name for f in game.agents.fields if f.timer),
         relative=game.agents.relative,
         rows="" if game.rows == plain.rows else "_crowd",

@@ -15,13 +15,13 @@ TEAM = g.word_type("red", "blue")
 BAG = ir.Type(kind="int", unit="count", low=0, high=9, by=(("raw", "cut"),))
 SOIL = g.kind("soil", "A", g.var("cell", "fruit", FRUIT, start="none"), g.var("cell", "age", AGE, start="old"))
 FIELDS = (g.var("agent", "team", TEAM, start="red"), g.var("agent", "bag", BAG, start=0))
-HEADING = ir.Sight(what="heading", type=g.word_type("north", "east", "south", "west"))
+HEADING = ir.Observable(what="heading", type=g.word_type("north", "east", "south", "west"))
 
 
-def small(*sights, rows=("..#", ".A.", "A.."), number=2, **facts):
+def small(*observables, rows=("..#", ".A.", "A.."), number=2, **facts):
     kinds = (g.kind("floor", "."), SOIL, g.kind("wall", "#"))
     return g.game(
-        rows=rows, kinds=kinds, number_of_agents=number, agent_fields=FIELDS, sights=sights,
+        rows=rows, kinds=kinds, number_of_agents=number, agent_fields=FIELDS, observables=observables,
         fields=(g.var("world", "season", AGE, start="new"), g.var("world", "round", start=7)), **facts,
     )  # fmt: skip
 
@@ -33,10 +33,10 @@ def plane(game, world, name):
 
 
 def fruit(**facts):
-    return ir.Sight(what="cell", kind="soil", field="fruit", type=FRUIT, **facts)
+    return ir.Observable(what="cell", kind="soil", field="fruit", type=FRUIT, **facts)
 
 
-CELL_AGE = ir.Sight(what="cell", kind="soil", field="age", type=AGE)
+CELL_AGE = ir.Observable(what="cell", kind="soil", field="age", type=AGE)
 
 
 def test_kinds_without_visible_fields_have_one_value():
@@ -152,15 +152,15 @@ def test_marks_have_one_bit_for_each_marking_phase():
 
 
 def own(**facts):
-    return ir.Sight(what="own", **facts)
+    return ir.Observable(what="own", **facts)
 
 
 def test_own_and_world_fields_fill_the_window():
     game = small(
         own(field="bag", word="cut", type=BAG),
-        ir.Sight(what="world", field="season", type=AGE),
+        ir.Observable(what="world", field="season", type=AGE),
         own(field="team", type=TEAM),
-        ir.Sight(what="world", field="round", type=g.INT),
+        ir.Observable(what="world", field="round", type=g.INT),
     )
     described = [(p.name, p.encoding, p.labels) for p in planes(game)[2:]]
     assert described == [
@@ -180,9 +180,9 @@ def test_own_and_world_fields_fill_the_window():
 def test_fields_of_others_show_where_they_stand():
     blue = g.same(g.of_agent("team", TEAM, g.agent("other")), g.word("blue"))
     game = small(
-        ir.Sight(what="other", field="team", type=TEAM, hidden_when=g.is_agent(2, "other")),
-        ir.Sight(what="other", field="bag", word="raw", type=BAG),
-        ir.Sight(
+        ir.Observable(what="other", field="team", type=TEAM, hidden_when=g.is_agent(2, "other")),
+        ir.Observable(what="other", field="bag", word="raw", type=BAG),
+        ir.Observable(
             what="other",
             field="team",
             type=TEAM,

@@ -44,9 +44,9 @@ def orchard() -> ir.Game:
         number_of_agents=5,
         shapes=(BEAM,),
         events=(ir.Event(name="eaten", per_agent=True),),
-        sights=(
-            ir.Sight(what="cell", kind="soil", field="fruit", type=FRUIT),
-            ir.Sight(what="heading", type=g.word_type("north", "east", "south", "west")),
+        observables=(
+            ir.Observable(what="cell", kind="soil", field="fruit", type=FRUIT),
+            ir.Observable(what="heading", type=g.word_type("north", "east", "south", "west")),
         ),
         episode=g.number(300),
     )

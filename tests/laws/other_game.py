@@ -31,7 +31,7 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
                 "start": _start(game.start, s),
                 "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
                 "window": window.model_copy(update={"left": window.right, "right": window.left}) if s.mirror else window,
-                "sights": tuple(rewrite(sight, rule) for sight in game.sights),
+                "observables": tuple(rewrite(observable, rule) for observable in game.observables),
                 "hidden": tuple(rewrite(hidden, rule) for hidden in game.hidden),
                 "measures": tuple(rewrite(measure, rule) for measure in game.measures),
                 "checks": (),

@@ -55,7 +55,7 @@ def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
     if not s.mirror:
         return seen
     seen = seen[..., ::-1].copy()
-    if any(sight.what == "heading" for sight in game.sights):
+    if any(observable.what == "heading" for observable in game.observables):
         number = names.index("agent")
         seen[:, number] = MIRRORED[seen[:, number]]
     return seen

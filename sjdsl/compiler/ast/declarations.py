@@ -176,7 +176,7 @@ class Hide(Node):
 
 class Observe(Node):
     span: Span
-    sights: tuple[Window | Show | Hide, ...]
+    observables: tuple[Window | Show | Hide, ...]
 
 
 class Paint(Node):

@@ -17,7 +17,7 @@ from sjdsl.compiler.elaborate.declarations import build_kinds, declare_numbers, 
 from sjdsl.compiler.elaborate.hidden import unseen
 from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
-from sjdsl.compiler.elaborate.observations import sights, window
+from sjdsl.compiler.elaborate.observations import observables, window
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
@@ -76,7 +76,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
             raise problems.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
         episode = scope.number(game.episode.steps, ("steps",), "a number of steps")
     view = window(game, scope)
-    seen = sights(game, static, problems)
+    seen = observables(game, static, problems)
     hidden = unseen(game, static, problems)
     measured = measures(game, Scope(static, problems, part="metrics"))
     checked = checks(game, checks_scope)
@@ -105,7 +105,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         start=begin,
         schedule=turns,
         window=view,
-        sights=seen,
+        observables=seen,
         hidden=hidden,
         events=counted,
         measures=measured,

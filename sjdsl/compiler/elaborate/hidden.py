@@ -23,10 +23,10 @@ def is_of_a_plane(hide: ast.Hide, static: Static) -> bool:
 def unseen(game: Composition, static: Static, problems: Problems) -> tuple[ir.Hidden, ...]:
     """Returns what of some cells is hidden, as written."""
     found = []
-    for sight in game.sights.values():
-        if isinstance(sight, ast.Hide) and is_of_a_plane(sight, static):
+    for observable in game.observables.values():
+        if isinstance(observable, ast.Hide) and is_of_a_plane(observable, static):
             with problems.survive():
-                found.append(_hidden(sight, static, problems))
+                found.append(_hidden(observable, static, problems))
     return tuple(found)
 
 

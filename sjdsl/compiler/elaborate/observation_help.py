@@ -12,9 +12,9 @@ from sjdsl.runtime.actions import HEADINGS
 OWNERS = {"agent": "the observer itself", "other": "the other agents", "everyone": "all agents"}
 
 
-def without_field(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> Poisoned:
+def without_field(observable: ast.Show | ast.Hide, static: Static, problems: Problems) -> Poisoned:
     """Reports `show NAME`, where the name is no field of the world."""
-    name, verb = sight.what.name, "show" if isinstance(sight, ast.Show) else "hide"
+    name, verb = observable.what.name, "show" if isinstance(observable, ast.Show) else "hide"
     if name.text in OWNERS:
         return _not_a_field(name, OWNERS[name.text], _of_agents(name.text, verb, static), problems)
     if name.text in static.groups:
@@ -84,14 +84,14 @@ def _copy(owner: str, attribute: str, static: Static) -> str:
     return f"copy it in a last phase into a field of your own: {steps}"
 
 
-def of_group(sight: ast.Show | ast.Hide, name: ast.Name, static: Static, problems: Problems) -> Poisoned:
+def of_group(observable: ast.Show | ast.Hide, name: ast.Name, static: Static, problems: Problems) -> Poisoned:
     """Reports `show GROUP.f`: each kind is shown by itself."""
-    verb, group = "show" if isinstance(sight, ast.Show) else "hide", sight.what.name
+    verb, group = "show" if isinstance(observable, ast.Show) else "hide", observable.what.name
     kinds = [k for k in static.groups[group.text] if name.text in static.kinds[k]]
     if not kinds:
         return no_field(name, f"the group `{group.text}`", _fields_of(group.text, static), guesses.PLACES, problems)
     paths = [f"{kind}.{name.text}" for kind in kinds]
-    more = dict.fromkeys(paths, " as { … }" if isinstance(sight, ast.Show) and sight.labels else "")
+    more = dict.fromkeys(paths, " as { … }" if isinstance(observable, ast.Show) and observable.labels else "")
     if verb == "show" and not any(more.values()):
         more = {path: labels(path, static.kinds[kinds[0]][name.text].type.kind) for path in paths}
     help_ = "write it for each kind: " + ", ".join(f"`{verb} {path}{more[path]}`" for path in paths)

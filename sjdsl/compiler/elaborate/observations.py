@@ -49,32 +49,36 @@ def _window(sides: dict[str, int], origin: Span | None = None) -> ir.Window:
     return ir.Window(ahead=sides["ahead"], behind=sides["behind"], left=sides["left"], right=sides["right"], origin=origin)
 
 
-def sights(game: Composition, static: Static, problems: Problems) -> tuple[ir.Sight, ...]:
+def observables(game: Composition, static: Static, problems: Problems) -> tuple[ir.Observable, ...]:
     """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
-    seen: dict[Key, ir.Sight] = {}
+    seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
         for field in fields.values():
             if field.type.kind == "word" and not field.type.by:
-                seen["cell", kind, field.name] = ir.Sight(what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin)
-    seen["heading", "", ""] = ir.Sight(what="heading", type=words(HEADINGS))
-    for sight in game.sights.values():
+                seen["cell", kind, field.name] = ir.Observable(
+                    what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin
+                )
+    seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
+    for observable in game.observables.values():
         with problems.survive():
-            if isinstance(sight, ast.Show):
-                _show(sight, seen, static, problems)
-            elif not is_of_a_plane(sight, static):
-                _hide(sight, seen, static, problems)
+            if isinstance(observable, ast.Show):
+                _show(observable, seen, static, problems)
+            elif not is_of_a_plane(observable, static):
+                _hide(observable, seen, static, problems)
     _put_looks(seen, game, problems)
     order = ("cell", "heading", "other", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
-def _put_looks(seen: dict[Key, ir.Sight], game: Composition, problems: Problems) -> None:
+def _put_looks(seen: dict[Key, ir.Observable], game: Composition, problems: Problems) -> None:
     """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
-    for sight in game.sights.values():
-        kind = sight.what.name.text
-        if kind in whole and sight.what.steps and not (isinstance(sight, ast.Hide) and sight.condition is None):
-            problems.add(errors.WrittenTwice(sight.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"))
+    for observable in game.observables.values():
+        kind = observable.what.name.text
+        if kind in whole and observable.what.steps and not (isinstance(observable, ast.Hide) and observable.condition is None):
+            problems.add(
+                errors.WrittenTwice(observable.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)")
+            )
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
         del seen[key]
     detailed = {kind: field for what, kind, field in seen if what == "cell" and field}
@@ -86,17 +90,17 @@ def _put_looks(seen: dict[Key, ir.Sight], game: Composition, problems: Problems)
                 problems.add(errors.WrongType(label.origin, wanted="one look", given=given, help=help))  # type: ignore[arg-type]
 
 
-def _entries(sight: ir.Sight) -> list[ir.Sight]:
+def _entries(observable: ir.Observable) -> list[ir.Observable]:
     """A `by` field is seen entry by entry."""
-    if not sight.type.by:
-        return [sight]
-    one = element(sight.type)
-    return [sight.model_copy(update={"type": one, "word": word}) for word in sight.type.by[0]]
+    if not observable.type.by:
+        return [observable]
+    one = element(observable.type)
+    return [observable.model_copy(update={"type": one, "word": word}) for word in observable.type.by[0]]
 
 
-def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
-    """Returns which sight a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, or a world field."""
-    path = sight.what
+def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
+    """Returns which observable a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, or a world field."""
+    path = observable.what
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
     if len(members) != len(path.steps) or len(members) > 1:
@@ -107,7 +111,7 @@ def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> 
         if head in static.kinds:
             return ("cell", head, ""), None
         if head not in static.fields:
-            raise without_field(sight, static, problems)
+            raise without_field(observable, static, problems)
         static.used.add(Declared(head))
         return ("world", "", head), static.fields[head]
     name = members[0]
@@ -120,7 +124,7 @@ def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> 
             raise no_agent_field(head, name, static, problems)
         return (OWNERS[head], "", name.text), static.agent_fields[name.text]
     if head in static.groups:
-        raise of_group(sight, name, static, problems)
+        raise of_group(observable, name, static, problems)
     if head not in static.kinds:
         raise problems.unknown(path.name, [*OWNERS, *static.kinds], "what has fields")
     fields = static.kinds[head]
@@ -129,7 +133,7 @@ def _resolve(sight: ast.Show | ast.Hide, static: Static, problems: Problems) -> 
     return ("cell", head, name.text), fields[name.text]
 
 
-def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
+def _show(show: ast.Show, seen: dict[Key, ir.Observable], static: Static, problems: Problems) -> None:
     key, field = _resolve(show, static, problems)
     what, kind, name = key
     if what == "cell" and not name:
@@ -156,17 +160,17 @@ def _show(show: ast.Show, seen: dict[Key, ir.Sight], static: Static, problems: P
     if what == "cell" and not labels and type_.kind != "word":
         help_ = f"write `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
         raise problems.fail(errors.Unsupported(show.span, what="showing a number of a cell without labels", help=help_))
-    seen[key] = ir.Sight(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
+    seen[key] = ir.Observable(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
 
 
-def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Sight:
+def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Observable:
     """Returns how cells of a kind look: like the first label whose condition holds."""
     if not show.labels:
         help = of_a_kind(kind, "show", static)
         raise problems.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given="a kind without it", help=help))
     labels = _labels(show, "cell", kind, static, problems)
     names = tuple(dict.fromkeys(label.name for label in labels))
-    return ir.Sight(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
+    return ir.Observable(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
 
 
 def path_text(path: ast.Path) -> str:
@@ -197,7 +201,7 @@ def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Prob
     return tuple(found)
 
 
-def _hide(hide: ast.Hide, seen: dict[Key, ir.Sight], static: Static, problems: Problems) -> None:
+def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], static: Static, problems: Problems) -> None:
     key, _ = _resolve(hide, static, problems)
     if key[0] == "cell" and not key[2]:
         help = of_a_kind(key[1], "hide", static)

@@ -112,7 +112,7 @@ class Label(Node):
     condition: Expr | None
 
 
-class Sight(Node):
+class Observable(Node):
     """Something seen. `what`: `cell` (field of `kind` at each cell), `own`, `other`, `everyone`, `world` (fields), `heading` (others').
 
     A `cell` without a field is the whole look of the kind: its labels are looks, those of other kinds by their names.
@@ -210,7 +210,7 @@ class Game(Node):
     start: Phase
     schedule: tuple[Turn, ...]
     window: Window
-    sights: tuple[Sight, ...] = ()
+    observables: tuple[Observable, ...] = ()
     hidden: tuple[Hidden, ...] = ()
     events: tuple[Event, ...] = ()
     measures: tuple[Measure, ...] = ()

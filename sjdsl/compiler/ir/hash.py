@@ -5,8 +5,15 @@ import hashlib
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.printer import game as ir_text
 
+# What nodes and fields are called in the text that is hashed: the names they once had, so that hashes of stored runs stay valid.
+HASHED = {"observable": "observable", "observables": "observables"}
+
 
 def game_hash(game: ir.Game) -> str:
     """Returns 16 hexadecimal digits that two games share if and only if their IR is equal (positions, `cite`, `about` and `look` aside)."""
-    rules = game.model_copy(update={"cites": (), "about": (), "looks": ()})
-    return hashlib.sha256(ir_text(rules).encode()).hexdigest()[:16]
+    return printed_digest(game.model_copy(update={"cites": (), "about": (), "looks": ()}))
+
+
+def printed_digest(game: ir.Game) -> str:
+    """Returns 16 hexadecimal digits of the printed IR, positions aside."""
+    return hashlib.sha256(ir_text(game, names=HASHED).encode()).hexdigest()[:16]

@@ -4,7 +4,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 """
 
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Shape
-from sjdsl.compiler.ir.game import Event, Game, GlyphMeaning, Kind, Phase, Sight, VarField
+from sjdsl.compiler.ir.game import Event, Game, GlyphMeaning, Kind, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.statements import Remove, Send
 from sjdsl.compiler.ir.traverse import walk
@@ -36,9 +36,9 @@ def written_field(target: Expr) -> FieldRead:
     return target
 
 
-def shown_field(game: Game, sight: Sight) -> VarField:
+def shown_field(game: Game, observable: Observable) -> VarField:
     """Returns the declaration of the variable, of agents or of the world, that an observation shows."""
-    return next(f for f in (game.fields if sight.what == "world" else game.agents.fields) if f.name == sight.field)
+    return next(f for f in (game.fields if observable.what == "world" else game.agents.fields) if f.name == observable.field)
 
 
 def kind_named(game: Game, name: str) -> Kind:
@@ -91,9 +91,9 @@ def blocks_always(kind: Kind, what: str = "agents") -> bool:
     return any(block.what == what and block.condition is None for block in kind.blocks)
 
 
-def sight_of_headings(game: Game) -> Sight | None:
+def heading_observable(game: Game) -> Observable | None:
     """Returns what is seen of the headings of others, if anything is."""
-    return next((sight for sight in game.sights if sight.what == "heading"), None)
+    return next((observable for observable in game.observables if observable.what == "heading"), None)
 
 
 def can_be_away(game: Game) -> bool:

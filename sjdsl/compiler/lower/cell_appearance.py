@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.queries import kinds_by_glyph, marking_phases, shown_field, sight_of_headings
+from sjdsl.compiler.ir.queries import heading_observable, kinds_by_glyph, marking_phases, shown_field
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.runtime.planes import TokenPlane
@@ -17,7 +17,7 @@ OUTSIDE = "outside"
 
 
 class Look(Record):
-    """One kind: its painted fields with their numbers of values, and its sights in order.
+    """One kind: its painted fields with their numbers of values, and its observables in order.
 
     `raw` and `final` are the first numbers of the kind in the two numberings; a kind that is not on the map has no raw ones. `labels`: the
     final numbers of the labels of a kind that is shown as a whole. A kind that always looks like another is painted as that, and not
@@ -26,7 +26,7 @@ class Look(Record):
 
     kind: ir.Kind
     painted: tuple[tuple[ir.VarField, int], ...]
-    sights: tuple[ir.Sight, ...]
+    observables: tuple[ir.Observable, ...]
     raw: int
     final: int
     present: bool
@@ -41,20 +41,20 @@ class Look(Record):
 
     @property
     def final_words(self) -> tuple[tuple[str, ...], ...]:
-        """The words each sight shows, in order."""
-        return tuple(sight_words(s) for s in self.sights)
+        """The words each observable shows, in order."""
+        return tuple(observable_words(s) for s in self.observables)
 
     @property
     def same(self) -> bool:
         """Whether an observer is shown exactly what is painted."""
-        plain = all(not s.labels and s.hidden_when is None for s in self.sights)
-        return plain and [f.name for f, _ in self.painted] == [s.field for s in self.sights]
+        plain = all(not s.labels and s.hidden_when is None for s in self.observables)
+        return plain and [f.name for f, _ in self.painted] == [s.field for s in self.observables]
 
 
-def sight_words(sight: ir.Sight) -> tuple[str, ...]:
-    """Returns the words or labels a cell sight shows; `hidden` is the last if it can be hidden."""
-    words = tuple(dict.fromkeys(label.name for label in sight.labels)) if sight.labels else sight.type.words
-    return (*words, "hidden") if sight.hidden_when is not None else words
+def observable_words(observable: ir.Observable) -> tuple[str, ...]:
+    """Returns the words or labels a cell observable shows; `hidden` is the last if it can be hidden."""
+    words = tuple(dict.fromkeys(label.name for label in observable.labels)) if observable.labels else observable.type.words
+    return (*words, "hidden") if observable.hidden_when is not None else words
 
 
 def looks(game: ir.Game) -> tuple[Look, ...]:
@@ -64,12 +64,12 @@ def looks(game: ir.Game) -> tuple[Look, ...]:
     there = {glyphs[g] for row in game.rows for g in row}
     found: dict[str, Look] = {}
     for kind in game.kinds:
-        sights = _sights_of(kind, game)
+        observables = _observables_of(kind, game)
         whole = _shown_as(kind, game)
-        numbers = tuple(labels.index(word) for word in sight_words(whole)) if whole is not None else ()
+        numbers = tuple(labels.index(word) for word in observable_words(whole)) if whole is not None else ()
         final = numbers[0] if numbers else labels.index(_states(kind, game)[0])
-        painted = tuple((f, _values(f, game)) for f in _painted(kind, sights, game))
-        found[kind.name] = Look(kind, painted, sights, raw, final, kind.name in there, numbers)
+        painted = tuple((f, _values(f, game)) for f in _painted(kind, observables, game))
+        found[kind.name] = Look(kind, painted, observables, raw, final, kind.name in there, numbers)
         if _as_another(found[kind.name], game) is None:
             raw += found[kind.name].raw_values
     if raw > 256 or len(labels) > 256:
@@ -88,27 +88,27 @@ def _painted_as(look: Look, others: dict[str, Look], game: ir.Game) -> Look:
 
 def _as_another(look: Look, game: ir.Game) -> str | None:
     """Returns what else, that can be painted, a kind always looks like: another kind on the map, or what is outside."""
-    name = look.sights[0].labels[-1].name if len(look.labels) == 1 else ""
+    name = look.observables[0].labels[-1].name if len(look.labels) == 1 else ""
     if not name or any(kind in hidden.kinds for hidden in game.hidden for kind in (look.kind.name, name)):
         return None
     glyphs = kinds_by_glyph(game)
-    there = name in {glyphs[g] for row in game.rows for g in row} and all(s.kind != name for s in game.sights)
+    there = name in {glyphs[g] for row in game.rows for g in row} and all(s.kind != name for s in game.observables)
     return name if name == OUTSIDE or there else None
 
 
-def _sights_of(kind: ir.Kind, game: ir.Game) -> tuple[ir.Sight, ...]:
-    return tuple(s for s in game.sights if s.what == "cell" and s.kind == kind.name)
+def _observables_of(kind: ir.Kind, game: ir.Game) -> tuple[ir.Observable, ...]:
+    return tuple(s for s in game.observables if s.what == "cell" and s.kind == kind.name)
 
 
-def _shown_as(kind: ir.Kind, game: ir.Game) -> ir.Sight | None:
-    """Returns the sight that says how cells of a kind look as a whole, if there is one."""
-    return next((s for s in _sights_of(kind, game) if not s.field), None)
+def _shown_as(kind: ir.Kind, game: ir.Game) -> ir.Observable | None:
+    """Returns the observable that says how cells of a kind look as a whole, if there is one."""
+    return next((s for s in _observables_of(kind, game) if not s.field), None)
 
 
-def _painted(kind: ir.Kind, sights: tuple[ir.Sight, ...], game: ir.Game) -> list[ir.VarField]:
+def _painted(kind: ir.Kind, observables: tuple[ir.Observable, ...], game: ir.Game) -> list[ir.VarField]:
     """Returns the fields that decide how a cell looks: those shown as they are, and those that labels and `hide` read."""
-    wanted = {s.field for s in sights if not s.labels}
-    conditions = [c for s in sights for c in (*(label.condition for label in s.labels), s.hidden_when)]
+    wanted = {s.field for s in observables if not s.labels}
+    conditions = [c for s in observables for c in (*(label.condition for label in s.labels), s.hidden_when)]
     conditions += [hidden.when for hidden in game.hidden if kind.name in hidden.kinds]
     for node in (n for c in conditions if c is not None for n in ir.walk(c)):
         if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and kind.name in node.owner.kinds:
@@ -138,7 +138,7 @@ def content_labels(game: ir.Game) -> tuple[str, ...]:
     """Returns the labels of the content plane in the order of its values."""
     whole = {kind.name: _shown_as(kind, game) for kind in game.kinds}
     labels = [OUTSIDE, *(state for kind in game.kinds if whole[kind.name] is None for state in _states(kind, game))]
-    labels += [word for sight in whole.values() if sight is not None for word in sight_words(sight)]
+    labels += [word for observable in whole.values() if observable is not None for word in observable_words(observable)]
     covered = [COVERED] if any(hidden.what == "content" for hidden in game.hidden) else []
     return tuple(dict.fromkeys([*labels, *covered]))
 
@@ -146,8 +146,8 @@ def content_labels(game: ir.Game) -> tuple[str, ...]:
 def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
     """Returns the labels of all states that are seen of a kind, the first field slowest."""
     names = [kind.name]
-    for sight in _sights_of(kind, game):
-        names = [f"{n} {sight.field}={w}" for n in names for w in sight_words(sight)]
+    for observable in _observables_of(kind, game):
+        names = [f"{n} {observable.field}={w}" for n in names for w in observable_words(observable)]
     return names
 
 
@@ -159,7 +159,7 @@ def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
 def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     """Returns what each plane of a `tokens` observation means, in order."""
     planes = [TokenPlane("content", "word", content_labels(game), len(content_labels(game)) - 1)]
-    heading = sight_of_headings(game)
+    heading = heading_observable(game)
     if heading is None:
         labels: tuple[str, ...] = ("none", "self", "other")
     else:
@@ -170,30 +170,30 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
         planes.append(TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1))
     everyone = tuple(f"everyone[{agent}]." for agent in range(game.agents.number))
     for what, prefixes in (("other", ("other.",)), ("everyone", everyone), ("own", ("agent.",)), ("world", ("",))):
-        for sight in game.sights:
-            if sight.what == what:
-                planes += [_field_plane(sight, prefix, game) for prefix in prefixes]
+        for observable in game.observables:
+            if observable.what == what:
+                planes += [_field_plane(observable, prefix, game) for prefix in prefixes]
     return tuple(planes)
 
 
-def _field_plane(sight: ir.Sight, prefix: str, game: ir.Game) -> TokenPlane:
-    name = f"{prefix}{sight.field}" + (f"[{sight.word}]" if sight.word else "")
-    words = tuple(dict.fromkeys(x.name for x in sight.labels)) if sight.labels else sight.type.words
+def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> TokenPlane:
+    name = f"{prefix}{observable.field}" + (f"[{observable.word}]" if observable.word else "")
+    words = tuple(dict.fromkeys(x.name for x in observable.labels)) if observable.labels else observable.type.words
     if words:
-        words = ("nobody", *words) if sight.what == "other" else words
+        words = ("nobody", *words) if observable.what == "other" else words
         return TokenPlane(name, "word", words, len(words) - 1)
-    high = number_bound(sight, game)
+    high = number_bound(observable, game)
     if high == float("inf"):
-        raise NotSupported(f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255", sight.origin)
+        raise NotSupported(f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255", observable.origin)
     if high > 255:
         instead = f"show it with labels, such as `show {name} as {{ much where {name} > 99, little }}`"
-        raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", sight.origin, instead)
+        raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", observable.origin, instead)
     return TokenPlane(name, "number", (), int(high))
 
 
-def number_bound(sight: ir.Sight, game: ir.Game) -> float:
+def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
-    field = shown_field(game, sight)
+    field = shown_field(game, observable)
     if not field.timer:
         return field.type.high
     bound = 0.0

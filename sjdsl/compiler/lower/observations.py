@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import shown_field, sight_of_headings
+from sjdsl.compiler.ir.queries import heading_observable, shown_field
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks
@@ -19,7 +19,7 @@ OTHER_FACING, OTHER_HIDDEN = 2, 6  # numbers of the agent plane: the first headi
 def observe(w: Writer) -> array.Expression:
     """Writes the statements of `observe`; returns the observation."""
     game = w.module.game
-    by_id = any(s.what == "other" or (s.what == "heading" and s.hidden_when is not None) for s in game.sights)
+    by_id = any(s.what == "other" or (s.what == "heading" and s.hidden_when is not None) for s in game.observables)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
     cells = w.module.number("num_view_cells", view_size(game)[0] * view_size(game)[1], "cells of a window")
@@ -96,21 +96,21 @@ def _shown(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     values = _values(look, raw, w)
     place = _seen_cell(look, look.kind.name, values, axes)
     if look.labels:
-        return _labelled(look.sights[0], dict(zip(look.final_words[0], look.labels, strict=True)), place, w)
+        return _labelled(look.observables[0], dict(zip(look.final_words[0], look.labels, strict=True)), place, w)
     number: Value | None = None
-    for sight, words in zip(look.sights, look.final_words, strict=True):
-        one = _sight(sight, words, values, place, w)
+    for observable, words in zip(look.observables, look.final_words, strict=True):
+        one = _observable(observable, words, values, place, w)
         number = one if number is None else binary("+", binary("*", number, literal(len(words), "u8"), "u8"), one, "u8")
     assert number is not None
     return binary("+", number, literal(look.final, "u8"), "u8")
 
 
-def _labelled(sight: ir.Sight, numbers: dict[str, int], place: IterationScope, w: Writer) -> Value:
+def _labelled(observable: ir.Observable, numbers: dict[str, int], place: IterationScope, w: Writer) -> Value:
     """Returns the number of the first label whose condition holds, else that of the last."""
-    number = {label.name: literal(numbers[label.name], "u8") for label in sight.labels}
-    shown = [(label.condition, number[label.name]) for label in sight.labels]
+    number = {label.name: literal(numbers[label.name], "u8") for label in observable.labels}
+    shown = [(label.condition, number[label.name]) for label in observable.labels]
     arms = [(_asked(condition, place, w), value) for condition, value in reversed(shown) if condition is not None]
-    return first_of(arms[::-1], number[sight.labels[-1].name], w)
+    return first_of(arms[::-1], number[observable.labels[-1].name], w)
 
 
 def _values(look: Look, raw: Value, w: Writer) -> dict[str, Value]:
@@ -131,13 +131,13 @@ def _seen_cell(look: Look, name: str, values: dict[str, Value], axes: tuple[Axis
     return IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), name: cell})
 
 
-def _sight(sight: ir.Sight, words: tuple[str, ...], values: dict[str, Value], place: IterationScope, w: Writer) -> Value:
-    if sight.labels:
-        result = _labelled(sight, {word: number for number, word in enumerate(words)}, place, w)
+def _observable(observable: ir.Observable, words: tuple[str, ...], values: dict[str, Value], place: IterationScope, w: Writer) -> Value:
+    if observable.labels:
+        result = _labelled(observable, {word: number for number, word in enumerate(words)}, place, w)
     else:
-        result = values[sight.field]
-    if sight.hidden_when is not None:
-        result = select(_asked(sight.hidden_when, place, w), literal(len(words) - 1, "u8"), result)
+        result = values[observable.field]
+    if observable.hidden_when is not None:
+        result = select(_asked(observable.hidden_when, place, w), literal(len(words) - 1, "u8"), result)
     return result
 
 
@@ -158,7 +158,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
     self_ = array.Index(myself, (array.NEW_AXIS,))
     agent = w.keep("agent", agent)
-    heading = sight_of_headings(game)
+    heading = heading_observable(game)
     somebody = binary("!=", agent, literal(0, "u8"), "bool").node
     if not by_id:
         other: array.Expression = array.scalar(array.Literal(OTHER_FACING), "u8")
@@ -179,14 +179,14 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
             facing = select(w.value(heading.hidden_when, place), literal(OTHER_HIDDEN, "u8"), facing)
     columns = [_agent_plane(self_, somebody, facing.node, axes, w)]
     theirs = w.keep("theirs", Value(array.Binary("&", somebody, array.Unary("~", self_)), "bool", axes))
-    for sight in game.sights:
-        if sight.what == "other":
-            value = _field_sight(sight, other_var, place, w)
-            if sight.labels or sight.type.kind == "word":
+    for observable in game.observables:
+        if observable.what == "other":
+            value = _field_observable(observable, other_var, place, w)
+            if observable.labels or observable.type.kind == "word":
                 value = binary("+", value, literal(1, "u8"), "u8")
             value = select(theirs, value, literal(0, "u8"))
-            if sight.hidden_when is not None:
-                value = select(w.value(sight.hidden_when, place), literal(0, "u8"), value)
+            if observable.hidden_when is not None:
+                value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
             columns.append(value)
     return columns
 
@@ -202,17 +202,17 @@ def _agent_plane(self_: array.Expression, somebody: array.Expression, other: arr
     return w.keep("agents", Value(array.Cast(seen, "u8"), "u8", axes))
 
 
-def _field_sight(sight: ir.Sight, who: AgentVar | None, place: IterationScope, w: Writer) -> Value:
+def _field_observable(observable: ir.Observable, who: AgentVar | None, place: IterationScope, w: Writer) -> Value:
     """Returns the value of a shown field as a byte."""
-    if sight.labels:
-        words = tuple(dict.fromkeys(x.name for x in sight.labels))
-        return _sight(sight.model_copy(update={"hidden_when": None}), words, {}, place, w)
-    declared = shown_field(w.module.game, sight)
-    read = ir.FieldRead(type=declared.type, owner=None, place=declared.place, name=sight.field)
+    if observable.labels:
+        words = tuple(dict.fromkeys(x.name for x in observable.labels))
+        return _observable(observable.model_copy(update={"hidden_when": None}), words, {}, place, w)
+    declared = shown_field(w.module.game, observable)
+    read = ir.FieldRead(type=declared.type, owner=None, place=declared.place, name=observable.field)
     stored = state_reads.field(read, who, w)
-    if sight.word is not None:
+    if observable.word is not None:
         by = declared.type.by[0]
-        stored = taken(stored, w.module.word(sight.word, by).node)
+        stored = taken(stored, w.module.word(observable.word, by).node)
     if stored.dtype == "u8":
         return stored
     if state_reads.storage(declared, w) != "u8":
@@ -274,10 +274,10 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     pair = (axes[0], w.axis("everyone", w.module.agents))
     observer, who = (AgentVar(iota(axis), axis) for axis in pair)
     place = IterationScope(axes=pair, variables={"agent": observer, "everyone": who})
-    for sight in w.module.game.sights:
-        if sight.what == "everyone":
-            w.origin = sight.origin
-            value = w.keep(f"everyone_{sight.field}", _field_sight(sight, who, place, w))
+    for observable in w.module.game.observables:
+        if observable.what == "everyone":
+            w.origin = observable.origin
+            value = w.keep(f"everyone_{observable.field}", _field_observable(observable, who, place, w))
             planes = _full(value, (*pair, axes[1]))
             columns.append(Value(array.Call(array.Attribute(planes, "reshape"), (axes[0].extent, array.Literal(-1))), "u8", axes))
     return columns
@@ -289,11 +289,11 @@ def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     observer = AgentVar(iota(axes[0]), axes[0])
     place = IterationScope(axes=axes[:1], variables={"agent": observer})
     for what in ("own", "world"):
-        for sight in w.module.game.sights:
-            if sight.what == what:
-                w.origin = sight.origin
-                value = _field_sight(sight, observer if what == "own" else None, place, w)
-                if sight.hidden_when is not None:
-                    value = select(w.value(sight.hidden_when, place), literal(0, "u8"), value)
-                columns.append(w.keep(f"shown_{sight.field}", value))
+        for observable in w.module.game.observables:
+            if observable.what == what:
+                w.origin = observable.origin
+                value = _field_observable(observable, observer if what == "own" else None, place, w)
+                if observable.hidden_when is not None:
+                    value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
+                columns.append(w.keep(f"shown_{observable.field}", value))
     return columns

@@ -73,7 +73,7 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     agent = next(p for p in parts if p.name == "agent")
     if by_id:
         shown = binary("+", Value(Arange(w.module.agents, "u8"), "u8"), literal(1, "u8"), "u8")
-    elif any(s.what == "heading" for s in game.sights):
+    elif any(s.what == "heading" for s in game.observables):
         shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), literal(1, "u8"), "u8")
     else:
         shown = Value(call("jnp.ones", w.module.agents, path("jnp.uint8")), "u8")

@@ -6,6 +6,7 @@ from itertools import zip_longest
 from typing import Any
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 
@@ -40,7 +41,7 @@ def several(node: Build, single: int = 0) -> Build:
     return lambda span, *items: node(span, *items[:single], items[single:])
 
 
-def with_clauses(node: type[ast.Node], *same: str, **other: str) -> Build:
+def with_clauses(node: type[Node], *same: str, **other: str) -> Build:
     """A rule with clauses, each of which fills the field of its name, or that of `field=clause`; its other children fill the rest in order.
 
     A field whose child or clause is missing is None; a missing list of names is empty.
@@ -48,7 +49,7 @@ def with_clauses(node: type[ast.Node], *same: str, **other: str) -> Build:
     clauses = dict(zip(same, same, strict=True)) | other
     rest = [field.name for field in fields(node)[1:] if field.name not in clauses]
 
-    def build(span: Span, *items: Any) -> ast.Node:
+    def build(span: Span, *items: Any) -> Node:
         plain, given = split(items)
         values = {name: given.get(clause, () if clause == "names" else None) for name, clause in clauses.items()}
         return node(span=span, **values, **dict(zip_longest(rest, plain)))
