@@ -6,7 +6,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.printer import game as ir_text
 
 # What nodes and fields are called in the text that is hashed: the names they once had, so that hashes of stored runs stay valid.
-HASHED = {"observable": "observable", "observables": "observables"}
+HASHED = {"observable": "sight", "observables": "sights"}
 
 
 def game_hash(game: ir.Game) -> str:
