@@ -22,7 +22,9 @@ def executed() -> nbformat.NotebookNode:
 def printed(notebook: nbformat.NotebookNode, start: str) -> str:
     """Returns what the cell printed or showed whose code begins so."""
     (cell,) = (cell for cell in notebook.cells if cell.cell_type == "code" and cell.source.startswith(start))
-    return "".join(output.get("text") or output.get("data", {}).get("text/markdown") or output["data"]["text/plain"] for output in cell.outputs)
+    return "".join(
+        output.get("text") or output.get("data", {}).get("text/markdown") or output["data"]["text/plain"] for output in cell.outputs
+    )
 
 
 def test_what_the_tour_shows(executed: nbformat.NotebookNode) -> None:

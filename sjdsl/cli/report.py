@@ -41,9 +41,13 @@ def command(sources: tuple[str, ...], output: str, nested: bool, suite: bool, ch
     for note in (*report.notes, *report.lacks):
         click.echo(f"note: {note}", err=True)
     place = place_of(path)
-    click.echo(f"{place.page}  {len(evidence.runs)} ways of training, {len(evidence.seeds)} seeds")
-    click.echo(f"{place.folder}/  {len(report.files)} CSV files, {len(report.pictures)} pictures")
+    click.echo(f"{place.page}  {_counted(len(evidence.runs), 'way')} of training, {_counted(len(evidence.seeds), 'seed')}")
+    click.echo(f"{place.folder}/  {_counted(len(report.files), 'CSV file')}, {_counted(len(report.pictures), 'picture')}")
     return 0
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _told(problems: list[str]) -> int:

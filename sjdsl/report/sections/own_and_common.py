@@ -24,5 +24,9 @@ def own_and_common(contents: Contents) -> Section:
 
 
 def _random(contents: Contents, game: Game) -> str:
-    found = None if game.setting is None or game.setting.params else contents.index.random(game.setting.game, game.setting.hash)
+    """Returns what a random policy earns: under the same rules; of a game in which nothing was trained, under those it was measured with."""
+    if game.setting is None:
+        found = next((row for row in contents.evidence.random if row.game == game.name), None)
+    else:
+        found = None if game.setting.params else contents.index.random(game.setting.game, game.setting.hash)
     return "" if found is None else bounded(found.mean, found.low, found.high)
