@@ -9,6 +9,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.policies.compiled import scripted_policy
+from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import UNTRAINED, MemoryPolicy, Policy, mixed_policy, random_policy, stay_policy, with_memory
 
 from .actor_critics import make_actor_critics
@@ -54,7 +56,7 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
     """Returns a policy by its name, or what is one already.
 
     Args:
-      policy: `random`, `stay`, the folder of a run, `RUN@best`, `RUN@UPDATE`, `RUN/seed_N`, a `.safetensors` file, `FILE.py:FUNCTION`, a
+      policy: `random`, `stay`, the name of a policy that the game's file declares, the folder of a run, `RUN@best`, `RUN@UPDATE`, `RUN/seed_N`, a `.safetensors` file, `FILE.py:FUNCTION`, a
         name that was registered; or a function `(key, observation [N, P, V, V]) -> actions [N]`, or a `MemoryPolicy`.
       env: environment to act in.
       greedy: of a trained policy, as in `trained_policy`.
@@ -69,6 +71,9 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
             return UNTRAINED[name](env)
         except ValueError as error:
             raise PolicyError(str(error)) from None
+    declared = declared_policies(env)
+    if name in declared:
+        return scripted_policy(env, name)
     path, which = split_name(name)
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy=greedy, which=which)
@@ -77,7 +82,7 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
             return find("policy", name)
         except ConfigError as error:
             raise PolicyError(str(error)) from None
-    raise PolicyError(unknown_policy(name))
+    raise PolicyError(unknown_policy(name, tuple(declared)))
 
 
 def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool | None = None) -> Policy:

@@ -2,12 +2,14 @@
 
 random                        every action with equal probability
 stay                          always the action `stay`
+NAME                          a policy that the game's file declares
 RUN                           the last policy of a run, by its folder; of several seeds RUN/seed_2
 RUN@best, RUN@120             its best, or that of an update
 FILE.safetensors              a stored policy, with its .json beside it
 FILE.py:NAME                  a user's function, also by a registered name
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ from sjdsl.near_names import meant
 from .extensions import is_own, lasting, name_of
 
 UNTRAINED = ("random", "stay")  # what needs no file: `sjdsl.runtime.policy.UNTRAINED`
-KNOWN = "random, stay, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
+KNOWN = "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
 
 
 def split_name(name: str) -> tuple[Path, str | int]:
@@ -37,13 +39,17 @@ def lasting_name(policy: Any) -> str:
     return lasting("policy", str(policy))
 
 
-def might_be_named(name: str) -> bool:
-    """Whether a text can be the name of a policy: a word, something that exists, or something of a user's own, found or not."""
+def might_be_named(name: str, declared: Sequence[str] = ()) -> bool:
+    """Whether a text can be the name of a policy: a word, something that exists, or something of a user's own, found or not.
+
+    Args:
+      declared: names of the policies that the game's file declares.
+    """
     path, _ = split_name(name)
-    return name in UNTRAINED or path.exists() or is_own("policy", name)
+    return name in (*UNTRAINED, *declared) or path.exists() or is_own("policy", name)
 
 
-def unknown_policy(name: str) -> str:
+def unknown_policy(name: str, declared: Sequence[str] = ()) -> str:
     """Returns what is said of a text that is the name of no policy."""
-    near = meant(name, UNTRAINED, "")
+    near = meant(name, (*UNTRAINED, *declared), "")
     return f"there is no policy `{name}`{near or ';'} {'A' if near else 'a'} policy is {KNOWN}"

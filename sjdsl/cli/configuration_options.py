@@ -9,6 +9,7 @@ from sjdsl.cli.environment_options import SEED
 from sjdsl.cli.policies import check_policy
 
 if TYPE_CHECKING:
+    from sjdsl.compiler import ir
     from sjdsl.trainers import Config
 
 Command = Callable[..., Any]
@@ -70,7 +71,7 @@ def read_texts(given: tuple[str, ...]) -> dict[str, str]:
     return {name.strip(): value.strip() for name, _, value in pairs}
 
 
-def check_policies(config: "Config") -> None:
+def check_policies(config: "Config", game: "ir.Game") -> None:
     """Raises ClickException for what a configuration names as a policy and what cannot be one."""
     for named in filter(None, (config.init_from, *(policy for _, policy in config.partners))):
-        check_policy(named)
+        check_policy(named, game)

@@ -16,6 +16,7 @@ from sjdsl.interpreter.numbers import real
 from sjdsl.parameters import param_values, split_sizes
 
 if TYPE_CHECKING:
+    from sjdsl.compiler import ir
     from sjdsl.runtime.env import Encoding, Environment
 
 Command = Callable[..., Any]
@@ -90,10 +91,10 @@ def build_game(
     return made, {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
 
 
-def check_environment(game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]) -> None:
-    """Raises CompileError and ClickException for what is wrong with a game or its arguments: before JAX is imported, which takes seconds."""
+def check_environment(game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]) -> "ir.Game":
+    """Returns the checked game, without importing JAX, which takes seconds. Raises CompileError, and ClickException for wrong arguments."""
     try:
-        build_game(game, dict(params), variant, map_file, agents)
+        return build_game(game, dict(params), variant, map_file, agents)[0].game
     except ValueError as error:
         raise click.ClickException(str(error)) from None
 

@@ -37,9 +37,9 @@ def experiment_options(command: Command) -> Command:
 def experiment(game: str, policies: Sequence[str], folder: Path, described: dict[str, Any]) -> Iterator[tuple["Environment", Say]]:
     """Yields the environment of a command and what says its stages; refuses before JAX is loaded what can be refused by then."""
     described["params"] = read_assignments(described["params"])
-    check_environment(game, **described)
+    checked = check_environment(game, **described)
     for policy in policies:
-        check_policy(policy)
+        check_policy(policy, checked)
     require_folder_of(folder)
     with stages(LOADING) as say:
         env = make_environment(describe_environment(game, **described))

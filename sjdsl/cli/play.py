@@ -117,7 +117,7 @@ def play_on(
 def _choice_of(others: str, game: "ir.Game", seed: int) -> "Choose":
     """Returns what the others do as far as it is known without JAX. Raises ClickException for what is no policy."""
 
-    check_policy(others)
+    check_policy(others, game)
     return random_choice(game, seed) if others == "random" else stay_choice(game)
 
 

@@ -10,16 +10,18 @@ import click
 from sjdsl.trainers.policy_names import might_be_named, unknown_policy
 
 if TYPE_CHECKING:
+    from sjdsl.compiler import ir
     from sjdsl.runtime.env import Environment
 
-NAMES = "random, stay, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION."
+NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION."
 policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=NAMES)
 
 
-def check_policy(name: str) -> None:
-    """Raises ClickException for what cannot be the name of a policy; needs no JAX."""
-    if not might_be_named(name):
-        raise click.ClickException(unknown_policy(name))
+def check_policy(name: str, game: "ir.Game") -> None:
+    """Raises ClickException for what cannot be the name of a policy in a game; needs no JAX."""
+    declared = [policy.name for policy in game.policies]
+    if not might_be_named(name, declared):
+        raise click.ClickException(unknown_policy(name, declared))
 
 
 def choose_policy(name: str, env: "Environment") -> Any:
@@ -28,7 +30,7 @@ def choose_policy(name: str, env: "Environment") -> Any:
 
     if name in UNTRAINED:  # these need no trainers, whose packages take a second to load
         return UNTRAINED[name](env)
-    check_policy(name)
+    check_policy(name, env.game)
     from sjdsl.trainers import find_policy
 
     with warnings_as_notes():

@@ -57,8 +57,7 @@ def command(
             raise click.UsageError("a Minari dataset has observations; --observation none keeps none", click.get_current_context())
         check_minari(dataset_id)
     described["params"] = read_assignments(described["params"])
-    check_environment(game, **described)
-    check_policy(policy)
+    check_policy(policy, check_environment(game, **described))
     require_folder_of(path)
     environment = describe_environment(game, **described)
     with stages(LOADING) as say:

@@ -34,8 +34,7 @@ def command(game: str, output: str | None, steps: int, every: int, policy: str, 
     if path.suffix != ".png":
         check_film(path)
     described["params"] = read_assignments(described["params"])
-    check_environment(game, **described)
-    check_policy(policy)
+    check_policy(policy, check_environment(game, **described))
     require_folder_of(path)
     with stages(LOADING) as say:
         env = make_environment(describe_environment(game, **described))

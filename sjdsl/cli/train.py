@@ -95,8 +95,8 @@ def command(
     described["params"] = {**kept.pop("params", {}), **read_assignments(described["params"])}
     provenance = describe_environment(game, **described)
     provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
-    check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
-    check_policies(config)
+    checked = check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
+    check_policies(config, checked)
     if not distributed:  # then another process may have begun to write there
         _require_unused(run_dir)
     _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers, callback)

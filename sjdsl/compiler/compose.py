@@ -52,13 +52,15 @@ class Composition:
     looks: dict[str, tuple[ast.Look, ...]] = field(default_factory=dict)  # by what they are of
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
     checks: dict[str, tuple[ast.Check, ...]] = field(default_factory=dict)  # by the name of their block, "" without one
+    policies: dict[str, ast.ScriptedPolicy] = field(default_factory=dict)
+    scenarios: dict[str, ast.Scenario] = field(default_factory=dict)
     variants: dict[str, ast.Variant] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
     file: str = ""
     chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
 
-    TABLES = ("constants", "kinds", "groups", "fields", "shapes", "defines", "phases", "metrics", "checks")
+    TABLES = ("constants", "kinds", "groups", "fields", "shapes", "defines", "phases", "metrics", "checks", "policies", "scenarios")
 
     def names(self) -> list[str]:
         """Returns every name a variant may change."""
@@ -131,8 +133,10 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             return [(section.name.text, section.name.span, section)]
         case ast.Shape() | ast.Phase():  # these have name spaces of their own
             return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
-        case ast.Variant():
-            return [(f"variant {section.name.text}", section.name.span, section)]
+        case ast.Variant() | ast.Scenario():
+            return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
+        case ast.ScriptedPolicy():
+            return [(f"policy {section.name.text}", section.name.span, section)]
         case ast.About():
             return [(f"about {section.name.text}", section.name.span, section)]
         case ast.Checks():
@@ -232,6 +236,10 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
             case ast.Checks():
                 name = "" if section.name is None else section.name.text
                 game.checks[name] = section.checks if name else game.checks.get(name, ()) + section.checks
+            case ast.ScriptedPolicy():
+                game.policies[section.name.text] = section
+            case ast.Scenario():
+                game.scenarios[section.name.text] = section
             case ast.Variant():
                 game.variants[section.name.text] = section
             case ast.Override():

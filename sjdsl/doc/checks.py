@@ -99,5 +99,7 @@ def policy(p: ir.Policy, v: Vocabulary) -> str:
         case "seek":
             assert p.domain is not None
             return f"walk to the nearest {members(p.domain, v)} (the agent: the one who walks)"
+        case "scripted":
+            return f"follow the policy {code(p.scripted)}"
         case _:
             assert_never(p.name)

@@ -3,13 +3,14 @@
 import json
 import warnings
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.policies.declared import declared_policies, policy_digest
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.config import Config
 from sjdsl.trainers.environment import Environment
@@ -89,6 +90,10 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     if not isinstance(policy, str | Path):
         return Pool(name_of("policy", policy), (_untrained(name_of("policy", policy), policy),))
     name = str(policy)
+    declared = declared_policies(env)
+    if name in declared:
+        scripted = replace(_untrained(name, find_policy(name, env)), digest=policy_digest(declared[name]))
+        return Pool(name, (scripted,))
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():
         return Pool(name, (_untrained(name, find_policy(name, env)),))

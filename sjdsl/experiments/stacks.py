@@ -101,12 +101,13 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
     playing = [_of_players(leaves, own) for leaves, own in zip(parameters, chosen, strict=True)]
     number = sum(stack.at_once for stack in stacks)
 
-    def act(memory: Any, key: Array, observation: Array, *allowed: Array) -> tuple[Any, Array]:
+    def act(memory: Any, key: Array, observation: Array, *given: Any) -> tuple[Any, Array]:
+        allowed, state = seated.given(given)
         column_of_slot, memories = memory
         keys = jax.random.split(key, number) if number > 1 else key[None]
         after, actions, first = [], [], 0
         for stack, example, own, before in zip(stacks, examples, playing, memories, strict=True):
-            seen = (observation, *(allowed if example.reads_allowed else ()))
+            seen = (observation, *example.needs(allowed, state))
             own_keys = keys[first : first + stack.at_once]
             remembered, taken = _act_together(stack, own, before, own_keys, seen)
             after.append(remembered)
@@ -115,7 +116,8 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
         by_column = jnp.concatenate(actions)
         return (column_of_slot, tuple(after)), jnp.take_along_axis(by_column, column_of_slot[None], axis=0)[0]
 
-    return MemoryPolicy((), act, any(example.reads_allowed for example in examples))
+    seated = MemoryPolicy((), act, any(e.reads_allowed for e in examples), any(e.reads_state for e in examples))
+    return seated
 
 
 def _of_players(parameters: Any, chosen: Array) -> Any:

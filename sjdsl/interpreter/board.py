@@ -68,7 +68,7 @@ def _build(game: ir.Game) -> Board:
         cells=cells,
         number={cell: number for members in cells.values() for number, cell in enumerate(members)},
         kinds={k.name: k for k in game.kinds},
-        shapes={s.name: s for s in game.shapes},
+        shapes={s.name: s for s in (*game.shapes, *game.policy_shapes)},
         agent_fields={f.name: f for f in game.agents.fields},
         world_fields={f.name: f for f in game.fields},
         cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},

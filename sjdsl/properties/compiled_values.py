@@ -8,12 +8,9 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
-import jax.numpy as jnp
-
 from sjdsl.compiler import ir
-from sjdsl.compiler.emit.expressions import text
 from sjdsl.compiler.emit.statements import function_lines
-from sjdsl.compiler.ir.names import KERNELS, identifier
+from sjdsl.compiler.ir.names import identifier
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.lower import new_module, state_reads
 from sjdsl.compiler.lower.axes import TRUE, as_dtype, iota, spread
@@ -22,6 +19,7 @@ from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.program import Function
 from sjdsl.compiler.program.expressions import DTYPES, Attribute, Binary, Call, Expression, Literal, Sequence, as_array, call
+from sjdsl.policies.lowering import namespace
 
 Total = tuple[str, str | None]  # an event, and its word or None
 
@@ -44,7 +42,7 @@ def lower_checks(game: ir.Game, expressions: list[ir.Expr], domains: list[ir.Dom
     totals: dict[Total, str] = {}
     texts = [_values([rewrite(e, lambda node: _total(node, totals)) for e in expressions], module)]
     texts += [_seek(domain, i, module) for i, domain in enumerate(domains)]
-    names = _namespace(module)
+    names = namespace(module)
     exec("\n".join(texts), names)
     seeks = tuple(names[f"seek_{i}"] for i in range(len(domains)))
     return Lowered(names["values"], totals, seeks)
@@ -100,14 +98,3 @@ def _of_agents(node: Expression, inner: IterationScope) -> Expression:
 
 def _function(name: str, w: Writer) -> str:
     return "\n".join(function_lines(Function(name, (("state", "object"), ("params", "object")), "object", "", tuple(w.body))))
-
-
-def _namespace(module: Module) -> dict[str, Any]:
-    from importlib import import_module
-
-    names: dict[str, Any] = {"jnp": jnp}
-    for home, kernels in KERNELS.items():
-        names |= {kernel: getattr(import_module(home), kernel) for kernel in kernels}
-    names |= {"NUM_AGENTS": module.num_agents, "MAP": module.layout.map, "PAD": module.layout.pad}
-    exec("\n".join(f"{c.name} = {text(c.value)}" for c in module.constants.values()), names)
-    return names | {n.name: n.value for n in module.numbers.values()}

@@ -14,12 +14,21 @@ class MemoryPolicy:
     """A policy that remembers: `act(memory, key, observation) -> memory, actions`, from `start` at each episode's first step.
 
     With `reads_allowed` it also gets the actions that the game allows: `act(memory, key, observation, allowed)`, `[N, A]` bool, of
-    `env.allowed_actions(state)`.
+    `env.allowed_actions(state)`. With `reads_state` the true state comes last: `act(memory, key, observation, state)`.
     """
 
     start: Any
     act: Callable[..., tuple[Any, Array]]
     reads_allowed: bool = False
+    reads_state: bool = False
+
+    def needs(self, allowed: Any, state: Any) -> tuple[Any, ...]:
+        """Returns what its `act` reads besides memory, key and observation, in order."""
+        return (*((allowed,) if self.reads_allowed else ()), *((state,) if self.reads_state else ()))
+
+    def given(self, needed: tuple[Any, ...]) -> tuple[Any, Any]:
+        """Returns what is allowed and the state, of what `needs` gave; None for what was not needed."""
+        return (needed[0] if self.reads_allowed else None), (needed[-1] if self.reads_state else None)
 
 
 Policy = Callable[[Array, Array], Array] | MemoryPolicy
@@ -34,8 +43,8 @@ def with_memory(policy: Policy) -> MemoryPolicy:
 
 def take_actions(env: Any, policy: MemoryPolicy, memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
     """Returns the policy's memory and its actions `[N]` in a state of one environment; `observation` is what is seen of the state."""
-    allowed = (env.allowed_actions(state),) if policy.reads_allowed else ()
-    return policy.act(memory, key, observation, *allowed)
+    allowed = env.allowed_actions(state) if policy.reads_allowed else None
+    return policy.act(memory, key, observation, *policy.needs(allowed, state))
 
 
 def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]]) -> MemoryPolicy:
@@ -46,17 +55,20 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
     """
     policies = [(list(agents), with_memory(policy)) for agents, policy in parts]
     reads_allowed = any(policy.reads_allowed for _, policy in policies)
+    reads_state = any(policy.reads_state for _, policy in policies)
 
-    def act(memory: Any, key: Array, observation: Array, *allowed: Array) -> tuple[Any, Array]:
+    def act(memory: Any, key: Array, observation: Array, *given: Any) -> tuple[Any, Array]:
+        allowed, state = mixed.given(given)
         actions = jnp.zeros(num_agents, jnp.int32)
         after = []
         for (agents, policy), own, own_key in zip(policies, memory, jax.random.split(key, len(policies)), strict=True):
-            own, taken = policy.act(own, own_key, observation, *(allowed if policy.reads_allowed else ()))
+            own, taken = policy.act(own, own_key, observation, *policy.needs(allowed, state))
             actions = actions.at[jnp.asarray(agents)].set(jnp.asarray(taken, jnp.int32)[jnp.asarray(agents)])
             after.append(own)
         return tuple(after), actions
 
-    return MemoryPolicy(tuple(policy.start for _, policy in policies), act, reads_allowed)
+    mixed = MemoryPolicy(tuple(policy.start for _, policy in policies), act, reads_allowed, reads_state)
+    return mixed
 
 
 def stay_policy(env: Any) -> Callable[[Array, Array], Array]:

@@ -1,6 +1,6 @@
 """The abstract syntax tree: declarations, and the file they make up."""
 
-from sjdsl.compiler.ast.expressions import Call, Domain, Expr, Name, Path, String, Table, Type, Words
+from sjdsl.compiler.ast.expressions import Call, Domain, Expr, Name, Path, ShapeRef, String, Table, Type, Words
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.statements import Block
 from sjdsl.compiler.diagnostics.source import Span
@@ -252,7 +252,7 @@ class Symmetric(Node):
 
 
 class Policy(Node):
-    """`random`, `never(clean)`, `seek D`"""
+    """Of `expect`: `random`, `never(clean)`, `seek D`, or the name of a scripted policy"""
 
     span: Span
     name: Name
@@ -276,6 +276,56 @@ class Checks(Node):
     span: Span
     name: Name | None
     checks: tuple[Check, ...]
+
+
+class Act(Node):
+    """`when C choose ACTION`"""
+
+    span: Span
+    condition: Expr
+    action: Name
+
+
+class Go(Node):
+    """`seek D avoiding E`"""
+
+    span: Span
+    domain: Domain
+    avoided: Domain | None
+
+
+class Aim(Node):
+    """`aim SHAPE at D avoiding E choose ACTION`"""
+
+    span: Span
+    shape: ShapeRef
+    domain: Domain
+    avoided: Domain | None
+    action: Name
+
+
+class ScriptedPolicy(Node):
+    """`policy cooperator "…" { … }`: the first rule that applies acts"""
+
+    span: Span
+    name: Name
+    title: String | None
+    rules: tuple[Act | Go | Aim, ...]
+
+
+class Slots(Node):
+    """`slots 2 focal`, or `slots 5 policy defector`"""
+
+    span: Span
+    number: Expr
+    policy: Name | None
+
+
+class Scenario(Node):
+    span: Span
+    name: Name
+    title: String | None
+    slots: tuple[Slots, ...]
 
 
 class Override(Node):
@@ -317,6 +367,8 @@ Section = (
     | Look
     | Metrics
     | Checks
+    | ScriptedPolicy
+    | Scenario
     | Variant
 )
 

@@ -18,6 +18,7 @@ from sjdsl.compiler.elaborate.hidden import unseen
 from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
 from sjdsl.compiler.elaborate.observations import observables, window
+from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
@@ -37,7 +38,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
     declare_world(game, static, problems)
     rows = _read_map(game, static, overrides, problems)
-    return _build_game(game, static, rows, problems), static
+    return _build_game(game, static, rows, problems, overrides.num_agents is None and not overrides.sizes), static
 
 
 def _read_map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
@@ -61,7 +62,7 @@ def _read_map(game: Composition, static: Static, overrides: Overrides, problems:
     return rows
 
 
-def _build_game(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems) -> ir.Game | None:
+def _build_game(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems, own_number: bool) -> ir.Game | None:
     kinds = build_kinds(game, static, problems)
     checks_scope = Scope(static, problems, part="checks", events_readable=True)
     static.requires = requires(game, checks_scope)
@@ -84,6 +85,9 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
     counted: tuple[ir.Event, ...] = ()
     with problems.survive():
         counted = events([p for p in (begin, *turns) if p is not None], scope)
+    shapes = tuple(static.shapes.values())
+    played = policies(game, static, problems)
+    lineups = scenarios(game, static, problems, own_number)
     if agents is None or begin is None or episode is None or game.schedule is None:
         return None
     return ir.Game(
@@ -101,7 +105,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         glyphs=tuple(glyph for _, glyph in static.glyphs),
         fields=tuple(static.fields.values()),
         agents=agents,
-        shapes=tuple(static.shapes.values()),
+        shapes=shapes,
         start=begin,
         schedule=turns,
         window=view,
@@ -111,4 +115,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         measures=measured,
         checks=checked,
         looks=drawn,
+        policies=played,
+        policy_shapes=tuple(shape for name, shape in static.shapes.items() if name not in {s.name for s in shapes}),
+        scenarios=lineups,
     )

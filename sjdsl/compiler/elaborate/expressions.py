@@ -22,7 +22,7 @@ from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
-BETWEEN_STEPS = ("observe", "metrics", "checks")  # parts of a game that speak of a state, not of a step
+BETWEEN_STEPS = ("observe", "metrics", "checks", "policy")  # parts of a game that speak of a state, not of a step
 
 
 def expression(e: ast.Expr, scope: Scope) -> ir.Expr:

@@ -85,11 +85,11 @@ def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
     found = []
     for check in _written(game):
         with scope.problems.survive():
-            found.append(_check(check, scope))
+            found.append(_check(check, game, scope))
     return tuple(found)
 
 
-def _check(check: ast.Check, scope: Scope) -> ir.Check:
+def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
     match check:
         case ast.Require():
             return ir.Check(sort="require", values=(scope.condition(check.condition),), origin=check.span)
@@ -107,7 +107,7 @@ def _check(check: ast.Check, scope: Scope) -> ir.Check:
                 raise scope.problems.unknown(check.what, ("agents", "mirror"), "the symmetries")
             return ir.Check(sort="symmetric", words=(check.what.text,), origin=check.span)
         case ast.Expect():
-            return _expect(check, scope)
+            return _expect(check, game, scope)
 
 
 def _single(tree: ast.Expr, value: ir.Expr, scope: Scope) -> ir.Expr:
@@ -131,19 +131,21 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
     return ir.Check(sort="monotone", values=tuple(values), words=words, origin=check.span)
 
 
-def _expect(check: ast.Expect, scope: Scope) -> ir.Check:
+def _expect(check: ast.Expect, game: Composition, scope: Scope) -> ir.Check:
     test = scope.condition(check.condition)
-    policies = tuple(_policy(p, scope) for p in check.policies)
+    policies = tuple(_policy(p, game, scope) for p in check.policies)
     return ir.Check(sort="expect", values=(test,), policies=policies, episodes=check.episodes, origin=check.span)
 
 
-def _policy(policy: ast.Policy, scope: Scope) -> ir.Policy:
+def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
     name = policy.name.text
     if policy.domain is not None:
         seeker = scope.bind("agent", ir.Member(name="agent", who="agent"))
         built, _ = domain(policy.domain, seeker)
         return ir.Policy(name="seek", domain=built, origin=policy.span)
+    if name in game.policies and not policy.actions:
+        return ir.Policy(name="scripted", scripted=name, origin=policy.span)
     if name not in ("random", "never") or (name == "never") != bool(policy.actions):
-        raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND"), "the policies")
+        raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND", *game.policies), "the policies")
     actions = tuple(action_number(a, scope) for a in policy.actions)
     return ir.Policy(name=name, actions=actions, origin=policy.span)  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ from sjdsl.compiler.ir.implications import Fact, facts
 from sjdsl.compiler.ir.types import describe, is_number
 from sjdsl.near_names import nearest
 
-Part = Literal["phase", "start", "blocks", "forbid", "observe", "metrics", "checks", "look"]
+Part = Literal["phase", "start", "blocks", "forbid", "observe", "metrics", "checks", "look", "policy"]
 
 
 class Declared(NamedTuple):

@@ -3,13 +3,15 @@
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Shape
-from sjdsl.compiler.ir.node import INSTANCE, Node, TurnNode, Type
+from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
 from sjdsl.compiler.ir.statements import Stmt
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Turn: TypeAlias = "Phase | Tick"
+    PolicyRule: TypeAlias = "Act | Go | Aim"
 else:
     Turn = Annotated[TurnNode, INSTANCE]
+    PolicyRule = Annotated[PolicyRuleNode, INSTANCE]
 
 
 class Size(Node):
@@ -182,15 +184,65 @@ class Check(Node):
 
 
 class Policy(Node):
-    """`random`; `never` the action numbers; `seek` the nearest member of the domain."""
+    """Of `expect`: `random`; `never` the action numbers; `seek` the nearest member of the domain; or `scripted`, the one of that name."""
 
-    name: Literal["random", "never", "seek"]
+    name: Literal["random", "never", "seek", "scripted"]
     actions: tuple[int, ...] = ()
     domain: Domain | None = None
+    scripted: str = ""
+
+
+class Act(PolicyRuleNode):
+    """Take an action, by its number, where the condition over Member `agent`, who acts, holds."""
+
+    condition: Expr
+    action: int
+
+
+class Go(PolicyRuleNode):
+    """Walk to the nearest member of the domain, through none of those avoided; both may speak of `agent`."""
+
+    domain: Domain
+    avoided: Domain | None = None
+
+
+class Aim(PolicyRuleNode):
+    """Walk and turn until a member of the domain is in the shape, then take an action. `shape` names one of the game's or its policies'."""
+
+    shape: str
+    domain: Domain
+    avoided: Domain | None = None
+    action: int
+
+
+class ScriptedPolicy(Node):
+    """How an agent plays: the first rule that applies acts; it stays if none does."""
+
+    name: str
+    title: str = ""
+    rules: tuple[PolicyRule, ...]
+
+
+class Slots(Node):
+    """So many agents of a scenario, and their policy: `random`, `stay` or one of the game's; empty for those that are evaluated."""
+
+    number: int
+    policy: str = ""
+
+
+class Scenario(Node):
+    """A line-up of agents that are evaluated (focal) and others that play fixed policies."""
+
+    name: str
+    title: str = ""
+    slots: tuple[Slots, ...]
 
 
 class Game(Node):
-    """A whole game, one variant of it: what the passes rewrite, the interpreter runs and the lowering reads."""
+    """A whole game, one variant of it: what the passes rewrite, the interpreter runs and the lowering reads.
+
+    `policy_shapes`: those that its policies speak of and no rule does.
+    """
 
     name: str
     title: str
@@ -216,3 +268,9 @@ class Game(Node):
     measures: tuple[Measure, ...] = ()
     checks: tuple[Check, ...] = ()
     looks: tuple[Look, ...] = ()
+    policies: tuple[ScriptedPolicy, ...] = ()
+    policy_shapes: tuple[Shape, ...] = ()
+    scenarios: tuple[Scenario, ...] = ()
+
+
+BESIDE_THE_RULES = ("looks", "policies", "policy_shapes", "scenarios")  # parts of a game that no rule reads

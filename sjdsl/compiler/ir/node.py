@@ -48,6 +48,10 @@ class TurnNode(Node):
     """One place of the schedule."""
 
 
+class PolicyRuleNode(Node):
+    """One rule of a scripted policy."""
+
+
 class Type(BaseModel):
     """What values an expression has.
 

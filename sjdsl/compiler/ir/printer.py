@@ -131,6 +131,11 @@ def game(g: ir.Game, positions: bool = False, names: Mapping[str, str] | None = 
     return "\n".join(_lines(g, "game", 0, positions, names or {})) + "\n"
 
 
+def node(value: ir.Node) -> str:
+    """Returns any part of the IR as text; two parts of one class are equal if and only if their texts are."""
+    return "\n".join(_lines(value, "node", 0, positions=False, names={})) + "\n"
+
+
 def _lines(value: object, label: str, depth: int, positions: bool, names: Mapping[str, str]) -> Iterator[str]:
     pad = "  " * depth
     match value:

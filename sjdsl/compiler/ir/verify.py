@@ -12,17 +12,17 @@ def verify(game: ir.Game) -> ir.Game:
     """Returns the game if its parts fit together."""
     names = [t.name for t in (game.start, *game.schedule) if isinstance(t, ir.Phase)]
     assert len(set(names)) == len(names), names
-    shapes = {s.name for s in game.shapes}
+    shapes = {s.name for s in (*game.shapes, *game.policy_shapes)}
     kinds = {k.name for k in game.kinds}
     for node in ir.walk(game):
         match node:
-            case ir.Near(shape=shape) | ir.Mark(shape=shape):
+            case ir.Near(shape=shape) | ir.Mark(shape=shape) | ir.Aim(shape=shape):
                 assert shape in shapes, node
             case ir.Member(who="cell"):
                 assert node.kinds and set(node.kinds) <= kinds, node
             case ir.Word():
                 assert node.value in node.type.words, node
-            case ir.Chose(action=action):
+            case ir.Chose(action=action) | ir.Act(action=action) | ir.Aim(action=action):
                 assert 0 <= action < len(game.agents.actions), node
             case ir.Case():
                 assert node.arms, node

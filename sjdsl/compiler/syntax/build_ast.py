@@ -42,7 +42,7 @@ def _token(token: Token, file: str) -> ast.Name | ast.String | str:
 
 CLAUSES = {
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
-    "bind", "inside", "where", "seek", "hidden_on", "body", "badge",
+    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding",
 }  # fmt: skip
 
 RULES: dict[str, node_builders.Build] = {
@@ -128,6 +128,12 @@ RULES: dict[str, node_builders.Build] = {
     "symmetric": node_builders.symmetric,
     "expect": node_builders.expect,
     "policy": node_builders.policy,
+    "scripted": node_builders.scripted,
+    "act": ast.Act,
+    "go": node_builders.with_clauses(ast.Go, avoided="avoiding"),
+    "aim": node_builders.aim,
+    "scenario": node_builders.scenario,
+    "slots": node_builders.optional(ast.Slots, 2),
     "expr": node_builders.binary("or"),
     "and_e": node_builders.binary("and"),
     "negate": node_builders.negate,

@@ -145,6 +145,21 @@ def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
             return ast.Policy(span, first, (), None)
 
 
+def aim(span: Span, *items: Any) -> ast.Aim:
+    (shape, domain, action), clauses = split(items)
+    return ast.Aim(span, shape_ref(shape), domain, clauses.get("avoiding"), action)
+
+
+def scripted(span: Span, *items: Any) -> ast.ScriptedPolicy:
+    (name, *rules), clauses = split(items)
+    return ast.ScriptedPolicy(span, name, clauses.get("title"), tuple(rules))
+
+
+def scenario(span: Span, *items: Any) -> ast.Scenario:
+    (name, *slots), clauses = split(items)
+    return ast.Scenario(span, name, clauses.get("title"), tuple(slots))
+
+
 # ---- statements and who
 
 

@@ -134,6 +134,20 @@ class LookReads(Diagnostic, code="SJ510", title="What `look` may read"):
     what: str
 
 
+class SlotsUnfilled(Diagnostic, code="SJ511", title="A scenario that does not fill its slots"):
+    says = "the slots of the scenario `{name}` add up to {given}, and the game has {agents} agents"
+    hints = ("count from the number of agents: `slots players - 2 policy defector`, where `size players` is that number",)
+    name: str
+    given: int
+    agents: int
+
+
+class NoFocalSlot(Diagnostic, code="SJ512", title="A scenario without a focal agent"):
+    says = "nobody is evaluated in the scenario `{name}`"
+    hints = ("write `slots 1 focal` for those whose policy is evaluated",)
+    name: str
+
+
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):
     says = "not supported yet: {what}"
     what: str

@@ -1,0 +1,81 @@
+"""Elaborates scripted policies and scenarios: the rules by which an agent plays, and the line-ups of focal agents among others.
+
+policy greedy { seek tree where tree.fruit is ripe }   ->   ScriptedPolicy(name="greedy", rules=(Go(...),))
+"""
+
+from typing import assert_never
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.elaborate import shapes
+from sjdsl.compiler.elaborate.domains import domain
+from sjdsl.compiler.elaborate.lookup import action_number
+from sjdsl.compiler.elaborate.scope import Scope, Static
+
+WITHOUT_RULES = ("random", "stay")  # policies that every game has
+OF_EXPECT = ("never", "seek")
+
+
+def policies(game: Composition, static: Static, problems: Problems) -> tuple[ir.ScriptedPolicy, ...]:
+    """Returns the policies of a game, their rules typed."""
+    scope = Scope(static, problems, part="policy").bind("agent", ir.Member(name="agent", who="agent"))
+    found = []
+    for policy in game.policies.values():
+        with problems.survive():
+            if policy.name.text in (*WITHOUT_RULES, *OF_EXPECT):
+                raise problems.fail(errors.NameTaken(policy.name.span, name=policy.name.text, what="a policy of the language"))
+            rules = tuple(_rule(rule, scope) for rule in policy.rules)
+            title = "" if policy.title is None else policy.title.text
+            found.append(ir.ScriptedPolicy(name=policy.name.text, title=title, rules=rules, origin=policy.name.span))
+    return tuple(found)
+
+
+def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
+    match rule:
+        case ast.Act():
+            return ir.Act(condition=scope.condition(rule.condition), action=action_number(rule.action, scope), origin=rule.span)
+        case ast.Go():
+            return ir.Go(domain=domain(rule.domain, scope)[0], avoided=_avoided(rule, scope), origin=rule.span)
+        case ast.Aim():
+            shape = shapes.used(rule.shape, scope).name
+            sought, avoided = domain(rule.domain, scope)[0], _avoided(rule, scope)
+            return ir.Aim(shape=shape, domain=sought, avoided=avoided, action=action_number(rule.action, scope), origin=rule.span)
+        case _:
+            assert_never(rule)
+
+
+def _avoided(rule: ast.Go | ast.Aim, scope: Scope) -> ir.Domain | None:
+    return None if rule.avoided is None else domain(rule.avoided, scope)[0]
+
+
+def scenarios(game: Composition, static: Static, problems: Problems, own_number: bool) -> tuple[ir.Scenario, ...]:
+    """Returns the scenarios of a game.
+
+    Args:
+      own_number: whether the number of agents is the file's. If a caller has chosen another, a scenario that it does not fill is kept:
+        who plays it is told.
+    """
+    scope, found = Scope(static, problems), []
+    for scenario in game.scenarios.values():
+        with problems.survive():
+            slots = tuple(_slots(part, game, scope) for part in scenario.slots)
+            name, total = scenario.name.text, sum(part.number for part in slots)
+            if own_number and (total != static.num_agents or any(part.number < 0 for part in slots)):
+                raise problems.fail(errors.SlotsUnfilled(scenario.name.span, name=name, given=total, agents=static.num_agents))
+            if not any(not part.policy and (part.number or not own_number) for part in slots):
+                raise problems.fail(errors.NoFocalSlot(scenario.name.span, name=name))
+            title = "" if scenario.title is None else scenario.title.text
+            found.append(ir.Scenario(name=name, title=title, slots=slots, origin=scenario.name.span))
+    return tuple(found)
+
+
+def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
+    number = int(scope.fixed(part.number, "a number of slots"))
+    if part.policy is None:
+        return ir.Slots(number=number, origin=part.span)
+    known = (*game.policies, *WITHOUT_RULES)
+    if part.policy.text not in known:
+        raise scope.problems.unknown(part.policy, known, "the policies")
+    return ir.Slots(number=number, policy=part.policy.text, origin=part.span)

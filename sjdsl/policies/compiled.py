@@ -1,0 +1,167 @@
+"""Scripted policies as JAX functions of the true state: the first rule that applies to an agent is the one it follows."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, shape_named
+from sjdsl.policies.declared import declared_policies
+from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
+from sjdsl.policies.poses import is_headed, visible_from
+from sjdsl.runtime.env import Environment
+from sjdsl.runtime.path_search import board, contains, destination, first_moves, moves_of, shifted
+from sjdsl.runtime.policy import MemoryPolicy
+from sjdsl.runtime.random_bits import below, key_words, random_bits_at
+
+HALF = 1 << 31  # a 32-bit number is below it with probability one half
+
+
+def scripted_policy(env: Any, name: str) -> MemoryPolicy:
+    """Returns a policy that the game's file declares.
+
+    It reads the state, not the observation, and needs no memory. One compilation serves all agents.
+
+    Args:
+      env: a `sjdsl.Environment`, or what passes its attributes on.
+    Raises:
+      KeyError: the game has no policy of that name. NotSupported: the compiler cannot say exactly what it reads.
+    """
+    choose = make_chooser(env, declared_policies(env)[name])
+
+    def act(memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
+        del observation
+        bits = random_bits_at(key_words(key), 0, jnp.arange(2 * env.num_agents, dtype=jnp.uint32)).reshape(env.num_agents, 2)
+        return memory, choose(state, bits)
+
+    return MemoryPolicy((), act, reads_state=True)
+
+
+class Chooser:
+    """What the agents of one policy do in a state."""
+
+    def __init__(self, env: Environment, policy: ir.ScriptedPolicy):
+        """Raises NotSupported."""
+        self._env = env
+        self._game: ir.Game = env.game
+        lowered = lower_policy(policy, self._game)
+        self._rules, self._pad = lowered.rules, lowered.pad
+        self._stay = self._game.agents.actions.index("stay")
+        self._moves = moves_of(self._game.agents.actions, self._game.agents.relative, open_cells(self._game))
+        self._shape = self._moves.open.shape
+
+    def __call__(self, state: Any, bits: Array) -> Array:
+        """Returns an action for each agent, `[N]` int32.
+
+        Args:
+          bits: `[N, 2]` uint32, two random numbers for each agent.
+        """
+        row, col = self._env.cells(state)
+        here = (state.heading, row, col)
+        present = state.position != 0
+        read = self._reframed(state)
+        actions = jnp.full(self._env.num_agents, self._stay, jnp.int32)
+        undecided = present
+        for rule in self._rules:
+            applies, chosen = self._follow(rule, read, here, present, undecided, bits)
+            actions = jnp.where(undecided & applies, chosen, actions)
+            undecided = undecided & ~applies
+        return actions
+
+    def _follow(
+        self, lowered: LoweredRule, state: Any, here: tuple[Array, Array, Array], present: Array, wanted: Array, bits: Array
+    ) -> tuple[Array, Array]:
+        """Returns to which agents a rule applies, `[N]` bool, and what they do by it, `[N]` int32."""
+        rule, params = lowered.rule, self._env.params
+        if isinstance(rule, ir.Act):
+            assert lowered.condition is not None
+            return lowered.condition(state, params), jnp.full_like(here[0], rule.action)
+        if lowered.sought is None:
+            return jnp.zeros_like(wanted), jnp.zeros_like(here[0])
+        members = self._board(lowered.sought, state)
+        enterable = board(jnp.asarray(self._moves.open))[None]
+        if lowered.avoided is not None:
+            closed = self._board(lowered.avoided, state)
+            enterable = enterable & (~closed | members if isinstance(rule, ir.Go) else ~closed)
+        if isinstance(rule, ir.Go):
+            turns = 4 if self._moves.turns_matter else 1
+            goals, done = jnp.repeat(members[:, None], turns, axis=1), self._stay
+        else:
+            goals, done = self._poses(rule, members), rule.action
+        arrived, found, best = first_moves(self._moves, goals, enterable, here, wanted)
+        walks = self._walk(best, enterable, here, present, bits)
+        return found, jnp.where(arrived, done, walks)
+
+    def _walk(self, best: Array, enterable: Array, here: tuple[Array, Array, Array], present: Array, bits: Array) -> Array:
+        """Returns the moves; where another agent stands in the way, half of them are drawn from those that enter nothing that is avoided."""
+        heading, row, col = here
+        places = [self._leads_to(number, heading, row, col) for number in range(len(self._moves.actions))]
+        rows, cols = (jnp.stack([place[axis] for place in places], axis=-1) for axis in (0, 1))
+        may = self._may_enter(rows, cols, enterable) | ((rows == row[:, None]) & (cols == col[:, None]))
+        to_row, to_col = (jnp.take_along_axis(x, best[:, None], axis=1) for x in (rows, cols))
+        others = present[None] & ~jnp.eye(row.shape[0], dtype=bool)
+        blocked = jnp.any((to_row == row[None]) & (to_col == col[None]) & others, axis=1)
+        drawn = jnp.argmax(jnp.cumsum(may, axis=1) > below(bits[:, 0], jnp.sum(may, axis=1))[:, None], axis=1)
+        move = jnp.where(blocked & (bits[:, 1] < jnp.uint32(HALF)), drawn.astype(jnp.int32), best)
+        return jnp.asarray(self._moves.actions, jnp.int32)[move]
+
+    def _leads_to(self, number: int, heading: Array, row: Array, col: Array) -> tuple[Array, Array]:
+        step = self._moves.steps[number]
+        return (row, col) if step is None else destination(self._moves, step, heading, row, col)
+
+    def _may_enter(self, rows: Array, cols: Array, enterable: Array) -> Array:
+        """Returns which cells `[N, M]` may be entered by the agents."""
+        which = jnp.arange(rows.shape[0]) if enterable.shape[0] > 1 else jnp.zeros(rows.shape[0], jnp.int32)
+        return contains(enterable, jnp.broadcast_to(which[:, None], rows.shape), rows, cols)
+
+    def _board(self, cells: Cells, state: Any) -> Array:
+        """Returns the cells of members as boards, `[N or 1, H, L]`."""
+        height, width = self._shape
+        if cells.numbers is not None:
+            (members,) = _as_tuple(cells.read(state, self._env.params))
+            padded = jnp.concatenate([members, jnp.zeros((members.shape[0], 1), bool)], axis=1)
+            return board(padded[:, jnp.asarray(cells.numbers)].reshape(-1, height, width))
+        members, at = cells.read(state, self._env.params)
+        row = jnp.arange(members.shape[0])[:, None]
+        full = jnp.zeros((members.shape[0], height * width), bool).at[row, jnp.where(members, at, height * width)].set(True, mode="drop")
+        return board(full.reshape(-1, height, width))
+
+    def _poses(self, rule: ir.Aim, members: Array) -> Array:
+        """Returns where, and with which heading, an agent has a member in the shape: `[K, P, H, L]` boards."""
+        game = self._game
+        shape = shape_named(game.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}), rule.shape)
+        planes = 4 if is_headed(shape) or self._moves.turns_matter else 1
+        found = []
+        for heading in range(planes):
+            poses = jnp.zeros_like(members)
+            for (rows, cols), seen in visible_from(game, shape, heading):
+                poses = poses | (shifted(members, -rows, -cols, self._shape[1]) & board(jnp.asarray(seen))[None])
+            found.append(poses)
+        return jnp.stack(found, axis=1)
+
+    def _reframed(self, state: Any) -> Any:
+        """Returns the state with positions in the frame that the rules read; shapes of policies can reach further than those of rules."""
+        module = self._env.module
+        if self._pad == module.PAD:
+            return state
+        row, col = self._env.cells(state)
+        cols = self._shape[1] + 2 * self._pad
+        return state.replace(position=jnp.where(state.position == 0, 0, (row + self._pad) * cols + col + self._pad))
+
+
+def make_chooser(env: Environment, policy: ir.ScriptedPolicy) -> Chooser:
+    """Returns what the agents of a policy do in a state of `env`. Raises NotSupported."""
+    return Chooser(env, policy)
+
+
+def open_cells(game: ir.Game) -> np.ndarray:
+    """Returns which cells agents can ever enter, `[H, W]` bool; those that block under a condition are among them."""
+    kinds = kinds_by_glyph(game)
+    closed = {kind.name for kind in game.kinds if blocks_always(kind)}
+    return np.array([[kinds[glyph] not in closed for glyph in row] for row in game.rows])
+
+
+def _as_tuple(value: Any) -> tuple[Array, ...]:
+    return value if isinstance(value, tuple) else (value,)

@@ -1,0 +1,153 @@
+"""Scripted policies on the interpreter: what an agent does in a state, by the first rule that applies, with two random numbers."""
+
+from collections import deque
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import NamedTuple
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import blocks_always
+from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.evaluate import evaluate, members_of
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.shapes import FORWARD, lanes_from
+from sjdsl.interpreter.state import Cell, World
+
+TURNED = {"turn_left": -1, "turn_right": 1}
+STEPPED = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
+
+
+class Pose(NamedTuple):
+    """Where an agent stands, and its heading."""
+
+    cell: Cell
+    heading: int
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """The cells that agents can ever enter, the names of the moves by the numbers of their actions, and the poses before each pose."""
+
+    board: Board
+    open: frozenset[Cell]
+    moves: dict[int, str]
+    before: dict[Pose, list[Pose]] = field(default_factory=dict)
+
+    def after(self, move: str, pose: Pose) -> Pose:
+        """Returns where a move leads, whether or not the cell can be entered."""
+        if move in TURNED:
+            return Pose(pose.cell, (pose.heading + TURNED[move]) % 4)
+        turned = pose.heading if self.board.game.agents.relative else 0
+        rows, cols = FORWARD[(turned + STEPPED[move]) % 4]
+        return Pose(Cell(pose.cell.row + rows, pose.cell.col + cols), pose.heading)
+
+
+@lru_cache(maxsize=16)
+def _ground_of(board: Board) -> Ground:
+    actions = board.game.agents.actions
+    moves = {number: name for number, name in enumerate(actions) if name in TURNED or name in STEPPED}
+    open_ = frozenset(cell for cell, kind in board.kind_of.items() if not blocks_always(board.kinds[kind]))
+    ground = Ground(board, open_, moves)
+    for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
+        for move in moves.values():
+            ground.before.setdefault(ground.after(move, pose), []).append(pose)
+    return ground
+
+
+def choose(policy: ir.ScriptedPolicy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]) -> int:
+    """Returns the number of the action that an agent takes.
+
+    Args:
+      bits: two random 32-bit numbers, used only where another agent stands in the way.
+    """
+    board = board_of(game)
+    stay = game.agents.actions.index("stay")
+    here = Instance(board, world, names={"agent": agent})
+    cell = world.position[agent]
+    if cell is None:
+        return stay
+    for rule in policy.rules:
+        match rule:
+            case ir.Act():
+                if evaluate(rule.condition, here):
+                    return rule.action
+            case ir.Go() | ir.Aim():
+                taken = _towards(rule, here, Pose(cell, world.heading[agent]), bits, stay)
+                if taken is not None:
+                    return taken
+    return stay
+
+
+def _towards(rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, int], stay: int) -> int | None:
+    """Returns the action by which a rule is followed; None if it does not apply, for no path leads to a goal."""
+    ground = _ground_of(here.board)
+    members = set(_cells_of(rule.domain, here))
+    closed = set() if rule.avoided is None else set(_cells_of(rule.avoided, here))
+    if isinstance(rule, ir.Go):
+        enterable = ground.open - (closed - members)
+        goals = {Pose(cell, heading) for cell in members for heading in range(4)}
+        done = stay
+    else:
+        enterable = ground.open - closed
+        goals = set(_poses(rule, members, ground))
+        done = rule.action
+    if pose in goals:
+        return done
+    distance = _distances(ground, goals, enterable)
+    if pose not in distance:
+        return None
+    return _move(ground, pose, distance, enterable, here, bits)
+
+
+def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:
+    for found in members_of(domain, here):
+        cell = here.world.position[found.member] if isinstance(found.member, int) else found.member
+        if cell is not None:
+            yield cell
+
+
+def _poses(rule: ir.Aim, members: Collection[Cell], ground: Ground) -> Iterator[Pose]:
+    """Yields every pose of an agent that has a member in the shape; what blocks the shape under a condition is not considered."""
+    for pose, cells in _reached(ground.board, rule.shape).items():
+        if not cells.isdisjoint(members):
+            yield pose
+
+
+@lru_cache(maxsize=16)
+def _reached(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
+    """Returns the cells of a shape that are reached from each pose."""
+    shape = board.shapes[name]
+
+    def stops(cell: Cell) -> bool:
+        return blocks_always(board.kinds[board.kind_of[cell]], name)
+
+    found = {}
+    for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
+        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.kind_of.__contains__, stops)
+        found[pose] = frozenset(seen.cell for lane in lanes for seen in lane)
+    return found
+
+
+def _distances(ground: Ground, goals: Collection[Pose], enterable: Collection[Cell]) -> dict[Pose, int]:
+    """Returns how many moves it takes from each pose to a goal, of those from which one can be reached."""
+    distance = dict.fromkeys(goals, 0)
+    waiting = deque(goals)
+    while waiting:
+        pose = waiting.popleft()
+        for earlier in ground.before.get(pose, ()):
+            if earlier not in distance and (earlier.cell == pose.cell or pose.cell in enterable):
+                distance[earlier] = distance[pose] + 1
+                waiting.append(earlier)
+    return distance
+
+
+def _move(ground: Ground, pose: Pose, distance: dict[Pose, int], enterable: Collection[Cell], here: Instance, bits: tuple[int, int]) -> int:
+    """Returns the first of the moves that lead nearest; where another agent stands in the way, one of all moves half of the time."""
+    ways = {number: ground.after(name, pose) for number, name in ground.moves.items()}
+    ways = {number: after for number, after in ways.items() if after.cell == pose.cell or after.cell in enterable}
+    best = min((number for number, after in ways.items() if after in distance), key=lambda number: (distance[ways[number]], number))
+    others = [cell for other, cell in enumerate(here.world.position) if other != here.names["agent"]]
+    if ways[best].cell not in others or bits[1] >= 1 << 31:
+        return best
+    return list(ways)[bits[0] * len(ways) >> 32]

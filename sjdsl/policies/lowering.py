@@ -1,0 +1,147 @@
+"""Lowers what the rules of a policy read, conditions and domains, to functions of the compiled state.
+
+ir.ScriptedPolicy -> for each of its rules functions `(state, params) -> arrays`
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.emit.expressions import text
+from sjdsl.compiler.emit.statements import function_lines
+from sjdsl.compiler.ir.game import BESIDE_THE_RULES
+from sjdsl.compiler.ir.names import KERNELS
+from sjdsl.compiler.lower import NotSupported, new_module, state_reads
+from sjdsl.compiler.lower.axes import TRUE, Value, iota, spread
+from sjdsl.compiler.lower.domains import enter, is_empty
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
+from sjdsl.compiler.lower.writer import Module, Writer
+from sjdsl.compiler.optimise import optimise
+from sjdsl.compiler.program import Function
+from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal
+from sjdsl.runtime import geometry
+
+Read = Callable[[Any, Any], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """The cells of the members of a domain, for each agent that acts or, with one row, for all alike.
+
+    read: (state, params) -> members `[N or 1, M]` bool, and their cells `[N or 1, M]` int32, `row * width + column` of the map.
+    numbers: where the members are all cells of some kinds, the number among them of each cell of the map, `[H * W]` int32, past their end for
+    others; then `read` gives the members alone.
+    """
+
+    read: Read
+    numbers: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredRule:
+    """A rule with functions of the state: `condition` gives `[N]` bool; `sought`, `avoided` are None where there can be none."""
+
+    rule: ir.PolicyRule
+    condition: Read | None = None
+    sought: Cells | None = None
+    avoided: Cells | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredPolicy:
+    """Rules in order, and the padding of the frame in which they read positions."""
+
+    rules: tuple[LoweredRule, ...]
+    pad: int
+
+
+def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
+    """Returns the functions of a policy. Raises NotSupported for what the compiler cannot say exactly."""
+    rules = optimise(game.model_copy(update=dict.fromkeys(BESIDE_THE_RULES, ())))
+    module = new_module(rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}))
+    texts: list[str] = []
+    waiting: list[tuple[ir.PolicyRule, Any]] = []
+
+    def function(w: Writer) -> str:
+        name = f"read_{len(texts)}"
+        arguments = (("state", "object"), ("params", "object"))
+        texts.append("\n".join(function_lines(Function(name, arguments, "object", "", tuple(w.body)))))
+        return name
+
+    def cells(domain: ir.Domain | None) -> tuple[str, np.ndarray | None] | None:
+        if domain is None:
+            return None
+        w = Writer(module)
+        if is_empty(domain, w):
+            return None
+        numbers = _write_members(domain, module, w)
+        return function(w), numbers
+
+    for rule in policy.rules:
+        match rule:
+            case ir.Act():
+                w = Writer(module)
+                scope = _of_agents(w)
+                w.give_back(spread(w.value(rule.condition, scope), scope.axes))
+                waiting.append((rule, function(w)))
+            case ir.Go() | ir.Aim():
+                waiting.append((rule, (cells(rule.domain), cells(rule.avoided))))
+    names = namespace(module)
+    exec("\n".join(texts), names)
+    found = []
+    for rule, parts in waiting:
+        if isinstance(rule, ir.Act):
+            found.append(LoweredRule(rule, condition=names[parts]))
+        else:
+            sought, avoided = (None if part is None else Cells(names[part[0]], part[1]) for part in parts)
+            found.append(LoweredRule(rule, sought=sought, avoided=avoided))
+    return LoweredPolicy(tuple(found), module.layout.pad)
+
+
+def _of_agents(w: Writer) -> IterationScope:
+    axis = w.axis("agent", w.module.agents)
+    return IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
+
+
+def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray | None:
+    """Writes what a function of the members gives back; returns `Cells.numbers`."""
+    outer = _of_agents(w)
+    inner = enter(domain, outer, w)
+    added = tuple(axis for axis in inner.axes if axis not in outer.axes)
+    if len(added) > 1:
+        raise NotSupported("a domain of several axes in a policy", domain.origin)
+    member = inner.variables[domain.var.name]
+    mask = inner.mask or TRUE
+    whole = isinstance(member, CellVar) and member.axis is not None
+    at = None if whole else _map_cells(member, module, w)
+    depends = any(axis in value.axes for value in (mask, *([] if at is None else [at])) for axis in outer.axes)
+    axes = (*outer.axes, *added) if depends else added
+    number = Literal(module.num_agents if depends else 1)
+    results = [Call(Attribute(spread(value, axes), "reshape"), (number, Literal(-1))) for value in (mask, *([] if at is None else [at]))]
+    w.give_back(*results)
+    if not whole:
+        return None
+    rows = module.layout.map
+    return geometry.site_numbers(rows, 0, geometry.cells_of(rows, 0, module.layout.glyphs(domain.var.kinds)))
+
+
+def _map_cells(member: AgentVar | CellVar, module: Module, w: Writer) -> Value:
+    at = state_reads.cell(member, w) if isinstance(member, CellVar) else state_reads.position(member, w)
+    pad, cols = Literal(module.layout.pad), Literal(module.layout.cols)
+    row, col = (Binary("-", Binary(op, at.node, cols), pad) for op in ("//", "%"))
+    return replace(at, node=Binary("+", Binary("*", row, Literal(module.layout.width)), col))
+
+
+def namespace(module: Module) -> dict[str, Any]:
+    """Returns the names that functions of a module use: kernels, its constants and its numbers."""
+    names: dict[str, Any] = {"jnp": jnp}
+    for home, kernels in KERNELS.items():
+        names |= {kernel: getattr(import_module(home), kernel) for kernel in kernels}
+    names |= {"NUM_AGENTS": module.num_agents, "MAP": module.layout.map, "PAD": module.layout.pad}
+    exec("\n".join(f"{c.name} = {text(c.value)}" for c in module.constants.values()), names)
+    return names | {n.name: n.value for n in module.numbers.values()}
