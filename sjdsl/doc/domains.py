@@ -9,18 +9,18 @@ from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import article, code, joined, variable
 
 
-def members(d: ir.Domain, v: Vocabulary, plural: bool = False, place: bool = True) -> str:
+def members(d: ir.Domain, v: Vocabulary, plural: bool = False, restriction: bool = True) -> str:
     """Returns the members of a domain: `soil cell whose fruit is none and that lies in the disc(1) around the soil cell`.
 
     Args:
       plural: `soil cells that lie ...`.
-      place: whether to say where they are looked for; `nearest` says it elsewhere.
+      restriction: whether to say where they are looked for; `nearest` says it elsewhere.
     """
-    if isinstance(d.place, ir.Among) and place:
-        return _among(d, d.place, v, plural)
+    if isinstance(d.restriction, ir.Among) and restriction:
+        return _among(d, d.restriction, v, plural)
     own, under, rest = _clauses(d, v)
-    if d.place is not None and place:
-        own.append(_lies(d.place, v, plural, d.var.who == "agent"))
+    if d.restriction is not None and restriction:
+        own.append(_lies(d.restriction, v, plural, d.var.who == "agent"))
     if d.on is not None:
         cell = v.named(d.on)
         own.append(" ".join([f"that {'each stand' if plural else 'stands'} on {article(cell)}", *under]))
@@ -29,10 +29,10 @@ def members(d: ir.Domain, v: Vocabulary, plural: bool = False, place: bool = Tru
     return " ".join([v.named(d.var, plural), joined(own)] if own else [v.named(d.var, plural)])
 
 
-def _among(d: ir.Domain, place: ir.Among, v: Vocabulary, plural: bool) -> str:
+def _among(d: ir.Domain, restriction: ir.Among, v: Vocabulary, plural: bool) -> str:
     """Returns a choice among named variables; they are listed at once."""
     own, under, rest = _clauses(d, v)
-    listed = joined(v.refer(m) for m in place.members)
+    listed = joined(v.refer(m) for m in restriction.members)
     noun = v.noun(d.var) + ("s" if plural else "")
     called = f"{noun} {variable(d.var.name)}, standing for {listed} in turn"
     on = [] if d.on is None else [" ".join([f"that stands on {v.a_cell(d.on.kinds)} called {variable(d.on.name)}", *under])]
@@ -95,20 +95,20 @@ def _is(e: ir.Expr | None, member: ir.Member) -> bool:
     return isinstance(e, ir.Member) and e.name == member.name
 
 
-def _lies(place: ir.Place, v: Vocabulary, plural: bool, is_agent: bool) -> str:
-    match place:
+def _lies(restriction: ir.Restriction, v: Vocabulary, plural: bool, is_agent: bool) -> str:
+    match restriction:
         case ir.Near():
             verb = "stand" if is_agent else "lie"
-            return f"that {verb}{'' if plural else 's'} in {shape_of(place.shape, place.anchor, v)}"
+            return f"that {verb}{'' if plural else 's'} in {shape_of(restriction.shape, restriction.anchor, v)}"
         case ir.InAgents():
-            what = value(place.value, v)
-            if place.value.type.kind == "agents":
+            what = value(restriction.value, v)
+            if restriction.value.type.kind == "agents":
                 return f"that {'are' if plural else 'is'} among {what}"
             return f"that {'are' if plural else 'is'} {what}"
         case ir.Among():
-            return f"that {'are' if plural else 'is'} one of {joined((v.refer(m) for m in place.members), 'or')}"
+            return f"that {'are' if plural else 'is'} one of {joined((v.refer(m) for m in restriction.members), 'or')}"
         case _:
-            assert_never(place)
+            assert_never(restriction)
 
 
 def shape_of(shape: str, anchor: ir.Member, v: Vocabulary) -> str:
@@ -118,6 +118,6 @@ def shape_of(shape: str, anchor: ir.Member, v: Vocabulary) -> str:
 
 
 def nearest(d: ir.Domain, v: Vocabulary) -> tuple[str, str]:
-    """Returns the members of a `first`, without the place, and the place alone."""
-    assert isinstance(d.place, ir.Near)
-    return members(d, v, place=False), shape_of(d.place.shape, d.place.anchor, v)
+    """Returns the members of a `first`, without the restriction, and the restriction alone."""
+    assert isinstance(d.restriction, ir.Near)
+    return members(d, v, restriction=False), shape_of(d.restriction.shape, d.restriction.anchor, v)

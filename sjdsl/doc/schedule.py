@@ -42,5 +42,5 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
 
 def _written(target: ir.Expr, v: Vocabulary) -> str:
     read = written_field(target)
-    owner = f"{v.kinds(read.kinds)} cells" if read.place == "cell" else {"agent": "agents", "world": "the world"}[read.place]
+    owner = f"{v.kinds(read.kinds)} cells" if read.held_by == "cell" else {"agent": "agents", "world": "the world"}[read.held_by]
     return f"{code(read.name)} of {owner}"

@@ -110,7 +110,7 @@ def _field(e: ir.FieldRead, here: Instance) -> Value:
         return here.world.fields[e.name]
     owner = evaluate(e.owner, here)
     assert owner is not None, f"`{e.name}` of nobody"
-    if e.place == "agent":
+    if e.held_by == "agent":
         return here.world.agents[e.name][owner]
     return here.world.cells[here.board.kind_of[owner], e.name][here.board.number[owner]]
 
@@ -193,8 +193,8 @@ def members_of(domain: ir.Domain, here: Instance) -> list[Found]:
 
 def nearest_members(domain: ir.Domain, here: Instance) -> list[Found | None]:
     """Returns for each lane of the domain's shape its nearest member, None where there is none."""
-    assert isinstance(domain.place, ir.Near), "only a shape has lanes"
-    return [_first(domain, lane, here) for lane in lanes(domain.place, here)]
+    assert isinstance(domain.restriction, ir.Near), "only a shape has lanes"
+    return [_first(domain, lane, here) for lane in lanes(domain.restriction, here)]
 
 
 def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
@@ -237,41 +237,41 @@ def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:
 
 def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
     if domain.var.who == "agent":
-        return [(agent, agent) for agent in sorted(_agents(domain.place, here)) if is_here(agent, here.world)]
+        return [(agent, agent) for agent in sorted(_agents(domain.restriction, here)) if is_here(agent, here.world)]
     return _cells(domain, here)
 
 
-def _agents(place: ir.Place | None, here: Instance) -> set[int]:
-    match place:
+def _agents(restriction: ir.Restriction | None, here: Instance) -> set[int]:
+    match restriction:
         case None:
             return set(range(here.board.agents))
         case ir.Near():
-            cells = cells_in(place, here)
+            cells = cells_in(restriction, here)
             return {agent for agent, cell in enumerate(here.world.position) if cell in cells}
         case ir.InAgents():
-            return set(agents_in(evaluate(place.value, here)))
+            return set(agents_in(evaluate(restriction.value, here)))
         case ir.Among():
-            return {here.names[m.name] for m in place.members}
+            return {here.names[m.name] for m in restriction.members}
         case _:
-            assert_never(place)
+            assert_never(restriction)
 
 
 def _cells(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
     all_cells = cells_of(here.board, domain.var.kinds)
-    match domain.place:
+    match domain.restriction:
         case None:
             return [(cell, number) for number, cell in enumerate(all_cells)]
         case ir.Near():
-            near = cells_in(domain.place, here)
+            near = cells_in(domain.restriction, here)
             inside = [(cell, number) for cell, number in near.items() if here.board.kind_of[cell] in domain.var.kinds]
             return sorted(inside, key=lambda pair: pair[1])
         case ir.Among():
-            chosen = {here.names[m.name] for m in domain.place.members}
+            chosen = {here.names[m.name] for m in domain.restriction.members}
             return [(cell, number) for number, cell in enumerate(all_cells) if cell in chosen]
         case ir.InAgents():
             raise AssertionError("cells are not members of a set of agents")
         case _:
-            assert_never(domain.place)
+            assert_never(domain.restriction)
 
 
 def _restricted(domain: ir.Domain, member: int | Cell, number: int, here: Instance) -> Found | None:

@@ -21,9 +21,9 @@ def radix(domain: ir.Domain, board: Board) -> int:
     """Returns how many members the domain could have."""
     if domain.var.who == "agent":
         return board.agents
-    match domain.place:
+    match domain.restriction:
         case ir.Near():
-            return shapes.size(board.shapes[domain.place.shape])
+            return shapes.size(board.shapes[domain.restriction.shape])
         case _:
             return len(cells_of(board, domain.var.kinds))
 

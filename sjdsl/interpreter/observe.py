@@ -168,7 +168,7 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
             raise AssertionError(observable)
         case _:
             assert_never(observable.what)
-    field = ir.FieldRead(type=declared.type, owner=owner, place=declared.place, name=observable.field)
+    field = ir.FieldRead(type=declared.type, owner=owner, held_by=declared.held_by, name=observable.field)
     if observable.word is None:
         return field
     inner = declared.type.model_copy(update={"by": declared.type.by[1:]})

@@ -62,7 +62,7 @@ def bring_back(here: Instance, world: World) -> None:
 
 def free_cells(domain: ir.Domain, leaving: set[int], here: Instance) -> list[Cell]:
     """Returns the destination's free cells in reading order. The cells of `leaving` agents are free."""
-    assert domain.place is None, "a destination is not around anything"
+    assert domain.restriction is None, "a destination is not around anything"
     covered = {cell for agent, cell in enumerate(here.world.position) if agent not in leaving}
     cells = cells_of(here.board, domain.var.kinds)
     wanted = [c for c in cells if domain.where is None or evaluate(domain.where, here.only({domain.var.name: c}))]

@@ -98,7 +98,7 @@ def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
         return None
     owner = evaluate(target.owner, here)
     assert owner is not None, f"`{target.name}` of nobody is written"
-    if target.place == "agent":
+    if target.held_by == "agent":
         return "agent", owner
     return here.board.kind_of[owner], here.board.number[owner]
 

@@ -42,7 +42,7 @@ def writes(game: ir.Game) -> Iterator[Part]:
     """Yields what the schedule can write. Agents can be away only if a `send` takes time or an agent is removed."""
     yield STEP
     if any(isinstance(turn, ir.Tick) for turn in game.schedule):
-        yield from (_part(f.place, f.kind, f.name) for f in all_fields(game) if f.timer)
+        yield from (_part(f.held_by, f.kind, f.name) for f in all_fields(game) if f.timer)
     for n in (node for turn in game.schedule for node in ir.walk(turn)):
         yield from written_by(n)
 
@@ -67,7 +67,7 @@ def written_by(n: ir.Node) -> Iterator[Part]:
 
 
 def _field(read: ir.FieldRead) -> Iterator[Part]:
-    yield from (_part(read.place, kind, read.name) for kind in read.kinds or ("",))
+    yield from (_part(read.held_by, kind, read.name) for kind in read.kinds or ("",))
 
 
 def _part(place: str, kind: str, name: str) -> Part:

@@ -27,7 +27,7 @@ def decide(e: ir.Expr) -> bool | None:
 
 def range_of(e: ir.Expr) -> ir.Type:
     """Returns the interval of a number; a count of all cells of a kind is exact."""
-    if isinstance(e, ir.Count) and e.domain.var.who == "cell" and e.domain.place is None and e.domain.where is None:
+    if isinstance(e, ir.Count) and e.domain.var.who == "cell" and e.domain.restriction is None and e.domain.where is None:
         return e.type.model_copy(update={"low": e.type.high})
     return e.type
 

@@ -48,7 +48,7 @@ def _is_fixed(e: ir.Node, game: ir.Game) -> bool:
     """Returns whether an expression has one value throughout an episode."""
     if isinstance(e, ir.Count):
         d = e.domain
-        return d.var.who == "cell" and d.place is None and d.where is None
+        return d.var.who == "cell" and d.restriction is None and d.where is None
     return not isinstance(e, READING) and all(_is_fixed(child, game) for child in ir.children(e))
 
 

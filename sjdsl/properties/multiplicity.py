@@ -24,7 +24,7 @@ def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, i
             case ir.Pick(domain=domain):
                 found[domain.var.name] = min(quantifier.most, _members(domain, board))
             case ir.First(domain=domain):
-                lanes = len(board.shapes[domain.place.shape].lanes) if isinstance(domain.place, ir.Near) else 1
+                lanes = len(board.shapes[domain.restriction.shape].lanes) if isinstance(domain.restriction, ir.Near) else 1
                 found[domain.var.name] = min(lanes, _members(domain, board))
             case ir.Match(left=left, right=right):
                 pairs = min(_members(left, board), _members(right, board))
@@ -45,17 +45,17 @@ def _members(domain: ir.Domain, board: Board) -> int:
     among = board.agents if domain.var.who == "agent" else len(cells_of(board, domain.var.kinds))
     if domain.on is not None:
         among = min(among, len(cells_of(board, domain.on.kinds)))
-    match domain.place:
+    match domain.restriction:
         case None:
             return among
         case ir.Near():
-            return min(among, shapes.size(board.shapes[domain.place.shape]))
+            return min(among, shapes.size(board.shapes[domain.restriction.shape]))
         case ir.InAgents():
-            return 1 if domain.place.value.type.kind == "agent" else among
+            return 1 if domain.restriction.value.type.kind == "agent" else among
         case ir.Among():
-            return min(among, len(domain.place.members))
+            return min(among, len(domain.restriction.members))
         case _:
-            assert_never(domain.place)
+            assert_never(domain.restriction)
 
 
 def most(quantifiers: Sequence[Quantifier], board: Board, without: str | None = None) -> int:

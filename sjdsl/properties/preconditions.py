@@ -210,8 +210,8 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precond
     domains = [n for n in nodes if isinstance(n, ir.Domain)]
     conditions = [part for d in domains if d.where is not None for part in _parts(d.where)]
     conditions += [part for node in leaf.around if node.__class__ is not ir.Domain for part in _parts(node)]
-    within = [d for d in domains if isinstance(d.place, ir.InAgents)]
-    places = [(d.var.name, d.place.value) for d in within if isinstance(d.place, ir.InAgents)]
+    within = [d for d in domains if isinstance(d.restriction, ir.InAgents)]
+    places = [(d.var.name, d.restriction.value) for d in within if isinstance(d.restriction, ir.InAgents)]
     gathers = [(name, gathering.setdefault(id(agents), ir.Not(value=ir.IsEmpty(container=agents)))) for name, agents in places]
     conditions += [gathered for _, gathered in gathers]
     actions: dict[str, tuple[int, ...]] = {}
@@ -229,7 +229,9 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precond
             case _:
                 pass
     reaches = [
-        (d.place.anchor.name, d.place.shape, d.var.name) for d in domains if isinstance(d.place, ir.Near) and d.place.anchor.who == "agent"
+        (d.restriction.anchor.name, d.restriction.shape, d.var.name)
+        for d in domains
+        if isinstance(d.restriction, ir.Near) and d.restriction.anchor.who == "agent"
     ]
     agents = tuple(dict.fromkeys(d.var.name for d in domains if d.var.who == "agent"))
     joins = leaf.statement.value.name if isinstance(leaf.statement, ir.Add) and isinstance(leaf.statement.value, ir.Member) else None
@@ -260,7 +262,7 @@ def _owner(statement: ir.Stmt) -> str | None:
 
 def is_timed(test: ir.Expr, game: ir.Game) -> bool:
     """Returns whether a condition may come to hold by waiting: it reads a timer, who is away, or the number of the step."""
-    timers = {(f.place, f.kind, f.name) for f in all_fields(game) if f.timer}
+    timers = {(f.held_by, f.kind, f.name) for f in all_fields(game) if f.timer}
     read = set(reads(test))
     parts = {(owner, kind, name) if owner == "cell" else (owner, name) for owner, kind, name in timers}
     return bool(read & (parts | {STEP, AWAY}))

@@ -86,7 +86,7 @@ def _numbered(index: ir.Attribute, order: list[int]) -> ir.Case:
 def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
     actions, width = game.agents.actions, len(game.rows[0])
     other = {i: actions.index(SIDES[a]) for i, a in enumerate(actions) if a in SIDES and SIDES[a] in actions}
-    ordered = {n.domain.place.shape for n in ir.walk(game) if isinstance(n, ir.First) and isinstance(n.domain.place, ir.Near)}
+    ordered = {n.domain.restriction.shape for n in ir.walk(game) if isinstance(n, ir.First) and isinstance(n.domain.restriction, ir.Near)}
 
     def rule(node: Any) -> Any:
         match node:

@@ -226,7 +226,7 @@ def _carried(field: ir.VarField, shapes: int) -> FieldLook:
         start = field.type.words.index(str(field.start))
         return FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=usual_words(field, False, shapes), start=start)
     words = field.type.by[0] if field.type.by else (field.name,)
-    row = ir.VarField(name=field.name, place="agent", type=ir.Type(kind="word", words=("nothing", *words)))
+    row = ir.VarField(name=field.name, held_by="agent", type=ir.Type(kind="word", words=("nothing", *words)))
     pictures = usual_words(row, False, shapes)[1:]
     return FieldLook(field.name, attribute, "shape", "number", field.type.by[0] if field.type.by else (), pictures=pictures)
 
@@ -247,4 +247,4 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
 
 def _changes(name: str, game: ir.Game) -> bool:
     written = (written_field(node.target) for turn in game.schedule for node in ir.walk(turn) if isinstance(node, ir.Set | ir.Add))
-    return any((field.place, field.name) == ("agent", name) for field in written)
+    return any((field.held_by, field.name) == ("agent", name) for field in written)

@@ -100,7 +100,7 @@ def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> I
     """Yields the statements that write a field, each with the statements around it."""
     if isinstance(node, ir.Set | ir.Add):
         target = written_field(node.target)
-        if (target.place, target.name) == (field.place, field.name) and (field.place != "cell" or field.kind in target.kinds):
+        if (target.held_by, target.name) == (field.held_by, field.name) and (field.held_by != "cell" or field.kind in target.kinds):
             yield node, around
         return
     for child in ir.children(node):
@@ -112,7 +112,7 @@ def _leaves_none_out(node: ir.Node, field: ir.VarField) -> bool:
     match node:
         case ir.Phase():
             return True
-        case ir.Each(domain=domain) if domain.on is None and domain.place is None:
+        case ir.Each(domain=domain) if domain.on is None and domain.restriction is None:
             reads = [] if domain.where is None else [n for n in ir.walk(domain.where) if isinstance(n, ir.FieldRead)]
             return all(read.name == field.name for read in reads)
         case _:

@@ -75,7 +75,7 @@ def _replaced(value: Any, keys: tuple[int, ...], entry: Any) -> Any:
 
 def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
     """Returns what the values of a field belong to: numbers of agents, (row, column) of cells; None for the world."""
-    match path.declared.place:
+    match path.declared.held_by:
         case "agent":
             return list(range(board.agents))
         case "cell":
@@ -87,7 +87,7 @@ def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
 def read_field(path: FieldPath, world: World) -> Any:
     """Returns the values of a field as written: a list over agents or cells, or the world's one value."""
     values = held_values(path.declared, world)
-    if path.declared.place == "world":
+    if path.declared.held_by == "world":
         return written(_entry(values, path.keys), path.entry_type)
     return [written(_entry(value, path.keys), path.entry_type) for value in values]
 

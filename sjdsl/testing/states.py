@@ -18,7 +18,7 @@ FACINGS: tuple[Facing | None, ...] = ("north", "east", "south", "west", None, "s
 
 def held_values(declared: ir.VarField, world: World) -> Any:
     """Returns the values of a field in the interpreter: a list over cells or agents, or the world's one value."""
-    match declared.place:
+    match declared.held_by:
         case "cell":
             return world.cells[declared.kind, declared.name]
         case "agent":
@@ -30,7 +30,7 @@ def held_values(declared: ir.VarField, world: World) -> Any:
 def stored_values(declared: ir.VarField, world: World) -> Any:
     """Returns the values of a field of the interpreter as the compiled state stores them."""
     values = held_values(declared, world)
-    if declared.place == "world":
+    if declared.held_by == "world":
         return stored(values, declared.type)
     return [stored(value, declared.type) for value in values]
 

@@ -11,9 +11,9 @@ SILENT = {
     "*": {"origin", "type", "stream"},
     "Send": {"pool", "order_stream", "heading_stream"},  # a pool is the destination as written
     "Phase": {"name", "marks"},  # the label as an identifier; the shapes that its sentences mark
-    "FieldRead": {"place", "kinds"},  # follow from the owner
+    "FieldRead": {"held_by", "kinds"},  # follow from the owner
     "Kind": {"glyph"},  # also the first of its glyphs
-    "VarField": {"place", "kind"},  # where it stands
+    "VarField": {"held_by", "kind"},  # where it stands
     "Game": {"variants"},  # their titles are not in the rules
     "Look": {"what", "name"},  # follow from what it is of
     "Narrowed": {"value"},

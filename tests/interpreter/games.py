@@ -52,15 +52,15 @@ def cell(kind: str, name: str | None = None) -> ir.Member:
 
 
 def of_agent(name: str, type_: ir.Type = INT, who: ir.Expr | None = None) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=who or agent(), place="agent", name=name)
+    return ir.FieldRead(type=type_, owner=who or agent(), held_by="agent", name=name)
 
 
 def of_cell(kind: str, name: str, type_: ir.Type, who: ir.Expr | None = None) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=who or cell(kind), place="cell", kinds=(kind,), name=name)
+    return ir.FieldRead(type=type_, owner=who or cell(kind), held_by="cell", kinds=(kind,), name=name)
 
 
 def of_world(name: str, type_: ir.Type = INT) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=None, place="world", name=name)
+    return ir.FieldRead(type=type_, owner=None, held_by="world", name=name)
 
 
 def at(row: ir.Expr, key: str | ir.Expr) -> ir.At:
@@ -131,8 +131,8 @@ def kind(name: str, glyph: str, *fields: ir.VarField, blocks: tuple[ir.Block, ..
     return ir.Kind(name=name, glyph=glyph, fields=fields, blocks=blocks)
 
 
-def var(place: str, name: str, type_: ir.Type = INT, **facts: object) -> ir.VarField:
-    return ir.VarField(place=place, name=name, type=type_, **facts)
+def var(held_by: str, name: str, type_: ir.Type = INT, **facts: object) -> ir.VarField:
+    return ir.VarField(held_by=held_by, name=name, type=type_, **facts)
 
 
 def game(*turns: ir.TurnNode, rows: tuple[str, ...] = ("...",), number_of_agents: int = 1, **facts: object) -> ir.Game:

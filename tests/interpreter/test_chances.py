@@ -119,7 +119,7 @@ def test_a_pick_inside_another_quantifier_has_words_of_its_own_and_so_has_what_i
 
 
 def test_first_happens_once_for_each_lane():
-    friend = g.agents("friend", place=g.near("ray", g.agent()))
+    friend = g.agents("friend", restriction=g.near("ray", g.agent()))
     chance = ir.Chance(branches=(), stream=8)
     game = small(
         g.each(
@@ -161,7 +161,7 @@ def test_match_breaks_ties_by_number_and_pairs_nobody_with_itself():
 
 
 def test_match_with_first_pairs_only_the_nearest():
-    right = g.agents("b", place=g.near("ray", g.agent("a")))
+    right = g.agents("b", restriction=g.near("ray", g.agent("a")))
     body = (set_(g.of_agent("friend", ir.AGENT, g.agent("a")), g.agent("b")),)
     for first, words, expected in (
         (True, {(9, 2): g.LAST, (9, 5): 8}, [None, 2, None]),

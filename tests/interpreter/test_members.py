@@ -69,14 +69,14 @@ def test_members_of_a_field():
     i = here(*PLACES, agent=0)
     i.world.agents["foes"][0], i.world.agents["friend"][0] = frozenset({3, 1}), 2
     foes, friend = g.of_agent("foes", ir.AGENTS), g.of_agent("friend", ir.AGENT)
-    assert found(g.agents("one", place=ir.InAgents(value=foes)), i) == [(1, 1), (3, 3)]
-    assert found(g.agents("one", place=ir.InAgents(value=friend)), i) == [(2, 2)]
+    assert found(g.agents("one", restriction=ir.InAgents(value=foes)), i) == [(1, 1), (3, 3)]
+    assert found(g.agents("one", restriction=ir.InAgents(value=friend)), i) == [(2, 2)]
     i.world.agents["friend"][0] = None
-    assert found(g.agents("one", place=ir.InAgents(value=friend)), i) == []
+    assert found(g.agents("one", restriction=ir.InAgents(value=friend)), i) == []
 
 
 def test_one_of_named_agents_is_one_even_if_named_twice():
-    domain = g.agents("one", place=ir.Among(members=(g.agent("a"), g.agent("b"))))
+    domain = g.agents("one", restriction=ir.Among(members=(g.agent("a"), g.agent("b"))))
     assert found(domain, here(*PLACES, a=3, b=1)) == [(1, 1), (3, 3)]
     assert found(domain, here(*PLACES, a=3, b=3)) == [(3, 3)]
 
@@ -109,32 +109,32 @@ def test_shape_cells_keep_their_numbers_when_others_are_off_the_map():
 
 def test_cells_in_a_shape_are_numbered_by_the_shape():
     i = here((1, 1), (2, 0), (0, 0), (0, 2), agent=0)
-    domain = g.cells("soil", place=g.near("round", g.agent()))
+    domain = g.cells("soil", restriction=g.near("round", g.agent()))
     assert found(domain, i) == [((0, 1), 0), ((1, 0), 1)]
     assert members.radix(domain, i.board) == 4
 
 
 def test_an_undirected_shape_around_a_cell_does_not_turn():
     i = here(*PLACES, soil=Cell(1, 0))
-    domain = g.cells("floor", place=g.near("round", g.cell("soil")))
+    domain = g.cells("floor", restriction=g.near("round", g.cell("soil")))
     assert found(domain, i) == [((0, 0), 0), ((1, 1), 2), ((2, 0), 3)]
 
 
 def test_agents_in_a_shape_keep_their_own_numbers():
     i = here((1, 1), (2, 0), (0, 1), (1, 0), agent=0)
-    domain = g.agents("one", place=g.near("round", g.agent()))
+    domain = g.agents("one", restriction=g.near("round", g.agent()))
     assert found(domain, i) == [(2, 2), (3, 3)]
     assert members.radix(domain, i.board) == 4
 
 
 def test_the_nearest_of_each_lane():
     i = here((2, 1), (1, 1), (0, 1), (2, 2), headings=(0, 0, 0, 0), agent=0)
-    by_lane = nearest_members(g.agents("one", place=g.near("fan", g.agent())), i)
+    by_lane = nearest_members(g.agents("one", restriction=g.near("fan", g.agent())), i)
     assert [m and m.member for m in by_lane] == [1, None, 3]
     not_1 = ir.Not(value=g.is_agent(1, "one"))
-    by_lane = nearest_members(g.agents("one", place=g.near("fan", g.agent()), where=not_1), i)
+    by_lane = nearest_members(g.agents("one", restriction=g.near("fan", g.agent()), where=not_1), i)
     assert [m and m.member for m in by_lane] == [2, None, 3]
-    cells = nearest_members(g.cells("soil", place=g.near("fan", g.agent())), i)
+    cells = nearest_members(g.cells("soil", restriction=g.near("fan", g.agent())), i)
     assert [m and (m.member, m.number) for m in cells] == [(Cell(0, 1), 1), (Cell(1, 0), 3), None]
 
 

@@ -27,7 +27,7 @@ def orchard() -> ir.Game:
         ir.Give(value=g.number(1), receiver=g.agent()),
         ir.Tally(event="eaten", receiver=g.agent()),
     )
-    victims = g.agents("victim", place=g.near("ray", g.agent("zapper")))
+    victims = g.agents("victim", restriction=g.near("ray", g.agent("zapper")))
     fire = g.each(
         g.agents("zapper", where=g.chose(g.ZAP, "zapper")),
         ir.Mark(shape="ray", anchor=g.agent("zapper")),

@@ -48,8 +48,8 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
             case ir.Each():
                 inside = (*around, _digit(statement.domain, board))
             case ir.First():
-                assert isinstance(statement.domain.place, ir.Near)
-                lanes = board.shapes[statement.domain.place.shape].lanes
+                assert isinstance(statement.domain.restriction, ir.Near)
+                lanes = board.shapes[statement.domain.restriction.shape].lanes
                 inside = (*around, Digit("fixed", len(lanes)))
             case ir.Pick():
                 own = _digit(statement.domain, board)
@@ -78,7 +78,7 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
 
 
 def _digit(domain: ir.Domain, board: Board) -> Digit:
-    if domain.var.who == "cell" and isinstance(domain.place, ir.Near):
+    if domain.var.who == "cell" and isinstance(domain.restriction, ir.Near):
         return Digit("fixed", members.radix(domain, board))  # a shape's cells keep their numbers
     return _everybody(domain, board)
 

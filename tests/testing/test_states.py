@@ -19,7 +19,7 @@ GAMES = [*bundled(), HERE / "camp.sj", *sorted((HERE.parent / "differential" / "
 
 
 def path_of(declared: Any) -> str:
-    return {"cell": f"{declared.kind}.", "agent": "agent.", "world": ""}[declared.place] + declared.name
+    return {"cell": f"{declared.kind}.", "agent": "agent.", "world": ""}[declared.held_by] + declared.name
 
 
 def put_again(stage: Stage, world: World) -> World:

@@ -213,5 +213,5 @@ class Domain(Node):
     kind: Name
     bind: Name | None
     on: On | None
-    place: Near | Path | Members | None
+    restriction: Near | Path | Members | None
     where: Expr | None

@@ -41,7 +41,7 @@ def _always_sent(body: tuple[ir.Stmt, ...], agent: int) -> bool:
         match s:
             case ir.Send() if s.after is None and not s.stay:
                 return True
-            case ir.Each(domain=ir.Domain(var=ir.Member(who="agent"), on=None, place=None)):
+            case ir.Each(domain=ir.Domain(var=ir.Member(who="agent"), on=None, restriction=None)):
                 if s.domain.where is None or _decide(s.domain.where, agent) is True:
                     if _always_sent(s.body, agent):
                         return True

@@ -134,7 +134,7 @@ def _choosing(chain: Chain, source: Source) -> Iterator[Change]:
     quantifiers = [s for level in range(len(chain)) if isinstance(s := _at(chain, level), ast.Each)]
     for s in reversed(quantifiers):
         domain, start = _text(source, s.domain.span), s.span.start
-        if isinstance(s.domain.place, ast.Near):
+        if isinstance(s.domain.restriction, ast.Near):
             yield (f"write `first {domain}`, for the nearest alone", ((start, start + len("each"), "first"),))
         yield (f"write `pick 1 {domain}`, for one of them at random", ((start, start + len("each"), "pick 1"),))
     for outer, inner in pairwise(quantifiers):

@@ -148,7 +148,7 @@ def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
 def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
     known = (*_standing(s.domain), *(() if s.domain.where is None else facts(s.domain.where)))
     if isinstance(s, ir.First):
-        single = isinstance(s.domain.place, ir.Near) and around.lanes[s.domain.place.shape] <= 1
+        single = isinstance(s.domain.restriction, ir.Near) and around.lanes[s.domain.restriction.shape] <= 1
     else:
         single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
     inner = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single)), facts=around.facts + known)
@@ -206,7 +206,7 @@ def _field_write(sort: Literal["set", "add"], s: ir.Set | ir.Add, target: ir.Exp
         depends |= _names(target.key, around)
         target = target.row
     assert isinstance(target, ir.FieldRead)
-    written = Target(target.place, target.name, tuple(entries))
+    written = Target(target.held_by, target.name, tuple(entries))
     uncapped = sort == "add" and target.type.kind == "int"
     made = _write(sort, written, target.kinds, target.owner, form(value), depends, s, around)
     return replace(made, bounded=uncapped)
@@ -244,10 +244,10 @@ def is_own(w: Write) -> bool:
             continue
         alone = all(q.single for q in quantifiers)
         domain = None if isinstance(quantifier.statement, ir.Match) else quantifier.statement.domain  # type: ignore[union-attr]
-        place = None if domain is None else domain.place
-        if isinstance(place, ir.Among) and quantifiers and isinstance(quantifiers[-1].statement, ir.Match):
-            names = {m.name for m in place.members}
-        elif place is None or quantifier.single:
+        restriction = None if domain is None else domain.restriction
+        if isinstance(restriction, ir.Among) and quantifiers and isinstance(quantifiers[-1].statement, ir.Match):
+            names = {m.name for m in restriction.members}
+        elif restriction is None or quantifier.single:
             return alone
         else:
             return False

@@ -92,7 +92,7 @@ def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.
                 if (
                     where
                     or isinstance(node, ir.Count | ir.Sum | ir.StandsOn | ir.Chose)
-                    or (isinstance(node, ir.FieldRead) and node.place == "agent" and not isinstance(node.owner, ir.Member))
+                    or (isinstance(node, ir.FieldRead) and node.held_by == "agent" and not isinstance(node.owner, ir.Member))
                 ):
                     raise problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))  # type: ignore[arg-type]
             numbers = tuple(_forbidden(a, scope) for a in forbid.actions) or tuple(range(len(static.actions)))

@@ -64,7 +64,7 @@ def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
     """Returns whether neither the interval, a guard nor a `require` excludes 0."""
     if divisor.type.low > 0 or divisor.type.high < 0:
         return False
-    if isinstance(divisor, ir.Count) and divisor.domain.place is None and divisor.domain.where is None and divisor.domain.on is None:
+    if isinstance(divisor, ir.Count) and divisor.domain.restriction is None and divisor.domain.where is None and divisor.domain.on is None:
         if divisor.domain.var.who == "cell":
             return not any(scope.static.cells.get(k, 0) for k in divisor.domain.var.kinds)
     known = scope.facts_and_requires
@@ -76,7 +76,7 @@ def is_share(left: ir.Expr, right: ir.Expr) -> bool:
     if not (isinstance(left, ir.Count) and isinstance(right, ir.Count)):
         return False
     part, whole = left.domain, right.domain
-    if whole.where is not None or whole.place is not None or whole.on is not None or part.on is not None:
+    if whole.where is not None or whole.restriction is not None or whole.on is not None or part.on is not None:
         return False
     return part.var.who == whole.var.who and set(part.var.kinds) <= set(whole.var.kinds)
 

@@ -39,7 +39,7 @@ def _written_how(e: ir.Expr) -> str:
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
     static = scope.static
-    match field.place:
+    match field.held_by:
         case "world":
             return static.fields[field.name]
         case "agent":

@@ -20,7 +20,7 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
         kinds = kinds_named(d.kind, scope)
         var = ir.Member(name=_own_name(chosen, scope), who="cell", kinds=kinds, origin=d.kind.span)
     check_free(chosen, scope, d.bind is not None)
-    place = None if d.place is None else _place(d.place, var, scope)
+    restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
     inner = scope.bind(chosen.text, var)
     on = None
     if d.on is not None:
@@ -29,7 +29,7 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
     if d.where is not None:
         where = inner.condition(d.where)
         inner = inner.knowing([where])
-    return ir.Domain(var=var, on=on, place=place, where=where, origin=d.span), inner
+    return ir.Domain(var=var, on=on, restriction=restriction, where=where, origin=d.span), inner
 
 
 def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
@@ -64,20 +64,20 @@ def without_variables(scope: Scope, instead: str) -> Scope:
     return replace(scope, variables=fixed, facts=facts, withheld=withheld)
 
 
-def _place(place: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Place:
-    match place:
+def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Restriction:
+    match restriction:
         case ast.Near():
-            return near(place.shape, place.anchor, scope)
+            return near(restriction.shape, restriction.anchor, scope)
         case ast.Members():
-            members = tuple(_variable(name, scope) for name in place.names)
+            members = tuple(_variable(name, scope) for name in restriction.names)
             if any(m.who != var.who for m in members):
-                raise scope.problems.fail(errors.WrongType(place.span, wanted="variables of the same sort", given="a mixture"))
-            return ir.Among(members=members, origin=place.span)
+                raise scope.problems.fail(errors.WrongType(restriction.span, wanted="variables of the same sort", given="a mixture"))
+            return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
-            value = scope.expression(place)
+            value = scope.expression(restriction)
             if var.who != "agent" or (value.type.kind != "agents" and not as_agent(value)):
-                raise wrong_type(scope, place, "a shape of something, or a field that holds agents", value.type)
-            return ir.InAgents(value=value, origin=place.span)
+                raise wrong_type(scope, restriction, "a shape of something, or a field that holds agents", value.type)
+            return ir.InAgents(value=value, origin=restriction.span)
 
 
 def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
@@ -106,12 +106,12 @@ def most_members(d: ir.Domain, scope: Scope) -> int:
     """Returns the most members a domain can have."""
     static = scope.static
     everywhere = static.num_agents if d.var.who == "agent" else sum(static.cells.get(k, 0) for k in d.var.kinds)
-    match d.place:
+    match d.restriction:
         case ir.Near():
-            return min(everywhere, sum(map(len, static.shapes[d.place.shape].lanes)))
+            return min(everywhere, sum(map(len, static.shapes[d.restriction.shape].lanes)))
         case ir.Among():
-            return min(everywhere, len(d.place.members))
-        case ir.InAgents() if d.place.value.type.kind == "agent":
+            return min(everywhere, len(d.restriction.members))
+        case ir.InAgents() if d.restriction.value.type.kind == "agent":
             return 1
         case _:
             return everywhere

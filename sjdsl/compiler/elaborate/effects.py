@@ -96,7 +96,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = agent(s.who, scope)
     # one set of free cells serves all who are sent: the destination cannot depend on who that is
     destination, _ = domain(s.domain, without_variables(scope, _instead_of_variables(s, scope)))
-    if destination.var.who != "cell" or destination.on is not None or destination.place is not None:
+    if destination.var.who != "cell" or destination.on is not None or destination.restriction is not None:
         raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
     after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")
     if after is not None and after.type.low < 0:

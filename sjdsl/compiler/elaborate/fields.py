@@ -11,10 +11,10 @@ from sjdsl.compiler.ir.types import describe, join_units, words
 
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "reward")
 
-Storage = Literal["agent", "cell", "world"]  # what has the field
+Holder = Literal["agent", "cell", "world"]  # what has the field
 
 
-def fields_of(attributes: tuple[object, ...], scope: Scope, place: Storage, kind: str) -> dict[str, ir.VarField]:
+def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: Holder, kind: str) -> dict[str, ir.VarField]:
     """Returns the fields and timers among the attributes of a kind, by name."""
     made: dict[str, ir.VarField] = {}
     for attribute in attributes:
@@ -23,27 +23,27 @@ def fields_of(attributes: tuple[object, ...], scope: Scope, place: Storage, kind
                 scope.problems.add(errors.WrittenTwice(attribute.name.span, what=f"the field `{attribute.name.text}`"))
                 continue
             with scope.problems.survive(scope.static.broken, Declared(attribute.name.text, kind)):
-                made[attribute.name.text] = one_field(attribute, scope, place, kind)
+                made[attribute.name.text] = one_field(attribute, scope, held_by, kind)
     return made
 
 
-def one_field(declared: ast.Field | ast.Timer, scope: Scope, place: Storage, kind: str) -> ir.VarField:
+def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: Holder, kind: str) -> ir.VarField:
     """Returns one field with its type and starting value."""
-    taken = AGENT_ATTRIBUTES if place == "agent" else CELL_ATTRIBUTES if place == "cell" else ()
+    taken = AGENT_ATTRIBUTES if held_by == "agent" else CELL_ATTRIBUTES if held_by == "cell" else ()
     if declared.name.text in taken:
-        what = "a field of the agents" if place == "agent" else "a field of a kind"
-        problem = "every agent has it already" if place == "agent" else "every cell has it already"
+        what = "a field of the agents" if held_by == "agent" else "a field of a kind"
+        problem = "every agent has it already" if held_by == "agent" else "every cell has it already"
         scope.problems.add(errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem))
     name, span = declared.name.text, declared.span
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
-        return ir.VarField(name=name, place=place, kind=kind, type=type_, timer=True, start=0, origin=span)
+        return ir.VarField(name=name, held_by=held_by, kind=kind, type=type_, timer=True, start=0, origin=span)
     type_ = field_type(declared.type, name, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
         type_ = type_.model_copy(update={"by": (tuple(dict.fromkeys(n.text for n in declared.by.names)),)})
     capped = isinstance(declared.type, ast.Range) and declared.type.capped
-    return ir.VarField(name=name, place=place, kind=kind, type=type_, capped=capped, start=start, origin=span)
+    return ir.VarField(name=name, held_by=held_by, kind=kind, type=type_, capped=capped, start=start, origin=span)
 
 
 def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:

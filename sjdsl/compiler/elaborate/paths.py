@@ -56,7 +56,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         return use_define(e.name, (), scope)
     if name in static.fields:
         static.used.add(Declared(name))
-        return ir.FieldRead(type=static.fields[name].type, owner=None, place="world", name=name, origin=e.span)
+        return ir.FieldRead(type=static.fields[name].type, owner=None, held_by="world", name=name, origin=e.span)
     if scope.events_readable and name in static.events:
         return event_total(e, scope)
     if static.is_word(name):
@@ -87,7 +87,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if name.text in static.agent_fields:
         static.used.add(Declared(name.text, "agent"))
         type_ = static.agent_fields[name.text].type
-        return ir.FieldRead(type=type_, owner=owner, place="agent", name=name.text, origin=name.span)
+        return ir.FieldRead(type=type_, owner=owner, held_by="agent", name=name.text, origin=name.span)
     types = {
         "index": integer(0, static.num_agents - 1, "number"),
         "heading": words(HEADINGS),
@@ -126,7 +126,7 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
         static.used.add(Declared(name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
         raise scope.problems.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
-    return ir.FieldRead(type=found[0].type, owner=owner, place="cell", kinds=owner.kinds, name=name.text, origin=name.span)
+    return ir.FieldRead(type=found[0].type, owner=owner, held_by="cell", kinds=owner.kinds, name=name.text, origin=name.span)
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:

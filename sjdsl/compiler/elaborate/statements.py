@@ -172,7 +172,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
         raise scope.problems.fail(errors.Negative(s.number.span, name="the number picked"))  # type: ignore[union-attr]
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_statement(header)
-    if isinstance(s, ast.First) and not isinstance(built.place, ir.Near):
+    if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
         raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
     body = inside(s.block, header, inner, use)
     otherwise: tuple[ir.Stmt, ...] = ()
@@ -221,7 +221,7 @@ def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
     stream = use.streams.of_statement(header)
     left, inner = domain(s.left, scope)
     right, inner = domain(s.right, inner)
-    if s.first and not isinstance(right.place, ir.Near):
+    if s.first and not isinstance(right.restriction, ir.Near):
         raise scope.problems.fail(
             errors.WrongType(s.right.span, wanted="`in SHAPE of x` after `with first`", given="a domain without a shape")
         )

@@ -46,9 +46,9 @@ def _domain(d: Domain, names: Names) -> tuple[Form, Names]:
     inner = {**names, d.var.name: len(names)}
     if d.on is not None:
         inner[d.on.name] = len(names) + 1
-    place = None if d.place is None else form(d.place, names)
+    restriction = None if d.restriction is None else form(d.restriction, names)
     where = None if d.where is None else form(d.where, inner)
-    return (d.var.who, d.var.kinds, None if d.on is None else d.on.kinds, place, where), inner
+    return (d.var.who, d.var.kinds, None if d.on is None else d.on.kinds, restriction, where), inner
 
 
 @cache

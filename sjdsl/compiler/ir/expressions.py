@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
-from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expression, Node, PlaceNode, Type
+from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expression, Node, RestrictionNode, Type
 
 # Pydantic checks that a child is *some* expression; the closed union is for `match` and the type checker. (Discriminated unions
 # would make every model's schema contain every other: half a second at import.)
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
         "Chose | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Case | "
         "Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
     )
-    Place: TypeAlias = "Near | InAgents | Among"
+    Restriction: TypeAlias = "Near | InAgents | Among"
 else:
     Expr = Annotated[Expression, INSTANCE]
-    Place = Annotated[PlaceNode, INSTANCE]
+    Restriction = Annotated[RestrictionNode, INSTANCE]
 
 
 def is_expression(node: Node) -> TypeGuard[Expr]:
@@ -78,7 +78,7 @@ class FieldRead(Expression):
 
     type: Type
     owner: Expr | None
-    place: Literal["agent", "cell", "world"]
+    held_by: Literal["agent", "cell", "world"]
     kinds: tuple[str, ...] = ()
     name: str
 
@@ -298,20 +298,20 @@ class Shape(Node):
     directed: bool
 
 
-class Near(PlaceNode):
+class Near(RestrictionNode):
     """The shape's cells around `anchor`, an agent or cell Member; `shape` names one of `Game.shapes`."""
 
     shape: str
     anchor: Member
 
 
-class InAgents(PlaceNode):
+class InAgents(RestrictionNode):
     """The members of a field of type agent or set of agent."""
 
     value: Expr
 
 
-class Among(PlaceNode):
+class Among(RestrictionNode):
     """One of the named agent variables."""
 
     members: tuple[Member, ...]
@@ -322,5 +322,5 @@ class Domain(Node):
 
     var: Member
     on: Member | None = None
-    place: Place | None = None
+    restriction: Restriction | None = None
     where: Expr | None = None

@@ -32,7 +32,7 @@ class VarField(Node):
     """A variable of each cell of `kind`, each agent (`agents`) or the world. `start`: number, word, or None for nobody."""
 
     name: str
-    place: Literal["agent", "cell", "world"]
+    held_by: Literal["agent", "cell", "world"]
     kind: str = ""
     type: Type
     capped: bool = False

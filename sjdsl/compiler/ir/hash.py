@@ -7,7 +7,7 @@ from sjdsl.compiler.ir.game import BESIDE_THE_RULES
 from sjdsl.compiler.ir.printer import game as ir_text
 
 # What nodes and fields are called in the text that is hashed: the names they once had, so that hashes of stored runs stay valid.
-HASHED = {"observable": "sight", "observables": "sights"}
+HASHED = {"observable": "sight", "observables": "sights", "held_by": "place", "restriction": "place"}
 
 
 def game_hash(game: ir.Game) -> str:

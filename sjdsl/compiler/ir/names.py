@@ -80,7 +80,7 @@ def phase_function(name: str) -> str:
 
 def attribute_name(field: ir.VarField) -> str:
     """Returns the name of a field in State: `soil_fruit`, `agent_bag`, `world_trials`."""
-    prefix = {"cell": field.kind, "agent": "agent", "world": "world"}[field.place]
+    prefix = {"cell": field.kind, "agent": "agent", "world": "world"}[field.held_by]
     return identifier(f"{prefix}_{field.name}")
 
 

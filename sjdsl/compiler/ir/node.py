@@ -40,7 +40,7 @@ class Statement(Node):
     """Something a phase does."""
 
 
-class PlaceNode(Node):
+class RestrictionNode(Node):
     """Where the members of a domain are looked for."""
 
 

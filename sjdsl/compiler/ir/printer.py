@@ -109,13 +109,13 @@ def domain(d: ir.Domain) -> str:
     parts = ["agent" if d.var.who == "agent" else " | ".join(d.var.kinds), f"as {d.var.name}"]
     if d.on is not None:
         parts.append(f"on {' | '.join(d.on.kinds)} as {d.on.name}")
-    match d.place:
+    match d.restriction:
         case ir.Near():
-            parts.append(f"in {d.place.shape} of {d.place.anchor.name}")
+            parts.append(f"in {d.restriction.shape} of {d.restriction.anchor.name}")
         case ir.InAgents():
-            parts.append(f"in {expression(d.place.value)}")
+            parts.append(f"in {expression(d.restriction.value)}")
         case ir.Among():
-            parts.append(f"in {{ {', '.join(m.name for m in d.place.members)} }}")
+            parts.append(f"in {{ {', '.join(m.name for m in d.restriction.members)} }}")
         case None:
             pass
     if d.where is not None:

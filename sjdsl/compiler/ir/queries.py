@@ -24,8 +24,8 @@ def all_fields(game: Game) -> tuple[VarField, ...]:
 
 def declared_field(game: Game, read: FieldRead, kind: str = "") -> VarField:
     """Returns the declaration of the variable that is read or written. `kind`: which of the kinds it may be of, instead of the first."""
-    owner = {"cell": kind or next(iter(read.kinds), "")}.get(read.place, "")
-    return next(f for f in all_fields(game) if (f.place, f.kind, f.name) == (read.place, owner, read.name))
+    owner = {"cell": kind or next(iter(read.kinds), "")}.get(read.held_by, "")
+    return next(f for f in all_fields(game) if (f.held_by, f.kind, f.name) == (read.held_by, owner, read.name))
 
 
 def written_field(target: Expr) -> FieldRead:

@@ -40,16 +40,16 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     """`count(K as other in disc(r) of k where …)` whose condition is about `other` alone: bits and popcount."""
     d = e.domain
-    if not isinstance(d.place, ir.Near) or d.var.who != "cell":
+    if not isinstance(d.restriction, ir.Near) or d.var.who != "cell":
         return None
-    anchor = scope.variables[d.place.anchor.name]
+    anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:
         return None
     if d.where is not None and _others(d.where, d.var.name):
         return None
-    shape = w.module.shape(d.place.shape)
+    shape = w.module.shape(d.restriction.shape)
     masks = w.module.layout.near_table(anchor.kinds, shape, d.var.kinds)
-    name = f"near_{shape_name(d.place.shape)}_{'_'.join(d.var.kinds)}"
+    name = f"near_{shape_name(d.restriction.shape)}_{'_'.join(d.var.kinds)}"
     constant = w.module.constant(name, masks, f"neighbours of each cell in {shape.name}, as bits")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     other = CellVar(iota(axis), d.var.kinds, axis)

@@ -199,7 +199,7 @@ def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     bound = 0.0
     for node in ir.walk(game):
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead):
-            if node.target.name == field.name and node.target.place == field.place:
+            if node.target.name == field.name and node.target.held_by == field.held_by:
                 bound = max(bound, largest(node.value, game))
     return bound
 

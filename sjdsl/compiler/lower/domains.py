@@ -47,9 +47,9 @@ def in_set(members: Value, axis: Axis) -> Value:
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
     """Returns the set that a domain is, as bits, if it is nothing but a set of agents none of whom can be away."""
-    if not isinstance(d.place, ir.InAgents) or d.place.value.type.kind != "agents" or d.on or d.where or w.module.can_be_away:
+    if not isinstance(d.restriction, ir.InAgents) or d.restriction.value.type.kind != "agents" or d.on or d.where or w.module.can_be_away:
         return None
-    return w.value(d.place.value, scope.always())
+    return w.value(d.restriction.value, scope.always())
 
 
 def extended(scope: IterationScope, axis: Axis | None, d: ir.Domain, variable: Variable, digit: Value, radix: Literal) -> IterationScope:
@@ -63,34 +63,34 @@ def extended(scope: IterationScope, axis: Axis | None, d: ir.Domain, variable: V
 
 def _agents(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     n = w.module.agents
-    match d.place:
-        case ir.InAgents() if d.place.value.type.kind in ("agent", "member"):
-            index = w.keep(d.var.name, w.value(d.place.value, scope))
+    match d.restriction:
+        case ir.InAgents() if d.restriction.value.type.kind in ("agent", "member"):
+            index = w.keep(d.var.name, w.value(d.restriction.value, scope))
             variable = AgentVar(index)
             inner = extended(scope, None, d, variable, index, n)
             return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(state_reads.present(variable, w))
         case ir.Among():
-            return _among(d, d.place, scope, w)
+            return _among(d, d.restriction, scope, w)
         case _:
             pass
     axis = w.axis(d.var.name, w.module.agents)
     variable = AgentVar(iota(axis), axis)
     inner = extended(scope, axis, d, variable, variable.index, n).when(state_reads.present(variable, w))
-    match d.place:
+    match d.restriction:
         case ir.Near():
-            return inner.when(agents_in(d.place, variable, inner, w))
+            return inner.when(agents_in(d.restriction, variable, inner, w))
         case ir.InAgents():
-            return inner.when(in_set(w.value(d.place.value, scope), axis))
+            return inner.when(in_set(w.value(d.restriction.value, scope), axis))
         case _:
             return inner
 
 
-def _among(d: ir.Domain, place: ir.Among, scope: IterationScope, w: Writer) -> IterationScope:
+def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> IterationScope:
     """`each agent as one in { a, b }`: an axis over the named variables; one agent named twice counts once."""
-    axis = w.axis(d.var.name, len(place.members))
+    axis = w.axis(d.var.name, len(among.members))
     if d.var.who != "agent":
         raise NotSupported("a list of cells in braces", d.origin, "write the sentence for each of the cells by itself")
-    indices = [scope.variables[m.name].number for m in place.members]
+    indices = [scope.variables[m.name].number for m in among.members]
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
     index = w.keep(d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis)))
@@ -106,21 +106,21 @@ def _among(d: ir.Domain, place: ir.Among, scope: IterationScope, w: Writer) -> I
 
 
 def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
-    if isinstance(d.place, ir.Near):
-        site, axis, ok = sites_in(d.place, d.var.kinds, scope, w, d.var.name)
+    if isinstance(d.restriction, ir.Near):
+        site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return extended(scope, axis, d, CellVar(site, d.var.kinds), iota(axis), axis.extent).when(ok)
-    if d.place is not None:
+    if d.restriction is not None:
         raise NotSupported("a list of cells in braces", d.origin, "write the sentence for each of the cells by itself")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     variable = CellVar(iota(axis), d.var.kinds, axis)
     return extended(scope, axis, d, variable, variable.site, axis.extent)
 
 
-def sites_in(place: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str) -> tuple[Value, Axis, Value]:
+def sites_in(near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str) -> tuple[Value, Axis, Value]:
     """Returns the numbers (among `kinds`) of a shape's cells around an anchor, their axis, and which are there."""
-    anchor = scope.variables[place.anchor.name]
-    shape = w.module.shape(place.shape)
-    label = f"{place.shape.split('(')[0]}_{'_'.join(kinds)}"
+    anchor = scope.variables[near.anchor.name]
+    shape = w.module.shape(near.shape)
+    label = f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
     if isinstance(anchor, CellVar):
         state_reads.check_placed(anchor)
         table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
@@ -131,7 +131,7 @@ def sites_in(place: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: W
         else:
             site = Value(Index(constant, (anchor.site.node,)), "i32", (*anchor.site.axes, axis))
         return site, axis, state_reads.is_site(site, kinds, w)
-    swept = sweep(place, scope, w)
+    swept = sweep(near, scope, w)
     site = w.keep(label, state_reads.site_at(swept.cells, kinds, w))
     there = both(state_reads.is_site(site, kinds, w), swept.ok if has_inner_blocks(shape, w) else None)
     assert there is not None
@@ -151,12 +151,12 @@ def shape_name(shape: str) -> str:
     return "_".join("".join(c if c.isalnum() else " " for c in shape).split())
 
 
-def sweep(place: ir.Near, scope: IterationScope, w: Writer) -> Swept:
+def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     """Returns the cells of a shape around an agent or a cell."""
-    anchor = scope.variables[place.anchor.name]
-    shape = w.module.shape(place.shape)
+    anchor = scope.variables[near.anchor.name]
+    shape = w.module.shape(near.shape)
     offsets = w.module.layout.offsets_table(shape)
-    ident = shape_name(place.shape)
+    ident = shape_name(near.shape)
     name = w.module.constant(f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading")
     axis = _shape_axis(w, ident, sum(map(len, shape.lanes)), anchor)
     if isinstance(anchor, AgentVar):
@@ -242,10 +242,10 @@ def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: A
     return blocks
 
 
-def agents_in(place: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
+def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
     """Returns which agents stand on a cell of the shape."""
-    anchor = scope.variables[place.anchor.name]
-    shape = w.module.shape(place.shape)
+    anchor = scope.variables[near.anchor.name]
+    shape = w.module.shape(near.shape)
     assert variable.axis is not None
     if isinstance(anchor, CellVar):
         around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
@@ -253,14 +253,14 @@ def agents_in(place: ir.Near, variable: AgentVar, scope: IterationScope, w: Writ
         axis = w.axis("around", sum(map(len, shape.lanes)))
         cells, ok = _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis), None
     else:
-        swept = sweep(place, scope, w)
+        swept = sweep(near, scope, w)
         cells = swept.cells
         ok = swept.ok if has_inner_blocks(shape, w) else None
     axes = (*cells.axes[:-1], variable.axis) if variable.axis not in cells.axes else cells.axes[:-1]
     here = stand_on(cells, state_reads.position(variable, w).node)
     if ok is not None:
         here = Binary("&", here, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
-    return w.keep(f"in_{shape_name(place.shape)}", Value(Reduce("any", here, (len(cells.axes) - 1,)), "bool", axes))
+    return w.keep(f"in_{shape_name(near.shape)}", Value(Reduce("any", here, (len(cells.axes) - 1,)), "bool", axes))
 
 
 def stand_on(cells: Value, position: Expression) -> Expression:

@@ -45,4 +45,4 @@ def role_attribute(game: ir.Game) -> str | None:
 def _writes_role(turn: ir.Node) -> bool:
     """Whether a turn sets the field `role` of an agent."""
     written = (written_field(node.target) for node in ir.walk(turn) if isinstance(node, ir.Set))
-    return any((field.place, field.name) == ("agent", ROLE) for field in written)
+    return any((field.held_by, field.name) == ("agent", ROLE) for field in written)

@@ -208,7 +208,7 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
         words = tuple(dict.fromkeys(x.name for x in observable.labels))
         return _observable(observable.model_copy(update={"hidden_when": None}), words, {}, place, w)
     declared = shown_field(w.module.game, observable)
-    read = ir.FieldRead(type=declared.type, owner=None, place=declared.place, name=observable.field)
+    read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, name=observable.field)
     stored = state_reads.field(read, who, w)
     if observable.word is not None:
         by = declared.type.by[0]

@@ -63,13 +63,13 @@ def _inside(what: str, *bodies: tuple[ir.Stmt, ...]) -> str:
 def _domain(d: ir.Domain) -> str:
     name = d.var.name if d.var.who == "agent" or d.var.name in d.var.kinds else f"{' or '.join(d.var.kinds)} ({d.var.name})"
     on = "" if d.on is None else f" on {' or '.join(d.on.kinds)}"
-    match d.place:
+    match d.restriction:
         case ir.Near():
-            return f"{name}{on} in {d.place.shape} of {d.place.anchor.name}"
+            return f"{name}{on} in {d.restriction.shape} of {d.restriction.anchor.name}"
         case ir.InAgents():
-            return f"{name}{on} in {_value(d.place.value) or 'a set'}"
+            return f"{name}{on} in {_value(d.restriction.value) or 'a set'}"
         case ir.Among():
-            return f"{name}{on} of {' and '.join(m.name for m in d.place.members)}"
+            return f"{name}{on} of {' and '.join(m.name for m in d.restriction.members)}"
         case None:
             return f"{name}{on}"
 

@@ -47,7 +47,7 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
         return inner.when(scope.mask).when(both(there, binary(">", number, literal(0, "i32"), "bool"))), invert(there)
     axis = inner.axes[-1]
     member = inner.variables[s.domain.var.name]
-    is_near = isinstance(s.domain.place, ir.Near) and isinstance(member, CellVar)
+    is_near = isinstance(s.domain.restriction, ir.Near) and isinstance(member, CellVar)
     total = axis.extent if is_near else state_reads.total_extent(member, w)
     turns = w.axis("turn", min(s.most, total.size))
     if number == literal(1, "i32"):
@@ -93,11 +93,11 @@ def _pick_one(
 
 def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """Returns the scope inside the domain of a `pick`, one axis for all that may be members; of agents in braces, in the order of ids."""
-    if not isinstance(d.place, ir.Among):
+    if not isinstance(d.restriction, ir.Among):
         return enter(d, scope, w)
-    inner = enter(d.model_copy(update={"place": None}), scope, w)
+    inner = enter(d.model_copy(update={"restriction": None}), scope, w)
     one = inner.variables[d.var.name].number
-    return inner.when(either([binary("==", one, scope.variables[member.name].number, "bool") for member in d.place.members]))
+    return inner.when(either([binary("==", one, scope.variables[member.name].number, "bool") for member in d.restriction.members]))
 
 
 def _chosen_variable(member: Variable, axis: Axis, best: Value) -> Variable:
@@ -141,8 +141,8 @@ def first(s: ir.First, scope: IterationScope, w: Writer) -> tuple[IterationScope
 
 
 def _lanes(d: ir.Domain, w: Writer) -> Axis:
-    assert isinstance(d.place, ir.Near)
-    return w.axis("lane", len(w.module.shape(d.place.shape).lanes))
+    assert isinstance(d.restriction, ir.Near)
+    return w.axis("lane", len(w.module.shape(d.restriction.shape).lanes))
 
 
 def _in_lanes(scope: IterationScope, lanes: Axis) -> IterationScope:
@@ -151,8 +151,8 @@ def _in_lanes(scope: IterationScope, lanes: Axis) -> IterationScope:
 
 def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Axis, Value]:
     """Returns the scope of the nearest member in each lane (unmasked), the lanes' axis, and where there is one."""
-    assert isinstance(d.place, ir.Near)
-    shape = w.module.shape(d.place.shape)
+    assert isinstance(d.restriction, ir.Near)
+    shape = w.module.shape(d.restriction.shape)
     candidate, ok, axis = _candidates(d, scope, w)
     place = replace(scope, axes=(*scope.axes, axis), mask=None).binding(**{d.var.name: candidate})
     if d.on is not None:
@@ -207,15 +207,15 @@ def _lane_table(shape: ir.Shape, cells: int) -> array.Expression:
 
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:
     """Returns who is on each cell of the shape, whether somebody is, and the shape's axis."""
-    assert isinstance(d.place, ir.Near)
+    assert isinstance(d.restriction, ir.Near)
     if d.var.who == "cell":
-        site, axis, ok = sites_in(d.place, d.var.kinds, scope, w, d.var.name)
+        site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return CellVar(site, d.var.kinds), ok, axis
-    swept = sweep(d.place, scope, w)
+    swept = sweep(d.restriction, scope, w)
     cells = swept.cells
     standing = w.keep("standing", Value(stand_on(cells, array.path("state.position")), "bool"))
     first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
     anybody = w.keep("anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes))
-    reached = swept.ok if has_inner_blocks(w.module.shape(d.place.shape), w) else None
+    reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else None
     return AgentVar(who), both(anybody, reached) or TRUE, swept.axis

@@ -42,12 +42,12 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
 
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     dtype = STORED[state_reads.storage(field, w)]
-    dims = {"cell": "S", "agent": "N", "world": ""}[field.place]
+    dims = {"cell": "S", "agent": "N", "world": ""}[field.held_by]
     shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by])
     layout = w.module.layout
-    starts = layout.starts(field.kind, field) if field.place == "cell" else {field.start}
+    starts = layout.starts(field.kind, field) if field.held_by == "cell" else {field.start}
     if len(starts) <= 1:
-        extent = {"cell": w.module.num_cells((field.kind,)), "agent": w.module.agents}.get(field.place)
+        extent = {"cell": w.module.num_cells((field.kind,)), "agent": w.module.agents}.get(field.held_by)
         size = (*([] if extent is None else [extent]), *map(w.module.num_words, field.type.by))
         first = _start(next(iter(starts), field.start), field, w)
         default: array.Expression = array.call(

@@ -74,7 +74,7 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     bound = 0.0
     for node in nodes:
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
-            if node.target.place == declared.place and (declared.place != "cell" or declared.kind in node.target.kinds):
+            if node.target.held_by == declared.held_by and (declared.held_by != "cell" or declared.kind in node.target.kinds):
                 bound = max(bound, node.value.type.high)
     return bound
 

@@ -63,7 +63,7 @@ class Module:
     def word(self, word: str, words: tuple[str, ...], declared: ir.VarField | None = None) -> Value:
         """Returns the number of a word among others. `declared`: the field it is a value of, after which it is named."""
         if declared is not None and declared.type.words == words:
-            owner: str | None = declared.kind or declared.place
+            owner: str | None = declared.kind or declared.held_by
         else:
             owner, _ = self._word_sets.get(words, (None, ""))
         number = words.index(word)
@@ -82,7 +82,7 @@ class Module:
         game, fields = self.game, all_fields(self.game)
         found: dict[tuple[str, ...], tuple[str, str]] = {HEADINGS: ("", "headings")}
         for declared in fields:
-            found.setdefault(declared.type.words, (declared.kind or declared.place, attribute_name(declared)))
+            found.setdefault(declared.type.words, (declared.kind or declared.held_by, attribute_name(declared)))
         rows = [(by, attribute_name(declared)) for declared in fields for by in declared.type.by]
         rows += [(by, param.name) for param in game.params for by in (param.type.words, *param.type.by)]
         for by, name in (*rows, *((event.by, event.name) for event in game.events)):

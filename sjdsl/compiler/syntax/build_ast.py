@@ -103,7 +103,7 @@ RULES: dict[str, node_builders.Build] = {
     "move": ast.Move,
     "mark": node_builders.mark,
     "end": ast.End,
-    "domain": node_builders.with_clauses(ast.Domain, "bind", "where", place="inside"),
+    "domain": node_builders.with_clauses(ast.Domain, "bind", "where", restriction="inside"),
     "on": node_builders.with_clauses(ast.On, "bind"),
     "near": node_builders.near,
     "shape_name": node_builders.shape_name,
