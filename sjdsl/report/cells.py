@@ -109,6 +109,10 @@ class Index:
         """Returns the seeds of a way of training, in order."""
         return sorted(self._seeds.get(run.run, []), key=lambda row: row.seed)
 
+    def has_failed(self, run: Run) -> bool:
+        """Returns whether the loss of a seed was not finite."""
+        return any(row.status == "failed" for row in self.seeds(run))
+
     def curve(self, run: Run) -> list[Point]:
         """Returns the points of its learning curves, all seeds."""
         return self._curves.get(run.run, [])

@@ -1,6 +1,7 @@
 """What the sections of a report are about: the evidence, and the games in the order and under the names that tables have."""
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -48,6 +49,11 @@ class Contents:
         tables = ("runs", "diagrams", "speeds", "updates", "meetings")
         found = {row.game for table in tables for row in getattr(self.evidence, table)}
         return tuple(_ordered(found | (set(suite()) if self.whole_suite else set())))
+
+
+def called(names: Iterable[str]) -> str:
+    """Returns games as a command names them, each once: bundled ones by name, others by their file."""
+    return " ".join(name if name in bundled() else f"{name}.sj" for name in dict.fromkeys(names))
 
 
 def contents_of(evidence: Evidence, whole_suite: bool) -> Contents:

@@ -30,7 +30,9 @@ def marl_eval(contents: Contents) -> tuple[dict[str, Any], list[str]]:
 
 
 def _runs(contents: Contents, run: Any) -> dict[str, Any]:
-    """Returns the seeds that are done and evaluated, each with its steps."""
+    """Returns the seeds that are done and evaluated, each with its steps; nothing where a seed has failed, as others would be averaged."""
+    if contents.index.has_failed(run):
+        return {}
     seeds = {row.seed: row for row in contents.index.seeds(run) if row.status == "done" and row.collective_return is not None}
     points: dict[int, list[tuple[int, float]]] = {seed: [] for seed in seeds}
     for point in contents.index.curve(run):

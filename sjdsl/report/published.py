@@ -106,6 +106,19 @@ def hours(game: str) -> float | None:
     return None if entry is None else float(entry["hours"])
 
 
+def melting_pot_speed(game: str) -> float | None:
+    """Returns the published environment steps a second of Melting Pot, one environment."""
+    rate = _content()["speed"]["games"].get(game, {}).get("one_melting_pot")
+    return None if rate is None else float(rate)
+
+
+def melting_pot_hours(game: str) -> dict[str, float]:
+    """Returns the published hours to 1e9 environment steps of Melting Pot, which the paper has extrapolated, by what trained in it."""
+    entry = _content()["training"]["games"].get(game, {})
+    names = {"melting_pot_stable_baselines3": "Melting Pot with Stable-Baselines3", "melting_pot_rllib": "Melting Pot with RLlib"}
+    return {said: float(entry[name]) for name, said in names.items() if name in entry}
+
+
 def best_return(game: str) -> float | None:
     """Returns the best published return of a game, over ratios and angles; None for a game that is not of the paper."""
     means = [printed.mean for printed in (*exchange(game).values(), *svo(game).values())]

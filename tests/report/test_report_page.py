@@ -78,6 +78,7 @@ def test_a_cell_with_a_seed_that_has_failed_is_never_averaged(tmp_path: Path, di
     row = line(report, "coins | ours")
     assert row[6] == said
     cell = next(row for row in records(report, "exchange") if row["column"] == "1: common")
+    assert {row["way"].split(", ")[1] for row in records(report, "learning_curves")} == {"individual"}
     assert (cell["mean"], cell["low"], cell["failed"], cell["difference"]) == ("", "", str(len(diverged)), "")
 
 

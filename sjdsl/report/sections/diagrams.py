@@ -3,7 +3,7 @@
 from typing import Any
 
 from sjdsl.experiments.published import published_shape
-from sjdsl.report.contents import Contents
+from sjdsl.report.contents import Contents, called
 from sjdsl.report.evidence import DiagramRow
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section, Table
@@ -26,7 +26,7 @@ def diagrams(contents: Contents) -> Section:
     title = "Contrasts of the return of an agent"
     tables = (Table("schelling", title, HEADINGS, tuple(rows), records, 3),) if rows else ()
     fill = tuple(
-        f"sjdsl schelling {name} --cooperators runs/{name}_common --defectors runs/{name}_individual -o runs/{name}_diagram"
+        f"sjdsl schelling {called([name])} --cooperators runs/{name}_common --defectors runs/{name}_individual -o runs/{name}_diagram"
         for name in missing
     )
     return Section("Schelling diagrams", (*text, *cautions), tables, fill=fill)

@@ -4,7 +4,7 @@ from typing import Any
 
 from sjdsl.bench.tables import thousands
 from sjdsl.report import published
-from sjdsl.report.contents import Contents
+from sjdsl.report.contents import Contents, called
 from sjdsl.report.evidence import UpdateRow
 from sjdsl.report.figure_text import bounded, number
 from sjdsl.report.page import Section, Table
@@ -30,7 +30,7 @@ def hours(contents: Contents) -> Section:
     table = Table("hours", "Hours of training", headings, rows, tuple(_record(row) for row in found), 4)
     missing = [name for name in contents.names if name not in {row.game for row in found}]
     fill = [
-        f"sjdsl bench {' '.join(missing)} --training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 "
+        f"sjdsl bench {called(missing)} --training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 "
         "--json runs/training.json"
     ]
     return Section("Hours of training", text, (table,) if rows else (), fill=tuple(fill if missing else ()))
@@ -42,11 +42,13 @@ def _hours(rate: float) -> float:
 
 def _row(row: UpdateRow) -> tuple[str, ...]:
     printed = published.hours(row.game)
+    before = [f"{name} {number(needed)}" for name, needed in published.melting_pot_hours(row.game).items()]
+    said = "" if printed is None else ", ".join([f"{number(printed)}", *before])
     shape = f"{row.num_envs} x {row.num_steps}, {row.rounds} rounds, {row.hardware}"
     rates = f"{thousands(row.rate)} [{thousands(row.slowest)}, {thousands(row.fastest)}]"
     needed = bounded(_hours(row.rate), _hours(row.fastest), _hours(row.slowest))
     way = (row.game, NAMES.get(row.algorithm, row.algorithm), row.network, row.sharing.replace("_", " "))
-    return (*way, rates, needed, "" if printed is None else number(printed), shape)
+    return (*way, rates, needed, said, shape)
 
 
 def _record(row: UpdateRow) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Learning curves: the collective return over environment steps, game by game, with all ways of training."""
 
+import re
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
@@ -28,14 +29,15 @@ def learning_curves(contents: Contents) -> Section:
     for game in contents.games:
         lines = _lines(contents, game)
         if lines:
-            name = f"curves_{game.label.replace(', ', '_').replace(' ', '_').replace('=', '_')}"
-            pictures.append(Picture(name, game.label, partial(_draw, lines, game.label)))
+            pictures.append(Picture(re.sub(r"[^\w.-]+", "_", f"curves_{game.label}"), game.label, partial(_draw, lines, game.label)))
         for line in lines:
             low, high = (np.full(line.values.shape, np.nan) if bound is None else bound for bound in (line.low, line.high))
             for step, *figures in zip(line.steps, line.values, low, high, strict=True):
                 records.append({"game": game.label, "way": line.label, "env_steps": int(step), **_bounds(*figures)})
+    failed = [f"{in_words(run)} in {game.label}" for game in contents.games for run in _failed(contents, game)]
     text = (
-        "Mean over seeds, with the band of its 95 % interval (Student's t). One seed has no band; seeds that have failed are left out.",
+        "Mean over seeds, with the band of its 95 % interval (Student's t). One seed has no band.",
+        *((f"Left out, for a seed has failed: {'; '.join(failed)}.",) if failed else ()),
     )
     tables = (Table("learning_curves", "", (), (), tuple(records)),) if records else ()
     fill = () if pictures else ("sjdsl train coins --preset two_cores --seeds 5 --run runs/coins",)
@@ -49,9 +51,18 @@ def _bounds(mean: float, low: float, high: float) -> dict[str, float | None]:
 def _lines(contents: Contents, game: Game) -> list[Line]:
     if game.setting is None:
         return []
-    found = [(run, curve) for run in contents.index.runs(game.setting) if (curve := _curve(contents, run)) is not None]
+    whole = [run for run in contents.index.runs(game.setting) if not contents.index.has_failed(run)]
+    found = [(run, curve) for run in whole if (curve := _curve(contents, run)) is not None]
     twice = {in_words(run) for run, _ in found if sum(in_words(other) == in_words(run) for other, _ in found) > 1}
-    return [_line(run, curve, in_words(run) in twice) for run, curve in sorted(found, key=lambda pair: (in_words(pair[0]), pair[0].run))]
+    return [
+        _line(run, curve, in_words(run) in twice)
+        for run, curve in sorted(found, key=lambda pair: (in_words(pair[0]).casefold(), pair[0].run))
+    ]
+
+
+def _failed(contents: Contents, game: Game) -> list[Run]:
+    """Returns the ways of training of which a seed has failed: nothing is averaged without it."""
+    return [] if game.setting is None else [run for run in contents.index.runs(game.setting) if contents.index.has_failed(run)]
 
 
 def _curve(contents: Contents, run: Run) -> dict[int, list[float]] | None:

@@ -1,6 +1,6 @@
 """Cross-play: what an agent of a policy earned in each mixture."""
 
-from sjdsl.report.contents import Contents
+from sjdsl.report.contents import Contents, called
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section, Table
 
@@ -15,5 +15,5 @@ def meetings(contents: Contents) -> Section:
     records = tuple(vars(row) for row in contents.evidence.meetings)
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, tuple(rows), records, 3)
     game = next(iter(contents.names), "coins")
-    fill = f"sjdsl crossplay {game} --policies runs/{game}_common runs/{game}_individual --mix pairs -o runs/{game}_pairs"
+    fill = f"sjdsl crossplay {called([game])} --policies runs/{game}_common runs/{game}_individual --mix pairs -o runs/{game}_pairs"
     return Section("Cross-play", (), (table,) if rows else (), fill=() if rows else (fill,))

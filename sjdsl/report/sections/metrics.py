@@ -5,7 +5,7 @@ from dataclasses import replace
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
 from sjdsl.report.cells import Cell
-from sjdsl.report.contents import Contents, Game
+from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.page import Section
 from sjdsl.report.published import PaperMetric
 from sjdsl.report.sections.exchange import RATIOS
@@ -33,11 +33,7 @@ def metrics(contents: Contents) -> Section:
     ]
     text += [f"{game}: {note}." for game, note in published.remarks("metrics").items() if game in {game.name for game in contents.games}]
     table = beside_table("metrics", "Cooperation metric", columns, lines, ("figure", "chosen"))
-    fill = (
-        [f"sjdsl sweep {' '.join(dict.fromkeys(empty))} --protocol algorithms --preset two_cores --seeds 5 --run runs/algorithms"]
-        if empty
-        else []
-    )
+    fill = [f"sjdsl sweep {called(empty)} --protocol algorithms --preset two_cores --seeds 5 --run runs/algorithms"] if empty else []
     return Section("Cooperation metrics", tuple(text), (table,) if lines else (), fill=tuple(fill))
 
 

@@ -8,7 +8,7 @@ from hashlib import sha256
 import numpy as np
 
 from sjdsl.report import published
-from sjdsl.report.contents import Contents, Game
+from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.evidence import Run
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Picture, Section, Table
@@ -25,11 +25,11 @@ def over_games(contents: Contents) -> Section:
     text = [
         "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper. "
         "Intervals are of 95 %, by resampling the seeds of each game (stratified bootstrap). Within one game nothing of this is shown.",
-        *remarks,
+        *(["\n".join(remarks)] if remarks else []),
     ]
     if len(scores) < 1:
         wanted = _without_random(contents)
-        fill = [f"sjdsl crossplay {name} --policies random --episodes 200 -o runs/{name}_random" for name in wanted]
+        fill = [f"sjdsl crossplay {called([name])} --policies random --episodes 200 -o runs/{name}_random" for name in wanted]
         return Section(
             TITLE, (*text, "There are no two games yet with the same way of training, two seeds, and a random policy."), fill=tuple(fill)
         )
@@ -60,11 +60,11 @@ def scores_of(contents: Contents) -> tuple[list[str], Scores, list[str]]:
     scores, remarks = {}, []
     for way, by_game in sorted(found.items()):
         if not set(games) <= by_game.keys():
-            remarks.append(f"{way} is left out: it lacks {', '.join(game for game in games if game not in by_game)}.")
+            remarks.append(f"* {way} is left out: it lacks {', '.join(game for game in games if game not in by_game)}.")
             continue
         fewest = min(len(by_game[game]) for game in games)
         if any(len(by_game[game]) > fewest for game in games):
-            remarks.append(f"Of {way} the first {fewest} seeds of each game are taken, for one game has no more.")
+            remarks.append(f"* Of {way} the first {fewest} seeds of each game are taken, for one game has no more.")
         scores[way] = np.stack([by_game[game][:fewest] for game in games], axis=1)
     return games, scores, remarks
 

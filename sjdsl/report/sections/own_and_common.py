@@ -1,7 +1,7 @@
 """What common reward changes: individual against common reward in each game, by Welch's t-test."""
 
 from sjdsl.report.comparing import Pair, compared_table
-from sjdsl.report.contents import Contents, Game
+from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section
 from sjdsl.report.published import difficulty
@@ -19,7 +19,7 @@ def own_and_common(contents: Contents) -> Section:
     )
     text = ("If common reward earns the group more than individual reward does, what is good for an agent is bad for the group.",)
     missing = dict.fromkeys(game.name for game, line in zip(contents.games, lines, strict=True) if None in line[1:])
-    fill = f"sjdsl sweep {' '.join(missing or ['coins'])} --axis reward=individual,common --preset two_cores --seeds 5 --run runs/rewards"
+    fill = f"sjdsl sweep {called(missing or ['coins'])} --axis reward=individual,common --preset two_cores --seeds 5 --run runs/rewards"
     return Section("Individual and common reward", text, (table,) if lines else (), fill=(fill,) if missing or not lines else ())
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from sjdsl.report.cells import Cell, Setting
 from sjdsl.report.comparing import Pair, compared_table
-from sjdsl.report.contents import Contents
+from sjdsl.report.contents import Contents, called
 from sjdsl.report.page import Section
 from sjdsl.report.ways import APART, SHARED, in_words
 
@@ -28,7 +28,7 @@ def sharing(contents: Contents) -> Section:
     untried = [
         name for name in dict.fromkeys(game.name for game in contents.games) if name not in {words[0].split(",")[0] for words, *_ in lines}
     ]
-    fill = (f"sjdsl sweep {' '.join(untried)} --protocol sharing --preset two_cores --seeds 5 --run runs/sharing",) if untried else ()
+    fill = (f"sjdsl sweep {called(untried)} --protocol sharing --preset two_cores --seeds 5 --run runs/sharing",) if untried else ()
     return Section("Shared and separate parameters", text, (table,) if lines else (), fill=fill)
 
 

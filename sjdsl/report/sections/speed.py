@@ -8,7 +8,7 @@ import numpy as np
 
 from sjdsl.bench.tables import thousands
 from sjdsl.report import published
-from sjdsl.report.contents import Contents
+from sjdsl.report.contents import Contents, called
 from sjdsl.report.evidence import SpeedRow
 from sjdsl.report.page import Picture, Section, Table
 from sjdsl.report.small_multiples import Multiple, Series, draw_series
@@ -33,7 +33,7 @@ def speed(contents: Contents) -> Section:
     plots = [plot for name in contents.names if (plot := _plot(contents, name)) is not None]
     draw = partial(draw_series, plots, "environments at once", "environment steps a second", logarithmic=True)
     missing = [name for name in contents.names if not _complete(contents, name)]
-    fill = [f"sjdsl bench {' '.join(missing)} --envs 1,128,1024,4096 --agents own,20 --json runs/speed.json"] if missing else []
+    fill = [f"sjdsl bench {called(missing)} --envs 1,128,1024,4096 --agents own,20 --json runs/speed.json"] if missing else []
     pictures = (Picture("speed", "speed over environments", draw),) if plots else ()
     return Section("Speed", text, (table,) if lines else (), pictures, tuple(fill))
 
@@ -52,6 +52,9 @@ def _lines(contents: Contents, game: str, crowd: bool, numbers: list[int]) -> It
         yield (label, "ours", *(_text(rates.get(number)) for number in numbers), f"{kind[3]} rounds, {kind[2]}")
     if printed and (kinds or contents.whole_suite):
         yield ("", "published", *(thousands(printed[number]) if number in printed else "" for number in numbers), "")
+    before = published.melting_pot_speed(game)
+    if before is not None and not crowd and (kinds or contents.whole_suite):
+        yield ("", "published, Melting Pot", *(thousands(before) if number == 1 else "" for number in numbers), "")
     for kind in kinds if printed else ():
         rates = {row.num_envs: row for row in found if (row.num_agents, row.observation, row.hardware, row.rounds) == kind}
         ratios = (f"{rates[n].rate / printed[n]:.2g}" if n in rates and n in printed else "" for n in numbers)

@@ -6,7 +6,7 @@ from functools import partial
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
 from sjdsl.report.cells import Cell
-from sjdsl.report.contents import Contents, Game
+from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.page import Picture, Section, Table
 from sjdsl.report.small_multiples import Series, draw_series, panel_of
 from sjdsl.report.ways import svo as way
@@ -35,7 +35,7 @@ def svo(contents: Contents) -> Section:
     draw = partial(draw_series, panels, "SVO angle (degrees)", "collective return")
     pictures = (Picture("svo", "returns by SVO angle", draw),) if panels else ()
     wanted = [game.name for game, (_, cells) in angles.items() if not set(ANGLES) <= cells.keys()]
-    fill = [f"sjdsl sweep {' '.join(dict.fromkeys(wanted))} --protocol svo --preset two_cores --seeds 5 --run runs/svo"] if wanted else []
+    fill = [f"sjdsl sweep {called(wanted)} --protocol svo --preset two_cores --seeds 5 --run runs/svo"] if wanted else []
     return Section("Social value orientation", text, tuple(tables), pictures, tuple(fill))
 
 
