@@ -53,6 +53,17 @@ def configuration_options(command: Command) -> Command:
     return command
 
 
+def log_option(command: Command) -> Command:
+    """Adds --log, which arrives as `loggers`."""
+    return click.option(
+        "--log",
+        "loggers",
+        multiple=True,
+        type=click.Choice(["tensorboard", "wandb"]),
+        help="Where metrics go besides files; a run that is resumed keeps its own.",
+    )(command)
+
+
 def read_configuration(
     algorithm: str | None, reward: str | None, seed: int | None, seeds: int | None, init_from: str | None, partners: tuple[str, ...]
 ) -> dict[str, Any]:

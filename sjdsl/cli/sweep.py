@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.configuration_options import configuration_options, read_configuration, read_texts
+from sjdsl.cli.configuration_options import check_policies, configuration_options, log_option, read_configuration, read_texts
 from sjdsl.cli.environment_options import build_game, describe_environment, environment_options, read_assignments
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler.ir.hash import game_hash
@@ -17,7 +17,8 @@ from sjdsl.sweeps.protocols import ANGLES
 
 if TYPE_CHECKING:
     from sjdsl.sweeps.cells import Describe
-    from sjdsl.sweeps.sweep import Outcome
+    from sjdsl.sweeps.running import Outcome
+    from sjdsl.trainers.loggers import LoggerName
 
 
 @click.command("sweep")
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
     metavar="K",
     help="Train up to K cells as one program, where they differ in numbers without shape.  [default: 1 on a CPU; else as many as fit]",
 )
+@log_option
 @click.option("--retry", "again", is_flag=True, help="Try failed cells again.")
 @click.option("--dry-run", is_flag=True, help="List the cells and how far they are, and stop.")
 @environment_options
@@ -77,6 +79,7 @@ def command(
     workers: int | None,
     engine_options: tuple[str, ...],
     together: int | None,
+    loggers: "tuple[LoggerName, ...]",
     again: bool,
     dry_run: bool,
     variant: str | None,
@@ -91,16 +94,18 @@ def command(
     """
     settings = {**read_texts(changes), **read_configuration(algorithm, reward, seed, seeds, init_from, partners)}
     given = read_assignments(params)
-    asked = Asked(games, [read_axis(text) for text in axes], protocol, settings, preset, variant, given, episodes)
+    asked = Asked(games, [read_axis(text) for text in axes], protocol, settings, preset, variant, given, episodes, loggers)
     describe = _describer(map_file, agents)
     plan = plan_sweep(asked, describe)  # what does not fit is said before JAX is loaded
+    for cell in plan.cells:
+        check_policies(cell.configuration())
     folder = Path(run_dir)
     if dry_run:
         _list(plan, folder)
         return 0
     with stages(LOADING):
         from sjdsl.sweeps.engines import Crew
-        from sjdsl.sweeps.sweep import sweep
+        from sjdsl.sweeps.running import sweep
 
     options = {name: as_number(value) for name, value in read_texts(engine_options).items()}
     crew = Crew(engine, workers, options, "auto", lambda line: click.echo(line, err=True))
@@ -131,7 +136,7 @@ def _list(plan: Plan, folder: Path) -> None:
     """Prints the cells of a plan, and how far those are that the folder has."""
     with stages(LOADING):
         from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, steps_of
-        from sjdsl.sweeps.sweep import following_cells
+        from sjdsl.sweeps.running import following_cells
 
     known = merged(folder, describe_sweep(plan.asked, plan.cells))
     cells = [*plan.cells]

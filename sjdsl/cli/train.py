@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.configuration_options import check_policies, configuration_options, read_configuration, read_texts
+from sjdsl.cli.configuration_options import check_policies, configuration_options, log_option, read_configuration, read_texts
 from sjdsl.cli.environment_options import (
     check_environment,
     describe_environment,
@@ -42,13 +42,7 @@ EPISODES = 30  # of the evaluation at the end
     type=click.IntRange(min=0),
     help="Episodes of the evaluation at the end; 0 for none.  [default: 30, or as the run that is resumed was started]",
 )
-@click.option(
-    "--log",
-    "loggers",
-    multiple=True,
-    type=click.Choice(["tensorboard", "wandb"]),
-    help="Where metrics go besides files; a run that is resumed keeps its own.",
-)
+@log_option
 @click.option("--callback", metavar="FILE.py:NAME", help="Your own function, called after each update.")
 @click.option("--distributed", is_flag=True, help="One of several processes that train together; see docs/training.md.")
 @click.option("--keys", is_flag=True, help="List the configuration's keys with their values, and stop.")

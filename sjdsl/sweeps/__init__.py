@@ -7,12 +7,12 @@ from sjdsl.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .axes import Axis
     from .plan import Asked, plan_sweep
-    from .sweep import Outcome, sweep
+    from .running import Outcome, sweep
     from .work import run_cell
 
 __all__ = ["Asked", "Axis", "Outcome", "plan_sweep", "run_cell", "sweep"]
 
 __getattr__ = lazy_names(
     __name__,
-    {"Asked": "plan", "Axis": "axes", "Outcome": "sweep", "plan_sweep": "plan", "run_cell": "work", "sweep": "sweep"},
+    {"Asked": "plan", "Axis": "axes", "Outcome": "running", "plan_sweep": "plan", "run_cell": "work", "sweep": "running"},
 )

@@ -11,6 +11,7 @@ import socket
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -44,14 +45,13 @@ class Claim:
         """Lets other processes have the cell."""
         self._stop.set()
         self._beats.join()
-        write_whole(self.path, json.dumps({**self._content, "released": True}).encode())
+        with suppress(OSError):  # on a full disk the claim ends with the process, or with its heartbeat
+            write_whole(self.path, json.dumps({**self._content, "released": True}).encode())
 
     def _beat(self) -> None:
         while not self._stop.wait(BEAT):
-            try:
+            with suppress(OSError):  # the next beat may reach a file system that this one did not
                 os.utime(self.path)
-            except OSError:  # the next beat may reach a file system that this one did not
-                continue
 
 
 @dataclass(frozen=True)

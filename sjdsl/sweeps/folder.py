@@ -48,6 +48,7 @@ def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:
         "protocol": asked.protocol,
         "axes": axes,
         "episodes": asked.episodes,
+        "loggers": list(asked.loggers),
         "versions": versions(),
         "games": {cell.game: cell.hash for cell in cells},
         "cells": {cell.name: cell.described() for cell in cells},
@@ -75,7 +76,8 @@ def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     if faults:
         raise ExperimentError(f"{folder} holds another sweep: {'; '.join(faults)}. Name another folder")
     axes = {name: [*values, *(value for value in wanted["axes"][name] if value not in values)] for name, values in before["axes"].items()}
-    return {**before, "axes": axes, "games": {**before["games"], **wanted["games"]}, "cells": {**before["cells"], **wanted["cells"]}}
+    both = {key: {**before[key], **wanted[key]} for key in ("games", "cells")}
+    return {**before, "axes": axes, "loggers": wanted["loggers"], **both}
 
 
 def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[str]:

@@ -4,13 +4,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.near_names import meant
 from sjdsl.sweeps.axes import VARIANT, Axis, check_axes
 from sjdsl.sweeps.cells import Cell, Describe, Fixed, make_cell
 from sjdsl.sweeps.protocols import PROTOCOLS, SETS, angles_at, points_of
+
+if TYPE_CHECKING:
+    from sjdsl.trainers.loggers import LoggerName
 
 MOST = 10_000  # cells
 
@@ -27,6 +30,7 @@ class Asked:
     variant: str | None = None
     params: Mapping[str, Any] = field(default_factory=dict)
     episodes: int = 30  # of the evaluation of each seed's last policy
+    loggers: "Sequence[LoggerName]" = ()  # where metrics of cells that are begun from now on go besides: tensorboard, wandb
 
 
 @dataclass(frozen=True)

@@ -141,6 +141,11 @@ def write_tables(folder: Path, known: Mapping[str, Any]) -> None:
     afterwards, and written again until the file says what the folders say: whoever writes last has read everything.
     """
     _write(folder / RESULTS, lambda: result_table(results(folder, known)))
+    write_status(folder, known)
+
+
+def write_status(folder: Path, known: Mapping[str, Any]) -> None:
+    """Writes `status.csv`, whole or not at all."""
     _write(folder / STATUS, lambda: table(OF_STATUS, status(folder, known)))
 
 

@@ -31,7 +31,7 @@ from sjdsl.sweeps.folder import (
     run_dir,
     seed_dirs,
 )
-from sjdsl.sweeps.tables import collective_returns, write_tables
+from sjdsl.sweeps.tables import collective_returns, write_status, write_tables
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.config import ConfigError, make_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
@@ -99,6 +99,7 @@ def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
         raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
     cells = [named[path.name] for path in paths]
     with _claimed(sweep, cells, known["episodes"]) as held:
+        write_status(sweep, known)
         _run_held(sweep, held, known["episodes"], watch)
     known = read_sweep(sweep)  # another process may have added cells
     write_tables(sweep, known)
@@ -182,12 +183,13 @@ def _train(sweep: Path, group: Sequence[Held], watch: Watch) -> None:
     open_ = [one for one in group if not is_finished(run_dir(sweep, one.cell)) and not diverged_in(run_dir(sweep, one.cell))]
     if not open_:
         return
+    known = read_sweep(sweep)
     runs = []
     for one in open_:
         path = run_dir(sweep, one.cell)
         _clear_half_begun(path)
-        asked = {"episodes": read_sweep(sweep)["episodes"]}
-        runs.append(Run(environment_of(one.cell), one.cell.configuration(), path, one.cell.provenance, (), asked))
+        asked = {"episodes": known["episodes"]}
+        runs.append(Run(environment_of(one.cell), one.cell.configuration(), path, one.cell.provenance, known["loggers"], asked))
         again = ", from its last checkpoint" if (path / MANIFEST).is_file() else ""
         watch.tell(f"{one.cell.name}: training{again}{' side by side' if len(open_) > 1 else ''}")
     train_side_by_side(runs, watch.progress, _callback(open_, watch.stop))

@@ -19,7 +19,7 @@ from sjdsl.sweeps import work
 from sjdsl.sweeps.axes import Axis
 from sjdsl.sweeps.engines import Crew
 from sjdsl.sweeps.plan import Asked
-from sjdsl.sweeps.sweep import Outcome, sweep
+from sjdsl.sweeps.running import Outcome, sweep
 from sjdsl.trainers import evaluate, load_policy
 from sjdsl.trainers.evaluation import evaluation_key
 from sjdsl.trainers.resuming import DiskError
@@ -139,7 +139,7 @@ def test_what_another_process_runs_is_waited_for(
     other = work.take(folder, HIGH)
     assert other is not None
     assert work.run_cell(folder / "cells" / HIGH) == "running"
-    monkeypatch.setattr("sjdsl.sweeps.sweep.PATIENCE", 0.0)
+    monkeypatch.setattr("sjdsl.sweeps.running.PATIENCE", 0.0)
     said: list[str] = []
 
     def tell(line: str) -> None:

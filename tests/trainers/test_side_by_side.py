@@ -8,13 +8,14 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from run_outcomes import OF_THE_CLOCK, read_lines, read_manifest
+from probes import matching
+from run_outcomes import OF_THE_CLOCK, SHORT, counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
 import sjdsl
-from sjdsl.trainers import RunError, Update, make_config, train
+from sjdsl.trainers import RunError, Update, make_config, run, train
 from sjdsl.trainers.compiled import NoMemoryError
-from sjdsl.trainers.resuming import TooLargeError
+from sjdsl.trainers.resuming import TakenError, TooLargeError
 from sjdsl.trainers.run import Run, train_side_by_side
 from sjdsl.trainers.side_by_side import TRACED, kind_of
 
@@ -58,11 +59,11 @@ def together(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_as_apart(together: Path, tmp_path: Path) -> None:
-    run = the_runs(tmp_path)[1]
-    train(run.env, run.config, run.run_dir, "none")
-    apart, beside = run.run_dir, together / "1"
+    own = the_runs(tmp_path)[1]
+    train(own.env, own.config, own.run_dir, "none")
+    apart, beside = own.run_dir, together / "1"
     assert names_in(apart) == names_in(beside)
-    for seed in map(str, run.config.seed_numbers):
+    for seed in map(str, own.config.seed_numbers):
         for left, right in zip(*(read_lines(folder / f"seed_{seed}" / "metrics.jsonl") for folder in (apart, beside)), strict=True):
             assert left.keys() == right.keys()
             numbers = [name for name in left if name not in OF_THE_CLOCK and left[name] is not None]
@@ -97,9 +98,9 @@ def test_stopped_runs_go_on_side_by_side(together: Path, tmp_path: Path) -> None
         shutil.copytree(together / "killed" / str(number), tmp_path / str(number))
     shutil.rmtree(tmp_path / "1" / "checkpoints" / "4")
     train_side_by_side(the_runs(tmp_path), "none")
-    for number, run in enumerate(the_runs(tmp_path)):
+    for number, own in enumerate(the_runs(tmp_path)):
         assert read_manifest(tmp_path / str(number))["status"] == "finished"
-        for seed in run.config.seed_numbers:
+        for seed in own.config.seed_numbers:
             rows = [read_lines(folder / str(number) / f"seed_{seed}" / "metrics.jsonl") for folder in (together, tmp_path)]
             clean = [[{name: row[name] for name in row if name not in OF_THE_CLOCK} for row in lines] for lines in rows]
             assert clean[0] == clean[1]
@@ -139,3 +140,17 @@ def test_runs_that_do_not_fit_are_told_apart_from_others(tmp_path: Path, monkeyp
     with pytest.raises(TooLargeError, match="too much"):
         train_side_by_side(the_runs(tmp_path), "none")
     assert json.loads((tmp_path / "0" / "manifest.json").read_text())["status"] == "failed: too much"
+
+
+def test_a_folder_that_another_process_has_taken_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing more is saved: neither a checkpoint nor how the run ended."""
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+
+    def taken(update: Update) -> None:
+        if update.number == 3:
+            raise TakenError("another has it")
+
+    with pytest.raises(TakenError):
+        train(matching(), SHORT.model_copy(update={"evaluate_every": 0}), tmp_path / "run", "none", callback=taken)
+    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["2"]
+    assert read_manifest(tmp_path / "run")["status"] == "running"

@@ -9,12 +9,18 @@ from typing import Any
 import jax
 
 import sjdsl
+from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.cells import Cell, Describe
 from sjdsl.sweeps.claims import take
 from sjdsl.sweeps.engines import Batch, Crew, check_engine, run_batches
-from sjdsl.sweeps.folder import describe_sweep, progress_of, retry, run_dir, write_sweep
+from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, retry, run_dir, write_sweep
 from sjdsl.sweeps.plan import Asked, Plan, plan_sweep, second_stage
 from sjdsl.sweeps.tables import collective_returns, write_tables
+from sjdsl.sweeps.work import environment_of
+from sjdsl.trainers.algorithms import make_train
+from sjdsl.trainers.config import ConfigError
+from sjdsl.trainers.loggers import check_loggers
+from sjdsl.trainers.policies import PolicyError
 from sjdsl.trainers.side_by_side import kind_of_config
 
 ALONE = Crew()  # this process
@@ -55,8 +61,11 @@ def sweep(
       the same call goes on.
     """
     check_engine(crew)
+    check_loggers(asked.loggers)
     path = Path(folder).resolve()
     plan = plan_sweep(asked, describe or describe_with_make)
+    merged(path, describe_sweep(asked, plan.cells))
+    check_cells(plan.cells)
     known = write_sweep(path, describe_sweep(asked, plan.cells))
     cells = [*plan.cells]
     if again:
@@ -76,6 +85,16 @@ def sweep(
             _run_stage(path, following, asked.episodes, crew, together)
     write_tables(path, write_sweep(path, describe_sweep(asked, cells)))
     return _outcome(path, cells, asked.episodes, complete)
+
+
+def check_cells(cells: Sequence[Cell]) -> None:
+    """Raises ExperimentError where a configuration does not fit its game: before anything is written. Cells of one kind are as one."""
+    kinds = {(cell.hash, kind_of_config(cell.configuration())): cell for cell in reversed(cells)}
+    for cell in reversed(kinds.values()):
+        try:
+            make_train(environment_of(cell), cell.configuration())
+        except (ConfigError, PolicyError) as error:
+            raise ExperimentError(f"{cell.name}: {error}") from None
 
 
 def following_cells(folder: Path, plan: Plan, known: Mapping[str, Any]) -> list[Cell] | None:
