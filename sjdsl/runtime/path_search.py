@@ -100,7 +100,7 @@ def first_moves(
     Args:
       goals: `[K, P, H, L]` boards of where a path may end, with heading p if P is 4, with any if P is 1; K is 1 if all agents have the
         same goals, else N.
-      enterable: `[K or 1, H, L]` board of cells that a path may step on.
+      enterable: `[1 or N, H, L]` boards of cells that a path may step on.
       agents: heading, row and column of each, `[N]` int32.
       wanted: `[N]` bool, whose paths are asked for; nothing is said of the others.
     Returns:
@@ -109,6 +109,7 @@ def first_moves(
     """
     heading, row, col = agents
     planes = goals.shape[1]
+    goals = jnp.broadcast_to(goals, (max(goals.shape[0], enterable.shape[0]), *goals.shape[1:]))
     own = jnp.arange(heading.shape[0]) if goals.shape[0] > 1 else jnp.zeros_like(heading)
 
     def holds(reached: Array, facing: Array, r: Array, c: Array) -> Array:

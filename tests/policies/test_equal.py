@@ -1,6 +1,7 @@
-"""Compiled policies choose what interpreted ones do, agent by agent, in states that play leads to."""
+"""Compiled policies choose what interpreted ones do, agent by agent, in states that random agents and the policies themselves lead to."""
 
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -10,38 +11,47 @@ import pytest
 import sjdsl
 from sjdsl.policies.compiled import make_chooser
 from sjdsl.policies.interpreted import choose
-from sjdsl.runtime.policy import random_policy
 from tests.differential.worlds import world_of
 
 GAMES = Path(__file__).parent / "games"
-STEPS = 12
+STEPS = 18
+LOOKED_AT = 3  # of so many states one is compared
 
 
-def worlds(env: sjdsl.Environment, seed: int):
-    """Yields states that random play and the policies themselves lead to."""
-    key = jax.random.key(seed)
-    key, reset_key = jax.random.split(key)
-    observation, state = env.reset(reset_key)
-    play = random_policy(env)
-    for _ in range(STEPS):
-        yield state
-        key, act_key, step_key = jax.random.split(key, 3)
-        observation, state, *_ = env.step(step_key, state, play(act_key, observation))
+def played(env: sjdsl.Environment, seed: int) -> Any:
+    """Returns T states, the random numbers of each `[T, N, 2]`, and what each policy chooses in it `[T, policies, N]`, as NumPy arrays.
+
+    In each step an agent follows one of the policies or takes a random action.
+    """
+    choosers = [make_chooser(env, policy) for policy in env.game.policies]
+
+    def advance(state: Any, key: jax.Array) -> Any:
+        bits_key, who_key, random_key, step_key = jax.random.split(key, 4)
+        bits = jax.random.bits(bits_key, (env.num_agents, 2), jnp.uint32)
+        chosen = jnp.stack([chooser(state, bits) for chooser in choosers])
+        anything = jax.random.randint(random_key, (1, env.num_agents), 0, env.num_actions, jnp.int32)
+        who = jax.random.randint(who_key, (1, env.num_agents), 0, len(choosers) + 1, jnp.int32)
+        actions = jnp.take_along_axis(jnp.concatenate([chosen, anything]), who, axis=0)[0]
+        return env.step(step_key, state, actions)[1], (state, bits, chosen)
+
+    @jax.jit
+    def play(key: jax.Array) -> Any:
+        reset_key, steps_key = jax.random.split(key)
+        return jax.lax.scan(advance, env.reset(reset_key)[1], jax.random.split(steps_key, STEPS))[1]
+
+    return jax.tree.map(np.asarray, play(jax.random.key(seed)))
 
 
+@pytest.mark.usefixtures("strict_jax")
 @pytest.mark.parametrize("path", sorted(GAMES.glob("*.sj")), ids=lambda path: path.stem)
 def test_compiled_equals_interpreted(path: Path) -> None:
     env = sjdsl.make(path)
-    drawn = np.random.default_rng(0)
     params = {param.name: param.value for param in env.game.params}
-    for policy in env.game.policies:
-        chooser = jax.jit(make_chooser(env, policy))
-        chosen = set()
-        for seed in range(2):
-            for state in worlds(env, seed):
-                bits = drawn.integers(0, 2**32, (env.num_agents, 2), np.uint32)
-                world = world_of(env, state, params)
-                expected = [choose(policy, env.game, world, agent, tuple(map(int, bits[agent]))) for agent in range(env.num_agents)]
-                assert np.asarray(chooser(state, jnp.asarray(bits))).tolist() == expected, (policy.name, world)
-                chosen |= set(expected)
-        assert len(chosen) > 1, f"{policy.name} always does the same"
+    states, bits, chosen = played(env, seed=0)
+    for at in range(0, STEPS, LOOKED_AT):
+        world = world_of(env, jax.tree.map(lambda leaf, at=at: leaf[at], states), params)
+        for policy, compiled in zip(env.game.policies, chosen[at], strict=True):
+            expected = [choose(policy, env.game, world, agent, tuple(map(int, bits[at, agent]))) for agent in range(env.num_agents)]
+            assert compiled.tolist() == expected, (policy.name, world)
+    for number, policy in enumerate(env.game.policies):
+        assert len(set(chosen[:, number].flat)) > 1, f"{policy.name} always does the same"

@@ -32,5 +32,6 @@ game turning "Turning and stepping forward only, in a maze with doors" {
     when count(agent as other) < 5 choose turn_right
   }
   policy near_wall { aim square(1) at wall choose hit }
+  policy loner { seek gate avoiding floor in disc(2) of agent where floor.row == agent.row  when step > 2 choose hit }
   policy follower { seek agent as other where other.index == 0 and agent.index != 0  seek gate }
 }
