@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -11,9 +11,10 @@ from jax import Array
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
+from sjdsl.policies.compiled import make_chooser
 from sjdsl.properties.biased_draws import POLICY, RESET, STEP
 from sjdsl.properties.compiled_values import Lowered, lower_checks, with_totals
-from sjdsl.properties.scripted_policies import WANDERS, allowed_by
+from sjdsl.properties.scripted_policies import WANDERS, allowed_by, policy_named
 from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.random_bits import below, random_bits_at
@@ -38,13 +39,16 @@ class Episodes:
     left: np.ndarray
 
 
-@dataclass(frozen=True)
-class Script:
-    """Policies of all agents as arrays: a table of the actions that each draws from, how many, and which `seek` it follows (-1: none)."""
+class Script(NamedTuple):
+    """Policies of all agents as arrays.
+
+    table: the actions that each draws from; count: how many. seek, scripted: which `seek`, which policy of the file it follows; -1: none.
+    """
 
     table: Array
     count: Array
     seek: Array
+    scripted: Array
 
 
 class Player:
@@ -54,6 +58,8 @@ class Player:
         self.env = env
         self.expressions = [e for check in checks for e in check.values]
         self.domains = list(dict.fromkeys(p.domain for check in checks for p in check.policies if p.domain is not None))
+        self.scripted = list(dict.fromkeys(p.scripted for check in checks for p in check.policies if p.scripted))
+        self._choosers = [make_chooser(env, policy_named(env.game, name)) for name in self.scripted]
         self._lowered = lower_checks(env.game, self.expressions, self.domains)
         self._shortest_paths = shortest_paths_of(env.game) if self.domains else None
         self._steps = env.episode_length
@@ -67,14 +73,15 @@ class Player:
         allowed = [allowed_by(policy, game) for policy in mine]
         table = [[*actions, *[0] * (self.env.num_actions - len(actions))] for actions in allowed]
         seek = [-1 if p.domain is None else self.domains.index(p.domain) for p in mine]
-        return Script(*(jnp.asarray(x, jnp.int32) for x in (table, [len(actions) for actions in allowed], seek)))
+        scripted = [self.scripted.index(p.scripted) if p.scripted else -1 for p in mine]
+        return Script(*(jnp.asarray(x, jnp.int32) for x in (table, [len(actions) for actions in allowed], seek, scripted)))
 
     def play(self, script: Script, seed: int, first: int, number: int) -> Episodes:
         """Plays episodes `first`, `first + 1`, … of a seed; at least `number` of them, in whole batches."""
         parts = []
         for start in range(first, first + number, BATCH):
             keys = np.array([(seed & 0xFFFFFFFF, start + i) for i in range(BATCH)], np.uint32)
-            arguments = (jnp.asarray(keys), (script.table, script.count, script.seek))
+            arguments = (jnp.asarray(keys), script)
             parts.append(jax.tree.map(np.asarray, self._run(*arguments)))
         values, actions, length, totals, left = (jax.tree.map(lambda *x: np.concatenate(x), *[p[i] for p in parts]) for i in range(5))
         return Episodes(first, values, actions, length, totals, left)
@@ -87,7 +94,7 @@ class Player:
             _, state, *_ = self._step(_derived_key(key, STEP, jnp.int32(t)), state, jnp.asarray(actions[t]))
         return state
 
-    def _episode(self, key: Array, script: tuple[Array, Array, Array]) -> Any:
+    def _episode(self, key: Array, script: Script) -> Any:
         env, lowered = self.env, self._lowered
         names = [(event.name, *count) for event in env.game.events for count in counts_of(event)]
 
@@ -110,19 +117,22 @@ class Player:
         left = jnp.where(finite, self._steps, jnp.arange(self._steps)).min()
         return jnp.concatenate([first[None], values]), actions, length, {(e, w): totals[name] for e, w, name in names}, left
 
-    def _choose(self, state: Any, key: Array, script: tuple[Array, Array, Array]) -> Array:
+    def _choose(self, state: Any, key: Array, script: Script) -> Array:
         """Returns an action for each agent, as `scripted_policies.choose` does on the interpreter."""
-        table, count, seek = script
         agents = self.env.num_agents
         bits = random_bits_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
-        actions = jnp.take_along_axis(table, below(bits[:, 0], count)[:, None], axis=1)[:, 0]
+        actions = jnp.take_along_axis(script.table, below(bits[:, 0], script.count)[:, None], axis=1)[:, 0]
+        for i, chooser in enumerate(self._choosers):  # the script is the same in all episodes: those that nobody follows cost nothing
+            follows = script.scripted == i
+            chosen = jax.lax.cond(jnp.any(follows), chooser, lambda *_: jnp.zeros(agents, jnp.int32), state, bits)
+            actions = jnp.where(follows, chosen, actions)
         if self._shortest_paths is None:
             return actions
         wandering = below(bits[:, 1], jnp.int32(WANDERS)) == 0
         for i, where in enumerate(self._lowered.seeks):
             cells, members = where(state, self.env.params)
             walks = self._walk(state, cells, members & ~wandering[:, None], bits[:, 0], self._shortest_paths)
-            actions = jnp.where(seek == i, walks, actions)
+            actions = jnp.where(script.seek == i, walks, actions)
         return actions
 
     def _walk(self, state: Any, cells: Array, members: Array, bits: Array, paths: ShortestPaths) -> Array:

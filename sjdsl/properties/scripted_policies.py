@@ -1,4 +1,4 @@
-"""Scripted policies on the interpreter: `random`, `never(…)`, `seek …`, each with two random numbers a step."""
+"""Policies of `expect` on the interpreter: `random`, `never(…)`, `seek …` and those of the file, each with two random numbers a step."""
 
 from collections.abc import Sequence
 
@@ -7,6 +7,7 @@ from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.evaluate import members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, World
+from sjdsl.policies import interpreted
 from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
 
 WANDERS = 8  # one move in so many of a seeking agent is random, so that two that meet in a passage part again
@@ -20,6 +21,8 @@ def allowed_by(policy: ir.Policy, game: ir.Game) -> tuple[int, ...]:
 
 def choose(policy: ir.Policy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]) -> int:
     """Returns what an agent with this policy does in a state."""
+    if policy.name == "scripted":
+        return interpreted.choose(policy_named(game, policy.scripted), game, world, agent, bits)
     if policy.domain is None:
         actions = allowed_by(policy, game)
         return actions[bits[0] * len(actions) >> 32]
@@ -33,6 +36,11 @@ def choose(policy: ir.Policy, game: ir.Game, world: World, agent: int, bits: tup
     if move is not None:
         return stay if move < 0 else move
     return paths.moves[bits[0] * len(paths.moves) >> 32]
+
+
+def policy_named(game: ir.Game, name: str) -> ir.ScriptedPolicy:
+    """Returns a policy that the game's file declares."""
+    return next(policy for policy in game.policies if policy.name == name)
 
 
 def node_of(paths: ShortestPaths, cell: Cell, heading: int) -> int:

@@ -14,8 +14,7 @@ from sjdsl.policies.interpreted import choose
 from tests.differential.worlds import world_of
 
 GAMES = Path(__file__).parent / "games"
-STEPS = 18
-LOOKED_AT = 3  # of so many states one is compared
+STEPS = 20
 
 
 def played(env: sjdsl.Environment, seed: int) -> Any:
@@ -48,7 +47,7 @@ def test_compiled_equals_interpreted(path: Path) -> None:
     env = sjdsl.make(path)
     params = {param.name: param.value for param in env.game.params}
     states, bits, chosen = played(env, seed=0)
-    for at in range(0, STEPS, LOOKED_AT):
+    for at in range(STEPS):
         world = world_of(env, jax.tree.map(lambda leaf, at=at: leaf[at], states), params)
         for policy, compiled in zip(env.game.policies, chosen[at], strict=True):
             expected = [choose(policy, env.game, world, agent, tuple(map(int, bits[at, agent]))) for agent in range(env.num_agents)]
