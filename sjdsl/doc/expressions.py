@@ -36,6 +36,8 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return f"the {code(e.name)} of {'the world' if e.owner is None else value(e.owner, v)}"
         case ir.Attribute():
             return f"the {e.name} of {value(e.owner, v)}"
+        case ir.Distance():
+            return f"the distance between {v.refer(e.left)} and {v.refer(e.right)}"
         case ir.At():
             return entry(e, v, _default_entry(e, v))
         case ir.Step():
@@ -68,6 +70,10 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return f"the number of {v.members(e.domain)}"
         case ir.Sum():
             return f"the sum of {operand(e.value, v)} over all {v.members(e.domain)}"
+        case ir.Extreme():
+            which = "smallest" if e.fn == "min" else "largest"
+            otherwise = "" if e.otherwise is None else f", or {operand(e.otherwise, v)} if there are none"
+            return f"the {which} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
         case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty() | ir.Chose():
             return f"whether {v.condition(e)}"
         case ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():

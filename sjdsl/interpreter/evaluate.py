@@ -75,6 +75,14 @@ def _sum(e: ir.Sum, here: Instance) -> Value:
     return numbers.total(values, e.type.kind == "real")
 
 
+def _extreme(e: ir.Extreme, here: Instance) -> Value:
+    values = [evaluate(e.value, here.binding(m.names)) for m in members_of(e.domain, here)]
+    if not values:
+        assert e.otherwise is not None, f"`{e.fn}` over nobody"
+        return evaluate(e.otherwise, here)
+    return min(values) if e.fn == "min" else max(values)
+
+
 def _event_total(e: ir.EventTotal, here: Instance) -> int:
     return sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word))
 
@@ -113,6 +121,19 @@ def _field(e: ir.FieldRead, here: Instance) -> Value:
     if e.held_by == "agent":
         return here.world.agents[e.name][owner]
     return here.world.cells[here.board.kind_of[owner], e.name][here.board.number[owner]]
+
+
+def _distance(e: ir.Distance, here: Instance) -> int:
+    a, b = _place_of(e.left, here), _place_of(e.right, here)
+    return abs(a.row - b.row) + abs(a.col - b.col)
+
+
+def _place_of(member: ir.Member, here: Instance) -> Cell:
+    """Returns the cell that a variable is, or that its agent stands on."""
+    owner = evaluate(member, here)
+    cell = here.world.position[owner] if isinstance(owner, int) else owner
+    assert isinstance(cell, Cell), f"the place of `{member.name}`, which is away"
+    return cell
 
 
 def _attribute(e: ir.Attribute, here: Instance) -> Value:
@@ -288,7 +309,7 @@ def _restricted(domain: ir.Domain, member: int | Cell, number: int, here: Instan
     return Found(member, number, names)
 
 
-_ONCE = (ir.Named, ir.Count, ir.Sum)  # kept where they name nothing around them
+_ONCE = (ir.Named, ir.Count, ir.Sum, ir.Extreme)  # kept where they name nothing around them
 
 # The value of each class of expression, looked up: `sjdsl test` asks this millions of times.
 VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
@@ -301,12 +322,14 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Nobody: lambda _, __: None,
     ir.ParamRef: lambda e, here: here.world.params[e.name],
     ir.Attribute: _attribute,
+    ir.Distance: _distance,
     ir.At: _entry,
     ir.Step: lambda _, here: here.world.step,
     ir.Arithmetic: _arithmetic,
     ir.Count: lambda e, here: len(members_of(e.domain, here)),
     ir.Sum: _sum,
     ir.SumRow: lambda e, here: numbers.total(list(evaluate(e.row, here)), e.type.kind == "real"),
+    ir.Extreme: _extreme,
     ir.Case: _case,
     ir.Lowest: _lowest,
     ir.Mix: lambda e, here: numbers.shares(evaluate(e.row, here)),

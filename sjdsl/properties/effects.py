@@ -24,6 +24,8 @@ def reads(node: ir.Node) -> Iterator[Part]:
                 yield (n.name,)
             case ir.Attribute(name="row" | "col", owner=owner) if not (isinstance(owner, ir.Member) and owner.who == "cell"):
                 yield PLACE
+            case ir.Distance() if "agent" in (n.left.who, n.right.who):
+                yield PLACE
             case ir.Step():
                 yield STEP
             case ir.EventTotal():

@@ -15,7 +15,9 @@ READING = (
     ir.FieldRead
     | ir.Count
     | ir.Sum
+    | ir.Extreme
     | ir.Attribute
+    | ir.Distance
     | ir.Step
     | ir.EventTotal
     | ir.Unoccupied

@@ -73,3 +73,36 @@ def test_conditions_on_counts_exclude_each_other_whatever_their_variables_are_ca
     )
     assert codes(counted.format("count(agent as c where c.held > 1) == 0")) == set()
     assert codes(counted.format("count(agent as c where c.held > 2) == 0")) == {"SJ401"}
+
+
+LEAST = "when {} {{ each agent where min(b.held over agent as b {}) > 1 {{ give 1 to agent }} }}"
+
+
+@pytest.mark.parametrize(("guard", "domain"), [
+    ("step >= 0", ""),
+    ("count(agent as c where c.held > 1) > 0", "where b.held > 1"),
+    ("count(agent as c where c.held > 1) >= 1", "where b.held > 1"),
+    ("count(agent as c where c.held > 1) != 0", "where b.held > 1"),
+    ("count(agent as c where c.held > 1) == 2", "where b.held > 1"),
+    ("step >= 0", "where b.held > 1 otherwise 0"),
+])  # fmt: skip
+def test_a_domain_with_a_member_has_a_least_value(guard, domain):
+    assert codes(LEAST.format(guard, domain)) == set()
+
+
+@pytest.mark.parametrize(("guard", "domain"), [
+    ("step >= 0", "where b.held > 1"),
+    ("count(agent as c where c.held > 2) > 0", "where b.held > 1"),
+    ("count(agent as c where c.held > 1) >= 0", "where b.held > 1"),
+    ("step >= 0", "on grass"),
+    ("step >= 0", "in disc(1) of agent"),
+])  # fmt: skip
+def test_a_domain_that_can_be_empty_has_none(guard, domain):
+    assert codes(LEAST.format(guard, domain)) == {"SJ217"}
+
+
+def test_where_agents_can_be_away_there_is_one_as_long_as_one_is_named():
+    remove = "each agent where agent chose stay { remove agent }"
+    assert codes(f"{remove}  when min(agent.held over agent) > 1 {{ give 1 to all }}") == {"SJ217"}
+    assert codes(f"{remove}  each agent where min(b.held over agent as b) > 1 {{ give 1 to agent }}") == set()
+    assert codes("when min(agent.held over agent) > 1 { give 1 to all }") == set()

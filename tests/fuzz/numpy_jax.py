@@ -133,13 +133,14 @@ def where(condition: Any, a: Any, b: Any) -> Array:
 
 
 def _namespace() -> SimpleNamespace:
-    same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "max", "min", "argmax", "clip", "minimum", "maximum", "take_along_axis",
+    same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "abs", "max", "min", "argmax", "clip", "minimum", "maximum", "take_along_axis",
             "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like")  # fmt: skip
     return SimpleNamespace(
         asarray=as_array,
         where=where,
         issubdtype=np.issubdtype,
         dtype=np.dtype,
+        inf=np.inf,
         **{name: _wrapping(getattr(np, name)) for name in same},
         **NUMBERS,
     )

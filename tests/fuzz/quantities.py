@@ -17,7 +17,9 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
         return atom(scope, "int", unit)
     choices = ["sum", "sum", "difference", "product", "remainder", "extreme", "case", "negation", "define"]
     if scope.counts:
-        choices += ["total", "total"] + (["count"] * 3 if unit == "count" else [])
+        choices += ["total", "total", "over"] + (["count"] * 3 if unit == "count" else [])
+    if unit == "cells":
+        choices += ["apart"] * 6
     match w.random.choice(choices):
         case "sum" | "difference" as which:
             return _combined("+" if which == "sum" else "-", integer(scope, unit, depth - 1), integer(scope, unit, depth - 1))
@@ -43,6 +45,10 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
             return count(scope, depth)
         case "total":
             return total(scope, "int", unit, depth)
+        case "over":
+            return over(scope, "int", unit, depth)
+        case "apart":
+            return apart(scope) or atom(scope, "int", unit)
         case _:
             return used(scope, "int", unit, depth) or atom(scope, "int", unit)
 
@@ -54,7 +60,7 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
         return atom(scope, "real", unit)
     choices = ["sum", "difference", "product", "quotient", "extreme", "case", "whole", "define", "ramp"]
     if scope.counts:
-        choices += ["total", "share", "mix"]
+        choices += ["total", "share", "mix", "over"]
     match w.random.choice(choices):
         case "sum" | "difference" as which:
             return _combined("+" if which == "sum" else "-", real(scope, unit, depth - 1), real(scope, unit, depth - 1))
@@ -76,6 +82,8 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
             return expected(scope, unit) or atom(scope, "real", unit)
         case "total":
             return total(scope, "real", unit, depth)
+        case "over":
+            return over(scope, "real", unit, depth)
         case _:
             return used(scope, "real", unit, depth) or atom(scope, "real", unit)
 
@@ -234,6 +242,38 @@ def total(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
     low, high = min(0, type_.low), max(0, type_.high)
     type_ = type_.model_copy(update={"low": low * most if low else 0, "high": high * most if high else 0})
     return f"sum({value} over {text})", _beyond_one(type_)
+
+
+def over(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
+    """Returns the least or greatest value over a domain; `otherwise` stays out half of the times that there always is a member."""
+    from tests.fuzz.members import domain
+
+    w = scope.world
+    text, inner, _ = domain(scope, depth - 1, counted=True)
+    made = integer if kind == "int" else real
+    parts = [made(inner, unit, min(depth - 1, 1))]
+    whose, *rest = text.split()
+    whole = not rest or (len(rest) == 2 and rest[0] == "as")
+    around = scope.sort in ("phase", "metric", "check") and scope.agents()
+    sure = whole and (around if whose == "agent" else w.num_cells(w.kinds_of(whose)))
+    if not sure or w.is_now(0.5):
+        parts.append(made(scope, unit, 0))
+        text += f" otherwise {parts[1][0]}"
+    types = [part[1] for part in parts]
+    low, high = hull(types)
+    unit = next((t.unit for t in types if t.unit != "number"), "number")
+    sort = "int" if all(t.kind == "int" for t in types) else "real"
+    return f"{w.random.choice(('min', 'max'))}({parts[0][0]} over {text})", ir.Type(kind=sort, unit=unit, low=low, high=high)
+
+
+def apart(scope: Scope) -> Typed | None:
+    """Returns the distance between two that have a place."""
+    w = scope.world
+    placed = [] if scope.sort in ("forbid", "sight") else [v.name for v in scope.variables if scope.sort != "start" or not v.is_agent]
+    if not placed:
+        return None
+    names = [w.random.choice(placed) for _ in "ab"]
+    return f"distance({', '.join(names)})", _int(0, len(w.rows) + len(w.rows[0]) - 2, "cells")
 
 
 def _beyond_one(type_: ir.Type) -> ir.Type:

@@ -171,6 +171,31 @@ def test_counts_and_sums(here):
     assert evaluate(owed, here) == np.float32(1.5)
 
 
+@pytest.mark.parametrize(("fn", "expected"), [("min", 3), ("max", 7)])
+def test_the_least_and_the_greatest_over_a_domain(here, fn, expected):
+    """Over the agents' own numbers plus bags 0 + 4, 1 + 0, 2 + 2; of none it is what stands after `otherwise`."""
+    bag = ir.SumRow(type=g.INT, row=g.of_agent("bag", BAG, g.agent("one")))
+    value = g.plus(ir.Attribute(type=g.INT, owner=g.agent("one"), name="index"), bag)
+    for index, owned in ((1, 1), (0, 4), (2, 4)):
+        only = g.compare(ir.Attribute(type=g.INT, owner=g.agent("one"), name="index"), "==", g.number(index))
+        assert evaluate(ir.Extreme(type=g.INT, fn=fn, value=value, domain=g.agents("one", where=only)), here) == owned
+    assert evaluate(ir.Extreme(type=g.INT, fn=fn, value=value, domain=g.agents("one")), here) == {"min": 1, "max": 4}[fn]
+    nobody = g.agents("one", where=ir.Truth(value=False))
+    otherwise = g.number({"min": 3, "max": 7}[fn])
+    assert evaluate(ir.Extreme(type=g.INT, fn=fn, value=value, domain=nobody, otherwise=otherwise), here) == expected
+    assert evaluate(ir.Extreme(type=g.REAL, fn=fn, value=value, domain=nobody, otherwise=otherwise), here) == np.float32(expected)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "expected"),
+    [("agent", "other", 2), ("other", "agent", 2), ("agent", "wall", 2), ("floor", "wall", 3), ("floor", "floor", 0)],
+)
+def test_distances_go_along_rows_and_columns(here, left, right, expected):
+    """Agent 0 stands on (0, 0) and agent 1 on (1, 1); `floor` is (1, 0), `wall` is (0, 2)."""
+    places = {"agent": g.agent(), "other": g.agent("other"), "floor": g.cell("floor"), "wall": g.cell("wall")}
+    assert evaluate(ir.Distance(type=g.INT, left=places[left], right=places[right]), here) == expected
+
+
 def test_an_agent_that_is_away_is_not_counted(here):
     from sjdsl.interpreter.state import Away
 

@@ -49,8 +49,8 @@ def random_text(seed: int) -> tuple[Source, Build] | None:
 
 
 @cache
-def random_games(number: int, first: int = 0) -> tuple[tuple[int, ir.Game], ...]:
-    """Returns the first random games from a seed on, each with its seed."""
+def random_games(number: int, first: int = 80) -> tuple[tuple[int, ir.Game], ...]:
+    """Returns the first random games from a seed on, each with its seed; in those from the default on much is drawn."""
     games: list[tuple[int, ir.Game]] = []
     seed = first
     while len(games) < number:

@@ -24,7 +24,7 @@ from .blocks import MANUAL, examples, frames
 EXECUTED = [e for e in examples() if e.said("result")]
 WORDS_OF_RULES = {
     "units": UNITS,
-    "functions": ("min", "max", "ramp", *expressions.ROW_FUNCTIONS, *expressions.MATRIX_CLASSES),
+    "functions": ("min", "max", "ramp", "distance", *expressions.ROW_FUNCTIONS, *expressions.MATRIX_CLASSES),
     "actions": actions.BUILT_IN,
     "attributes": (*lookup.AGENT_ATTRIBUTES, *lookup.CELL_ATTRIBUTES),
     "shapes": (*shapes.BUILT_IN, "centre"),

@@ -21,6 +21,7 @@ PROVED = [
     "conserved count(tree)",
     "conserved apple",
     "conserved count(tree where tree.col > 1)",
+    "conserved sum(max(distance(tree, other) over tree as other) over tree)",
     "monotone bare falling in fruit",
     "monotone fruit falling in bare",
     "monotone fruit rising in fruit",
@@ -35,6 +36,7 @@ NOT_PROVED = [
     "conserved fruit",
     "conserved eaten",
     "conserved count(agent on tree)",
+    "conserved sum(min(distance(agent, tree) over tree) over agent)",
     "conserved count(agent where agent.tired > 0)",
     "conserved step",
     "monotone bare rising in fruit",
@@ -114,6 +116,14 @@ def test_uneven_rules_are_found_and_shown(what: str, rule: str) -> None:
     even = decide_statically(small_game(f"symmetric {other}", rule), 0)
     assert even is not None
     assert even.passed
+
+
+def test_distances_are_the_same_for_all_and_in_a_mirror() -> None:
+    rule = "each agent where min(distance(agent, tree) over tree) > 1 { give 1 to agent }"
+    for what in UNEVEN:
+        verdict = decide_statically(small_game(f"symmetric {what}", rule), 0)
+        assert verdict is not None
+        assert verdict.passed
 
 
 EVEN = [

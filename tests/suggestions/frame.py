@@ -26,7 +26,7 @@ game meadow "The frame of the cases" {{
   phase rule {{
 {rule}
   }}
-  phase aim {{ each agent where agent chose zap {{ add 1 to agent.bag }} }}
+  phase shoot {{ each agent where agent chose zap {{ add 1 to agent.bag }} }}
 {phases}
   observe {{
     {window}
@@ -45,7 +45,7 @@ PARTS = {
     "map": 'map { "...." "TTTT" }',
     "moves": "moves relative",
     "start": "each agent { send agent to grass facing north }",
-    "schedule": "schedule walk -> rule -> aim",
+    "schedule": "schedule walk -> rule -> shoot",
     "window": "window ahead 2, behind 1, left 1, right 1",
 } | dict.fromkeys(("numbers", "world", "agents", "rule", "phases", "observe", "metrics", "checks"), "")
 

@@ -99,6 +99,16 @@ class Total(Node):
     domain: Domain | None
 
 
+class Extreme(Node):
+    """`min(e over D otherwise v)`; the name need not be one of a function."""
+
+    span: Span
+    name: Name
+    value: Expr
+    domain: Domain
+    if_none: Expr | None
+
+
 class Case(Node):
     span: Span
     subject: Expr
@@ -158,7 +168,7 @@ class Within(Node):
     high: Expr | None
 
 
-Expr = Int | Decimal | Nobody | Path | Call | Count | Total | Case | Unary | Binary | Chose | Standing | Within
+Expr = Int | Decimal | Nobody | Path | Call | Count | Total | Extreme | Case | Unary | Binary | Chose | Standing | Within
 
 
 class Table(Node):

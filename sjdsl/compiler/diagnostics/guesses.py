@@ -30,6 +30,12 @@ FUNCTIONS = {
     "if": "`case c { yes: 1, no: 0 }` is one value or the other",
 }
 
+# What is taken over a domain: `largest(agent.bag over agent)`.
+OVER_DOMAINS = {
+    **dict.fromkeys(("maximum", "largest", "greatest", "most", "highest", "top"), "`max(e over D otherwise v)` is the greatest value"),
+    **dict.fromkeys(("minimum", "smallest", "least", "lowest", "nearest", "closest"), "`min(e over D otherwise v)` is the least value"),
+}
+
 # What agents and cells are asked for: `agent.x`, `agent.action`.
 _REWARD = "reward is given, not kept: `give 1 to agent`; to remember it, add it to a field of your own, `field earned : reward`"
 _TURNED = "`heading` is where an agent looks: `north`, `east`, `south` or `west`"

@@ -88,10 +88,10 @@ def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.
         with problems.survive():
             test = scope.condition(forbid.condition)
             for node in ir.walk(test):
-                where = isinstance(node, ir.Attribute) and node.name in ("row", "col")
+                where = isinstance(node, ir.Distance) or (isinstance(node, ir.Attribute) and node.name in ("row", "col"))
                 if (
                     where
-                    or isinstance(node, ir.Count | ir.Sum | ir.StandsOn | ir.Chose)
+                    or isinstance(node, ir.Count | ir.Sum | ir.Extreme | ir.StandsOn | ir.Chose)
                     or (isinstance(node, ir.FieldRead) and node.held_by == "agent" and not isinstance(node.owner, ir.Member))
                 ):
                     raise problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))  # type: ignore[arg-type]

@@ -13,8 +13,9 @@ from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain, most_members
+from sjdsl.compiler.elaborate.extremes import extreme as over_domain
 from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, kinds_named, not_a_word
-from sjdsl.compiler.elaborate.paths import path
+from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.printer import expression as text
@@ -42,6 +43,8 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return count(e, scope)
         case ast.Total():
             return total(e, scope)
+        case ast.Extreme():
+            return over_domain(e, scope)
         case ast.Case():
             return case(e, scope)
         case ast.Unary():
@@ -244,8 +247,11 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         return matrix_class(e, scope.expression(e.arguments[0]), scope)
     if name in scope.static.defines:
         return use_define(e.name, e.arguments, scope)
+    if name == "distance":  # after the defines: some games have one of this name
+        arity(e, scope, 2)
+        return distance(e, scope)
     classes = MATRIX_CLASSES if scope.part == "checks" else ()
-    candidates = ["count", "sum", "min", "max", "ramp", *ROW_FUNCTIONS, *classes, *scope.static.defines]
+    candidates = ["count", "sum", "min", "max", "ramp", "distance", *ROW_FUNCTIONS, *classes, *scope.static.defines]
     raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
 
 

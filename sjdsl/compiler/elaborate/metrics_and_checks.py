@@ -25,7 +25,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
             with scope.problems.survive():
                 test = scope.condition(check.condition)
                 for node in ir.walk(test):
-                    if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.EventTotal | ir.Step | ir.Member):
+                    if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
                         raise scope.problems.fail(
                             errors.NotFixed(node.origin or check.span, what="what a `require` reads (numbers, not the state)")
                         )

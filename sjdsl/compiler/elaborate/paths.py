@@ -3,6 +3,7 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
@@ -97,9 +98,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         "col": integer(0, max(static.map_cols - 1, 0), "cells"),
     }
     if name.text in ("row", "col") and not isinstance(owner, ir.Member):
-        what = "the row or column of an agent that a field holds: it may be away"
-        help_ = f"name it: `each agent as x in {text(owner)}` has those who are there, and `x.{name.text}`"
-        raise scope.problems.fail(errors.Unsupported(name.span, what=what, help=help_))
+        raise _perhaps_away(owner, name.span, "row or column", f"x.{name.text}", scope)
     if name.text in ("row", "col") and scope.part == "start":
         raise scope.problems.fail(errors.NoPlaceYet(name.span, what=f"{text(owner)}.{name.text}"))
     if name.text in types:
@@ -107,6 +106,32 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if Declared(name.text, "agent") in static.broken:
         raise Poisoned
     raise no_field(name, "an agent", [*static.agent_fields, *AGENT_ATTRIBUTES], guesses.AGENT_FIELDS | guesses.PLACES, scope.problems)
+
+
+def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: Scope) -> Poisoned:
+    what = f"the {asked} of an agent that a field holds: it may be away"
+    help_ = f"name it: `each agent as x in {text(agent)}` has those who are there, and `{instead}`"
+    return scope.problems.fail(errors.Unsupported(span, what=what, help=help_))
+
+
+def distance(e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns `distance(a, b)` between two agents or cells that domains around have named."""
+    found: list[ir.Member] = []
+    for tree, place in zip(e.arguments, scope.expressions(e.arguments), strict=True):
+        if isinstance(place, ir.Nobody) or not (isinstance(place, ir.Member) or place.type.kind == "agent"):
+            given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
+            raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
+        if not isinstance(place, ir.Member):
+            raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
+        if place.who == "agent" and scope.part == "start":
+            raise scope.problems.fail(errors.NoPlaceYet(tree.span, what=f"distance({', '.join(map(_written, e.arguments))})"))
+        found.append(place)
+    farthest = max(scope.static.map_rows + scope.static.map_cols - 2, 0)
+    return ir.Distance(type=integer(0, farthest, "cells"), left=found[0], right=found[1], origin=e.span)
+
+
+def _written(tree: ast.Expr) -> str:
+    return tree.name.text if isinstance(tree, ast.Path) else "…"
 
 
 def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
@@ -57,6 +59,13 @@ class Static:
     broken: set[Declared] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
+    phases: tuple[ast.Phase, ...] = ()
+
+    @cached_property
+    def can_be_away(self) -> bool:
+        """Whether a phase sends agents away for some ticks, or removes them."""
+        nodes = (node for phase in self.phases for node in walk(phase))
+        return any(isinstance(node, ast.Remove) or (isinstance(node, ast.Send) and node.after is not None) for node in nodes)
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:
         """Returns the kinds a kind's or group's name stands for."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from sjdsl.compiler.ir.expressions import Count, Domain, FieldRead, Local, Member, Named, Narrowed, Number, Sum
+from sjdsl.compiler.ir.expressions import Count, Domain, Extreme, FieldRead, Local, Member, Named, Narrowed, Number, Sum
 from sjdsl.compiler.ir.node import Node
 
 Form = tuple[Any, ...]
@@ -31,6 +31,9 @@ def form(e: Node, names: Names = NONE) -> Form:
         case Sum():
             domain, inner = _domain(e.domain, names)
             return ("sum", domain, form(e.value, inner))
+        case Extreme():
+            domain, inner = _domain(e.domain, names)
+            return (e.fn, domain, form(e.value, inner), _part(e.otherwise, names))
         case _:
             return (type(e), *(_part(getattr(e, name), names) for name in _compared(type(e))))
 

@@ -8,9 +8,9 @@ from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expression, Node,
 # would make every model's schema contain every other: half a second at import.)
 if TYPE_CHECKING:
     Expr: TypeAlias = (
-        "Number | Word | Truth | Nobody | ParamRef | Member | Local | FieldRead | Attribute | "
+        "Number | Word | Truth | Nobody | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
         "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
-        "Chose | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Case | "
+        "Chose | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Extreme | Case | "
         "Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
     )
     Restriction: TypeAlias = "Near | InAgents | Among"
@@ -89,6 +89,14 @@ class Attribute(Expression):
     type: Type
     owner: Expr
     name: Literal["index", "heading", "moved", "away", "row", "col"]
+
+
+class Distance(Expression):
+    """The steps along rows and columns between two agents or cells, whatever stands between: |row - row| + |col - col|."""
+
+    type: Type
+    left: Member
+    right: Member
 
 
 class At(Expression):
@@ -209,6 +217,16 @@ class Sum(Expression):
 class SumRow(Expression):
     type: Type
     row: Expr
+
+
+class Extreme(Expression):
+    """The least or greatest value over the members; `otherwise`, which sees none of them, if there are none (None: there is one)."""
+
+    type: Type
+    fn: Literal["min", "max"]
+    value: Expr
+    domain: "Domain"
+    otherwise: Expr | None = None
 
 
 class Arm(Node):

@@ -19,13 +19,15 @@ def free_variables(e: ir.Node) -> list[Variable]:
 
 
 def _free(node: ir.Node, bound: frozenset[str]) -> Iterator[Variable]:
-    if isinstance(node, ir.Count | ir.Sum):
+    if isinstance(node, ir.Count | ir.Sum | ir.Extreme):
         inner = bound | {m.name for m in (node.domain.var, node.domain.on) if m is not None}
         for child in ir.children(node.domain):
             if child not in (node.domain.var, node.domain.on):
                 yield from _free(child, inner)
-        if isinstance(node, ir.Sum):
+        if not isinstance(node, ir.Count):
             yield from _free(node.value, inner)
+        if isinstance(node, ir.Extreme) and node.otherwise is not None:
+            yield from _free(node.otherwise, bound)
     elif isinstance(node, Variable):
         if node.name not in bound:
             yield node

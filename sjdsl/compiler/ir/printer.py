@@ -28,6 +28,8 @@ def expression(e: ir.Expr) -> str:
             return e.name if e.owner is None else f"{expression(e.owner)}.{e.name}"
         case ir.Attribute():
             return f"{expression(e.owner)}.{e.name}"
+        case ir.Distance():
+            return f"distance({e.left.name}, {e.right.name})"
         case ir.At():
             return f"{expression(e.row)}[{expression(e.key)}]"
         case ir.Step():
@@ -52,6 +54,9 @@ def expression(e: ir.Expr) -> str:
             return f"sum({expression(e.value)} over {domain(e.domain)})"
         case ir.SumRow():
             return f"sum({expression(e.row)})"
+        case ir.Extreme():
+            otherwise = "" if e.otherwise is None else f" otherwise {expression(e.otherwise)}"
+            return f"{e.fn}({expression(e.value)} over {domain(e.domain)}{otherwise})"
         case ir.Case():
             return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
         case ir.Lowest():

@@ -1,13 +1,16 @@
-"""Lowers `count` and `sum` over domains, with a fast form for neighbours on a fixed map."""
+"""Lowers `count`, `sum`, `min` and `max` over domains, with a fast form for neighbours on a fixed map."""
 
 from dataclasses import replace
+from math import isinf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, iota, literal, reduce, select, spread
 from sjdsl.compiler.lower.domains import enter, is_empty, shape_name, whole_set
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import call
+from sjdsl.compiler.program.expressions import DType, Unary, call, path
+
+LARGEST = 2**31 - 1  # of the whole numbers of the language
 
 
 def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
@@ -27,6 +30,41 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
         return w.keep(f"num_{e.domain.var.name}", reduce("sum", counted, new))
     value = as_dtype(w.value(e.value, inner.always()), "i32" if e.type.kind == "int" else "f32")
     return w.keep("total", reduce("sum", select(inner.mask, value, literal(0, value.dtype)), new))
+
+
+def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
+    """Returns the least or greatest value over a domain, with the axes of the surroundings it depends on."""
+    dtype: DType = "i32" if e.type.kind == "int" else "f32"
+    otherwise = None if e.otherwise is None else as_dtype(w.value(e.otherwise, scope.always()), dtype)
+    if is_empty(e.domain, w):
+        assert otherwise is not None
+        return otherwise
+    inner = enter(e.domain, scope.always(), w)
+    new = tuple(a for a in inner.axes if a not in scope.axes)
+    value, mask = as_dtype(w.value(e.value, inner.always()), dtype), inner.mask
+    if any(a in value.axes for a in new):
+        nothing = _nothing(e, otherwise, dtype)
+        if mask is not None and otherwise not in (None, nothing):
+            mask = w.keep("member", mask)  # for it is read twice
+        value = w.keep("least" if e.fn == "min" else "greatest", reduce(e.fn, select(mask, value, nothing), new))
+        if nothing == otherwise:
+            return value
+    if otherwise is None or mask is None:
+        return value
+    return select(w.keep("anybody", reduce("any", mask, new)), value, otherwise)
+
+
+def _nothing(e: ir.Extreme, otherwise: Value | None, dtype: DType) -> Value:
+    """Returns what stands for those who are no members: the value for none if it yields to all others, else one that does."""
+    least = e.fn == "min"
+    if dtype == "f32":
+        infinity = path("jnp.inf")
+        return Value(infinity if least else Unary("-", infinity), "f32")
+    last = e.value.type.high if least else e.value.type.low
+    if otherwise is not None and otherwise.literal and (otherwise.number >= last if least else otherwise.number <= last):
+        return otherwise
+    bound = LARGEST if least else -LARGEST - 1
+    return literal(bound if isinf(last) else int(last), "i32")
 
 
 def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:

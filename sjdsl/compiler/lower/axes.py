@@ -242,8 +242,8 @@ def select(condition: Value | None, a: Value, b: Value) -> Value:
     return Value(Where(test, then, otherwise), dtype, axes, levels)
 
 
-def reduce(fn: OneOf["any", "all", "sum"], value: Value, over: tuple[Axis, ...]) -> Value:
-    """Returns `any`, `all` or `sum` over axes; a value without an axis is the same all along it (`sum` multiplies)."""
+def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: tuple[Axis, ...]) -> Value:
+    """Returns `any`, `all`, `sum`, `min` or `max` over axes; a value without an axis is the same all along it (`sum` multiplies)."""
     gone = tuple(a for a in over if a in value.axes)
     times = prod(a.size for a in over if a not in value.axes)
     if value.literal:

@@ -1,12 +1,13 @@
 """Lowers expressions to array expressions."""
 
 from dataclasses import replace
+from typing import Literal as OneOf
 from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.aggregates import total
+from sjdsl.compiler.lower.aggregates import extreme, total
 from sjdsl.compiler.lower.axes import (
     FALSE,
     TRUE,
@@ -54,6 +55,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return state_reads.field(e, None if e.owner is None else owner(e.owner, scope, w), w)
         case ir.Attribute():
             return attribute(e, scope, w)
+        case ir.Distance():
+            return distance(e, scope, w)
         case ir.At():
             return entry(e, scope, w)
         case ir.Step():
@@ -71,6 +74,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return either(parts) if e.fn == "or" else both(*parts) or TRUE
         case ir.Count() | ir.Sum():
             return total(e, scope, w)
+        case ir.Extreme():
+            return extreme(e, scope, w)
         case ir.SumRow() | ir.Lowest() | ir.Mix():
             return of_row(e, lower(e.row, scope, w))
         case ir.Case():
@@ -134,10 +139,8 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     """Returns a read-only fact about an agent or a cell."""
     who = owner(e.owner, scope, w)
     if e.name in ("row", "col"):
-        at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
-        cols = w.module.number("frame_cols", w.module.layout.cols)
-        placed = array.Binary("//" if e.name == "row" else "%", at.node, cols)
-        return Value(array.Binary("-", placed, array.Literal(w.module.layout.pad, "PAD")), "i32", at.axes)
+        placed = _in_frame(who, e.name, w)
+        return replace(placed, node=array.Binary("-", placed.node, array.Literal(w.module.layout.pad, "PAD")))
     assert isinstance(who, AgentVar)
     match e.name:
         case "index":
@@ -151,6 +154,21 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
             return FALSE if here is None else invert(here)
         case _:
             raise AssertionError(e)
+
+
+def _in_frame(who: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
+    """Returns the row or column of an agent or a cell in the frame around the map."""
+    at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
+    cols = w.module.number("frame_cols", w.module.layout.cols)
+    return Value(array.Binary("//" if side == "row" else "%", at.node, cols), "i32", at.axes)
+
+
+def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
+    """Returns the steps between two agents or cells, once for all who ask in this function."""
+    a, b = owner(e.left, scope, w), owner(e.right, scope, w)
+    sides = [binary("-", _in_frame(a, side, w), _in_frame(b, side, w), "i32") for side in ("row", "col")]
+    rows, cols = (replace(side, node=array.call("jnp.abs", side.node)) for side in sides)
+    return w.keep("distance", binary("+", rows, cols, "i32"))
 
 
 def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:

@@ -104,9 +104,9 @@ class Cast(Record):
 
 
 class Reduce(Record):
-    """`any`, `all`, `sum` or `max` over some axes, all of them if there are none named. `dtype`: of a sum."""
+    """`any`, `all`, `sum`, `min` or `max` over some axes, all of them if there are none named. `dtype`: of a sum."""
 
-    fn: OneOf["any", "all", "sum", "max"]
+    fn: OneOf["any", "all", "sum", "min", "max"]
     value: Expression
     axes: tuple[int, ...] | None = None
     dtype: DType | None = None

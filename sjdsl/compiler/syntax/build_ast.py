@@ -42,7 +42,7 @@ def _token(token: Token, file: str) -> ast.Name | ast.String | str:
 
 CLAUSES = {
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
-    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding",
+    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none",
 }  # fmt: skip
 
 RULES: dict[str, node_builders.Build] = {
@@ -151,6 +151,7 @@ RULES: dict[str, node_builders.Build] = {
     "nobody": ast.Nobody,
     "count": ast.Count,
     "total": node_builders.optional(ast.Total, 2),
+    "extreme": node_builders.with_clauses(ast.Extreme, "if_none"),
     "case": node_builders.several(ast.Case, 1),
     "arm": node_builders.arm,
     "key": node_builders.all_of,

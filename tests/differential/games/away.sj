@@ -3,6 +3,7 @@ game away "Being sent, away, removed; choosing" {
   size  players : count       = 4 in 2 .. 6
   param delay   : steps       = 2 in 0 .. 9
   param keep    : probability = 0.7
+  size  reach   : cells       = 9
   episode 50
   kind floor "." { field heat : 0 .. 3 = 0 }
   kind den   "d" { field full : { no_one, some } = no_one }
@@ -18,7 +19,7 @@ game away "Being sent, away, removed; choosing" {
   }
   shape zapline = line(4)
   phase start { each agent { send agent to pen facing south } }
-  schedule walk -> fire -> tick -> go -> heat -> count_dens
+  schedule walk -> fire -> tick -> go -> heat -> near -> count_dens
   phase walk { move each agent }
   phase fire {
     each agent as zapper where zapper chose zap {
@@ -40,11 +41,19 @@ game away "Being sent, away, removed; choosing" {
       set floor.heat = case here { 0: 0, 1: 1, otherwise: 2 }
     }
   }
+  phase near {
+    each agent as a {
+      give min(distance(a, b) over agent as b where b is not a otherwise 0) / reach to a
+      give max(0.5 * c.lives over agent as c) to a
+      when min(distance(a, den) over den where den.full is some otherwise reach) < 2 { tally beside for a }
+    }
+    each floor as f where max(distance(f, x) over agent as x otherwise 1) == 1 { when f.heat < 3 { set f.heat = f.heat + 1 } }
+  }
   phase count_dens {
     each den { chance keep { set den.full = case floor_heat { yes: some, no: no_one } } otherwise { set den.full = some } }
     each agent where agent.heading is north and agent.row > 0 { give -0.5 to agent }
     when count(agent) <= 1 { end }
   }
   define floor_heat = sum(floor.heat over floor) > 6
-  metrics { event zaps  event gone  mean present = count(agent)  final hot = sum(floor.heat over floor) }
+  metrics { event zaps  event gone  event beside  mean present = count(agent)  final hot = sum(floor.heat over floor) }
 }

@@ -132,5 +132,14 @@ class NotFixed(Diagnostic, code="SJ216", title="Not known when compiled"):
     what: str
 
 
+class ExtremeOfNothing(Diagnostic, code="SJ217", title="The largest of none"):
+    """`domain`: as it is written."""
+
+    says = "`{domain}` can have no member here, and then `{name}` has no value"
+    hints = ("say what it is then: `{name}(… over {domain} otherwise 0)`; or guard it with `count({domain}) > 0`",)
+    name: str
+    domain: str
+
+
 # What a condition around it can make right: said only where the conditions around could be read.
-GUARDABLE = (ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed)
+GUARDABLE = (ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed, ExtremeOfNothing)

@@ -136,10 +136,9 @@ def _expressions() -> Iterator[tuple[str, ...]]:
     yield "sum EXPR over DOMAIN", "sum({1} over {2})"
     yield "sum of EXPR over DOMAIN", "sum({1} over {2})"
     yield "sum EXPR", "sum({1})"
-    for word, sign, beyond in (("max", ">", "above"), ("min", "<", "below")):
-        of_one = f"`{word}` takes numbers side by side, `{word}(a, b)`; of a domain there are `count` and `sum`: "
-        asked = f"`count({{2}}{{and2}} {{1}} {sign} n) > 0` says whether there is one {beyond} n"
-        yield f"{word} ( EXPR over DOMAIN )", f"{word}({{1}}, {{1}})", of_one + asked
+    for word in ("max", "min"):
+        for of in ("", " of"):
+            yield f"{word}{of} EXPR over DOMAIN", f"{word}({{1}} over {{2}})"
 
 
 def _declarations() -> Iterator[tuple[str, ...]]:
