@@ -10,6 +10,7 @@ import click
 from sjdsl.cli.configuration_options import check_policies, configuration_options, log_option, read_configuration, read_texts
 from sjdsl.cli.environment_options import build_game, describe_environment, environment_options, read_assignments
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.sweeps.axes import as_number, read_axis
 from sjdsl.sweeps.plan import Asked, Plan, plan_sweep
@@ -95,10 +96,11 @@ def command(
     settings = {**read_texts(changes), **read_configuration(algorithm, reward, seed, seeds, init_from, partners)}
     given = read_assignments(params)
     asked = Asked(games, [read_axis(text) for text in axes], protocol, settings, preset, variant, given, episodes, loggers)
-    describe = _describer(map_file, agents)
+    read: dict[str, ir.Game] = {}
+    describe = _describer(map_file, agents, read)
     plan = plan_sweep(asked, describe)  # what does not fit is said before JAX is loaded
     for cell in plan.cells:
-        check_policies(cell.configuration())
+        check_policies(cell.configuration(), read[cell.hash])
     folder = Path(run_dir)
     if dry_run:
         _list(plan, folder)
@@ -117,8 +119,11 @@ def command(
     return _report(outcome, folder)
 
 
-def _describer(map_file: str | None, agents: int | None) -> "Describe":
-    """Returns what makes the arguments of a game's environment, its name and its hash, without JAX; the same only once."""
+def _describer(map_file: str | None, agents: int | None, read: dict[str, ir.Game]) -> "Describe":
+    """Returns what makes the arguments of a game's environment, its name and its hash, without JAX; the same only once.
+
+    The games that it has read are then in `read`, by their hashes.
+    """
     known: dict[str, tuple[str, str]] = {}
 
     def describe(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple[dict[str, Any], str, str]:
@@ -127,6 +132,7 @@ def _describer(map_file: str | None, agents: int | None) -> "Describe":
         if key not in known:
             made, _ = build_game(game, dict(params), variant, map_file, agents)
             known[key] = made.game.name, game_hash(made.game)
+            read[known[key][1]] = made.game
         return provenance, *known[key]
 
     return describe

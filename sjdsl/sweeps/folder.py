@@ -123,9 +123,10 @@ def read_sweep(folder: Path) -> dict[str, Any]:
 def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     """Adds what is wanted to `sweep.json`, which is written if that changes it; returns what it says now."""
     known = merged(folder, wanted)
-    (folder / CELLS).mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     if known != read_json(folder / SWEEP):
         write_json(folder / SWEEP, known, shared=True)
+    (folder / CELLS).mkdir(exist_ok=True)
     return known
 
 
