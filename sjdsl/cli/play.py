@@ -24,7 +24,7 @@ from sjdsl.trainers.policy_names import UNTRAINED
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
     from sjdsl.runtime.env import Environment
-    from sjdsl.screen.frame import Frame
+    from sjdsl.screen.display import Display
 
 LITTLE = 60_000  # cells times steps that the interpreter plays sooner than a game is compiled
 NO_TERMINAL = (
@@ -67,7 +67,7 @@ def command(
     if record is not None:
         save_recording(session.recording(environment, game_hash(made.game), seed), Path(record))
         click.echo(f"{record}  {len(session.actions)} steps of {made.game.title or made.game.name}")
-    click.echo(describe_returns(session.frame.returns))
+    click.echo(describe_returns(session.display.returns))
     return 0
 
 
@@ -89,7 +89,7 @@ def play_on(
     others: str,
     seed: int,
     speed: float,
-    show: Callable[["Frame"], object] = lambda _: None,
+    show: Callable[["Display"], object] = lambda _: None,
 ) -> None:
     """Plays a session to its end, or until the person stops: on the screen, or where there is none with each moment given to `show`."""
 
@@ -109,7 +109,7 @@ def play_on(
         with stages(f"compiling {game.name}"):
             ready = compiled()
         session.hand_over(ready.player, 0, ready.choose)
-    show(session.frame)
+    show(session.display)
     while not session.is_over:
         show(session.step())
 

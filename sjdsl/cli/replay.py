@@ -18,7 +18,7 @@ from sjdsl.screen.session import written_choice
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
-    from sjdsl.screen.frame import Frame
+    from sjdsl.screen.display import Display
 
 
 @click.command("replay")
@@ -65,10 +65,10 @@ def show(recording: "Recording", speed: float) -> None:
     session = begin_session(made.game, values, recording.seed, written_choice(recording.actions), None, len(recording.actions))
     play_on(session, made.game, values, given, "random", recording.seed, speed, make_printer(made.game))
     if session.is_over:
-        check_returns(recording, session.frame.returns)
+        check_returns(recording, session.display.returns)
 
 
-def make_printer(game: "ir.Game") -> Callable[["Frame"], None]:
+def make_printer(game: "ir.Game") -> Callable[["Display"], None]:
     """Returns what prints a moment: the map in letters, the step, the returns, what was tallied."""
     from sjdsl.screen.board import board_text
     from sjdsl.screen.looks import make_screen_looks
@@ -76,8 +76,8 @@ def make_printer(game: "ir.Game") -> Callable[["Frame"], None]:
 
     looks = make_screen_looks(game)
 
-    def show(frame: "Frame") -> None:
-        click.echo(board_text(game, looks, frame).plain)
-        click.echo(f"step {frame.world.step}\n{describe_returns(frame.returns)}\n{event_line(frame)}".rstrip() + "\n")
+    def show(display: "Display") -> None:
+        click.echo(board_text(game, looks, display).plain)
+        click.echo(f"step {display.world.step}\n{describe_returns(display.returns)}\n{event_line(display)}".rstrip() + "\n")
 
     return show

@@ -16,7 +16,7 @@ HEAD = ("phase", "drawn for", "draw")
 
 @dataclass(frozen=True)
 class DrawRow:
-    """phase: its label; around: the sentences around the draw, outermost first; text: what is drawn."""
+    """phase: its label; around: the statements around the draw, outermost first; text: what is drawn."""
 
     phase: str
     around: tuple[str, ...]
@@ -31,9 +31,9 @@ def draws(v: Vocabulary) -> list[str]:
 
 
 def phase_draws(phase: ir.Phase, v: Vocabulary) -> Iterator[DrawRow]:
-    """Yields the draws of one phase in the order of its sentences."""
-    for sentence in phase.body:
-        for around, text in _draws(sentence, (), v):
+    """Yields the draws of one phase in the order of its statements."""
+    for statement in phase.body:
+        for around, text in _draws(statement, (), v):
             yield DrawRow(phase.label, around, text)
 
 
@@ -58,12 +58,12 @@ def _draws(s: ir.Stmt, around: tuple[str, ...], v: Vocabulary) -> Found:
             if s.facing is None:
                 yield around, "which way it looks there: one of four, all equally likely"
     for inner, body in _inside(s, v):
-        for sentence in body:
-            yield from _draws(sentence, (*around, *inner), v)
+        for statement in body:
+            yield from _draws(statement, (*around, *inner), v)
 
 
 def _inside(s: ir.Stmt, v: Vocabulary) -> Iterator[tuple[tuple[str, ...], tuple[ir.Stmt, ...]]]:
-    """Yields the blocks of a sentence with what each of them is about."""
+    """Yields the blocks of a statement with what each of them is about."""
     match s:
         case ir.Each():
             yield (f"each {members(s.domain, v)}",), s.body

@@ -9,9 +9,9 @@ from sjdsl.doc.wording import Line, bullets
 
 ALWAYS = (
     Line("names `like this` are those of the game's file; a number in brackets behind a name is its default value"),
-    Line("names *like this* are given by a sentence to an agent, a cell or a value, for this sentence and those inside it"),
-    Line('without such a name, "the agent" or "the … cell" is that of the enclosing sentence'),
-    Line("a sentence about each member of a set holds for all of them at once"),
+    Line("names *like this* are given by a statement to an agent, a cell or a value, for this statement and those inside it"),
+    Line('without such a name, "the agent" or "the … cell" is that of the enclosing statement'),
+    Line("a statement about each member of a set holds for all of them at once"),
     Line("a phase reads the state as it was when the phase began, and its changes appear when it is over"),
     Line("there is at most one agent on a cell"),
 )
@@ -23,7 +23,7 @@ MOVEMENT = Line(
         Line("two agents cannot change places: both stay"),
         Line("if several agents would enter one cell, one of them does, chosen at random with equal chances; the others stay"),
         Line("no agent enters the cell of an agent that stays; a cell that its agent leaves at the same time can be entered"),
-        Line("agents that the sentence does not name stay, whatever they chose"),
+        Line("agents that the statement does not name stay, whatever they chose"),
     ),
 )
 NOTES: tuple[tuple[tuple[type, ...], Line], ...] = (
@@ -37,14 +37,14 @@ NOTES: tuple[tuple[tuple[type, ...], Line], ...] = (
         Line("additions to one field in one phase are summed first, then added once, and only then kept within its range"),
     ),
     ((ir.Give,), Line("the rewards that an agent receives in a step are summed")),
-    ((ir.Chance, ir.Draw), Line("every step, and each member that a sentence is about, has a random draw of its own, independent of all others")),
+    ((ir.Chance, ir.Draw), Line("every step, and each member that a statement is about, has a random draw of its own, independent of all others")),
     (
         (ir.Chance,),
         Line('"otherwise, with probability p" is the probability if nothing above it happened; one draw decides between all of them'),
     ),
     (
         (ir.Pick,),
-        Line("members chosen at random are different ones, every choice equally likely; inside another sentence each of its members has a choice of its own"),
+        Line("members chosen at random are different ones, every choice equally likely; inside another statement each of its members has a choice of its own"),
     ),
     (
         (ir.First,),
@@ -84,7 +84,7 @@ def _sending(sends: list[ir.Send]) -> Line:
         Line(
             "a cell is free if nobody stood on it when the phase began; the cells of agents that are sent there in the same phase count as free"
         ),
-        Line("an agent that several sentences send to the same cells is sent once"),
+        Line("an agent that several statements send to the same cells is sent once"),
         Line("agents that are sent to the same cells in one phase get different ones, at random with equal chances"),
     ]
     if any(s.stay for s in sends):
@@ -98,7 +98,7 @@ def _sending(sends: list[ir.Send]) -> Line:
 
 def _away(sends: list[ir.Send]) -> Line:
     found = [
-        Line("it stands on no cell, no sentence is about it, it chooses nothing and sees nothing"),
+        Line("it stands on no cell, no statement is about it, it chooses nothing and sees nothing"),
         Line("its fields stay as they are and its timers fall; rewards and counts reach it"),
     ]
     if any(s.after is not None for s in sends):

@@ -65,7 +65,7 @@ def initialisation(v: Vocabulary) -> list[str]:
 
 
 def phases(v: Vocabulary) -> list[str]:
-    """Returns each turn of the schedule with its sentences."""
+    """Returns each turn of the schedule with its statements."""
     found = []
     for number, turn in enumerate(v.game.schedule, 1):
         name = turn.label if isinstance(turn, ir.Phase) else "tick"

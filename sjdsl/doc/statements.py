@@ -12,12 +12,12 @@ from sjdsl.doc.wording import Line, article, code, codes, counted, joined, numbe
 
 
 def block(body: tuple[ir.Stmt, ...], v: Vocabulary) -> tuple[Line, ...]:
-    """Returns the lines of a block of sentences."""
-    return tuple(line for sentence in body for line in lines(sentence, v))
+    """Returns the lines of a block of statements."""
+    return tuple(line for statement in body for line in lines(statement, v))
 
 
 def lines(s: ir.Stmt, v: Vocabulary) -> list[Line]:
-    """Returns a sentence; those with several branches have a line for each."""
+    """Returns a statement; those with several branches have a line for each."""
     match s:
         case ir.Let():
             return [Line(f"let {variable(s.name)} be {value(s.value, v)}")]

@@ -21,7 +21,7 @@ class Phrases:
 class Vocabulary:
     """A game with its names; `defines.vocabulary` makes it.
 
-    defined: the defines that are explained in one place, so that their name is enough elsewhere; values: whether sentences
+    defined: the defines that are explained in one place, so that their name is enough elsewhere; values: whether statements
     repeat the defaults of parameters and the ranges of fields.
     """
 
@@ -63,7 +63,7 @@ class Vocabulary:
 
     @cached_property
     def numbers(self) -> dict[str, ir.Param]:
-        """The parameters whose default a sentence may show."""
+        """The parameters whose default a statement may show."""
         return {param.name: param for param in self.game.params} if self.values else {}
 
     def condition(self, e: ir.Expr) -> str:

@@ -10,7 +10,7 @@ from sjdsl.format.gaps import Gap
 from sjdsl.format.lines import WIDTH
 from sjdsl.format.structure import Structure
 
-BETWEEN_ITEMS = 2  # spaces between sentences, or rows of a picture, on one line
+BETWEEN_ITEMS = 2  # spaces between statements, or rows of a picture, on one line
 
 
 @dataclass

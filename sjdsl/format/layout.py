@@ -31,7 +31,7 @@ def lay_out(tokens: Sequence[Token], structure: Structure, gaps: Sequence[Gap]) 
 
 
 class Layout:
-    """The lines so far; the last one is still written to. `head`: the line that its sentence, or part of one, begins with."""
+    """The lines so far; the last one is still written to. `head`: the line that its statement, or part of one, begins with."""
 
     def __init__(self, flat: Flat, structure: Structure, gaps: Sequence[Gap]) -> None:
         self.flat, self.structure, self.gaps = flat, structure, gaps
@@ -69,7 +69,7 @@ class Layout:
         self.lines += [Line(first, blank=blank), *(Line(other) for other in others)]
 
     def _above(self, comment: str) -> None:
-        """Puts a comment that is too long for the line it ends above the sentence it is about."""
+        """Puts a comment that is too long for the line it ends above the statement it is about."""
         head = self.lines[self.head]
         above = [Line(text) for text in wrapped(comment, len(head.text) - len(head.text.lstrip()))]
         above[0].blank, head.blank = head.blank, False
@@ -115,7 +115,7 @@ class Layout:
             yield run
 
     def statement(self, start: int, end: int, indent: int) -> None:
-        """Writes a sentence that begins the line: on one line, or each branch on its own and what does not fit opened."""
+        """Writes a statement that begins the line: on one line, or each branch on its own and what does not fit opened."""
         if self.flat.fits(start, end, indent):
             self.write(start, end)
             return
@@ -130,7 +130,7 @@ class Layout:
                 self.write(first, last)
 
     def _branches(self, start: int, end: int) -> Iterator[tuple[int, int]]:
-        """Yields the parts of a sentence: up to its first `otherwise`, and each one that follows."""
+        """Yields the parts of a statement: up to its first `otherwise`, and each one that follows."""
         at, first = start, start
         while at <= end:
             if at in self.structure.branches and at > start:
@@ -187,7 +187,7 @@ class Layout:
                 yield inner
             at = inner.end + 1 if inner is not None else at + 1
 
-    # ---- parts of sentences
+    # ---- parts of statements
 
     def _hangs(self, container: Container) -> bool:
         """Returns whether the rows of a picture stand below the first one, which stands behind the brace."""

@@ -14,7 +14,7 @@ ENTRIES = frozenset(("entry", "arm", "relabel"))
 
 @dataclass(frozen=True)
 class Container:
-    """Items that may stand on lines of their own: sentences of a block, entries of a list, rows of a picture, texts of `about`.
+    """Items that may stand on lines of their own: statements of a block, entries of a list, rows of a picture, texts of `about`.
 
     open: the token before the first item. items: the first token of each. close: the closing brace; texts have none.
     """

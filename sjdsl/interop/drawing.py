@@ -8,7 +8,7 @@ from sjdsl.render import make_painter, take_snapshot
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.board import board_letters
 from sjdsl.screen.compiled import marked_world
-from sjdsl.screen.frame import Frame
+from sjdsl.screen.display import Display
 from sjdsl.screen.looks import make_screen_looks
 
 RENDER_MODES = ("human", "ansi", "rgb_array")
@@ -41,8 +41,8 @@ class Drawing:
             return np.asarray(self._painter.draw(snapshot))
         self._looks = self._looks or make_screen_looks(self._env.game)
         held = frozenset(np.flatnonzero(snapshot.held).tolist())
-        frame = Frame(marked_world(self._env, state), held, (), (), tuple(returns.tolist()), {}, False)
-        text = board_letters(self._env.game, self._looks, frame)
+        display = Display(marked_world(self._env, state), held, (), (), tuple(returns.tolist()), {}, False)
+        text = board_letters(self._env.game, self._looks, display)
         if self._mode == "ansi":
             return text
         print(text, flush=True)

@@ -146,18 +146,18 @@ class Screen(App[None]):
         self._show_status()
 
     def _show(self) -> None:
-        game, session, frame = self._game, self._session, self._session.frame
-        self.query_one("#title", Static).update(Text(f"{game.title or game.name}   step {frame.world.step} of {session.length}"))
-        self.query_one("#map", Static).update(board_text(game, self._looks, frame, session.agent))
-        self.query_one("#scores", Static).update(sidebar.score_table(game, self._looks, frame, session.agent))
-        self.query_one("#events", Static).update(Text(sidebar.event_line(frame)))
+        game, session, display = self._game, self._session, self._session.display
+        self.query_one("#title", Static).update(Text(f"{game.title or game.name}   step {display.world.step} of {session.length}"))
+        self.query_one("#map", Static).update(board_text(game, self._looks, display, session.agent))
+        self.query_one("#scores", Static).update(sidebar.score_table(game, self._looks, display, session.agent))
+        self.query_one("#events", Static).update(Text(sidebar.event_line(display)))
         self._show_status()
         self.call_after_refresh(self._follow)
 
     def _follow(self) -> None:
         """Scrolls a map that is larger than the screen to where the steered agent is."""
         session = self._session
-        place = None if session.agent is None else session.frame.world.position[session.agent]
+        place = None if session.agent is None else session.display.world.position[session.agent]
         if place is not None:
             size = 2 * AROUND + 1
             region = Region(WIDTH * (place.col - AROUND), place.row - AROUND, WIDTH * size, size)
@@ -170,14 +170,14 @@ class Screen(App[None]):
         """Returns whose turn it is."""
         session = self._session
         if session.is_over:
-            why = "The episode is over" if session.frame.done else "That was the last step asked for"
+            why = "The episode is over" if session.display.done else "That was the last step asked for"
             return f"{why}; q leaves."
         if self._waits and not self._is_ready:
             return "Steps are taken as soon as the policy is loaded."
         if session.agent is None:
             return "Paused; space goes on." if self._is_paused else f"All agents play, {self._speed:g} steps a second."
-        away = session.frame.world.position[session.agent] is None
-        held = " It is away: any key is a step." if away else " It can only stay." if session.agent in session.frame.held else ""
+        away = session.display.world.position[session.agent] is None
+        held = " It is away: any key is a step." if away else " It can only stay." if session.agent in session.display.held else ""
         return f"Your turn: agent {session.agent}.{held}"
 
     def _preparing(self) -> str:

@@ -10,7 +10,7 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.render.colours import Colour
-from sjdsl.screen.frame import Frame
+from sjdsl.screen.display import Display
 from sjdsl.screen.looks import OWN, ScreenLooks, letter_of
 from sjdsl.screen.palette import ink_on
 
@@ -18,9 +18,9 @@ ARROWS = "▲▶▼◀"  # north, east, south, west
 WIDTH = 2  # letters of a cell
 
 
-def board_text(game: ir.Game, looks: ScreenLooks, frame: Frame, own: int | None = None) -> Text:
+def board_text(game: ir.Game, looks: ScreenLooks, display: Display, own: int | None = None) -> Text:
     """Returns the map of one moment, a line for each row. `own`: the agent that is steered; it has a colour of its own."""
-    world, lines = frame.world, []
+    world, lines = display.world, []
     agents = {place: number for number, place in enumerate(world.position) if place is not None}
     beams = {(row, col): looks.marks[name][1] for name, row, col in world.marks if name in looks.marks}
     kind_of = board_of(game).kind_of
@@ -30,18 +30,18 @@ def board_text(game: ir.Game, looks: ScreenLooks, frame: Frame, own: int | None 
             place = Cell(row, col)
             if place in agents:
                 number = agents[place]
-                line.append(*agent_letters(looks, world, number, own, number in frame.held))
+                line.append(*agent_letters(looks, world, number, own, number in display.held))
             else:
                 _append_cell(line, game, looks, world, place, kind_of[place], beams.get((row, col)))
         lines.append(line)
     return Text("\n").join(lines)
 
 
-def board_letters(game: ir.Game, looks: ScreenLooks, frame: Frame) -> str:
+def board_letters(game: ir.Game, looks: ScreenLooks, display: Display) -> str:
     """Returns the map with the codes that colour it in any terminal of 256 colours, each row on a line."""
     console = Console(file=StringIO(), force_terminal=True, color_system="256", width=WIDTH * len(game.rows[0]) + 1)
     with console.capture() as shown:
-        console.print(board_text(game, looks, frame), no_wrap=True)
+        console.print(board_text(game, looks, display), no_wrap=True)
     return shown.get()
 
 

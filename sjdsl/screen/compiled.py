@@ -11,33 +11,33 @@ from sjdsl.interpreter.state import Value, World
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.replay.episode_player import EpisodePlayer, Moment
 from sjdsl.runtime.env import Environment
-from sjdsl.screen.frame import Frame, make_frame
+from sjdsl.screen.display import Display, make_display
 
 
 class Compiled:
     """The episode of a seed.
 
     Attributes:
-      frame: of the moment; seen: what the agents see, `[N, ...]`, and the state.
+      display: of the moment; seen: what the agents see, `[N, ...]`, and the state.
     """
 
     def __init__(self, env: Environment, params: Mapping[str, Value], seed: int) -> None:
         """Begins the episode, with a step compiled. `params`: as the interpreter has them."""
         self._env, self._params, self._player = env, params, EpisodePlayer(env, seed)
         EpisodePlayer(env, seed).step([0] * env.num_agents)  # JAX compiles it now, not at the first key
-        self.frame = make_frame(env.game, self._world(), self._player.returns.tolist())
+        self.display = make_display(env.game, self._world(), self._player.returns.tolist())
 
     @property
     def seen(self) -> tuple[Any, Any]:
         return self._player.observation, self._player.state
 
-    def step(self, actions: Sequence[int]) -> Frame:
+    def step(self, actions: Sequence[int]) -> Display:
         """Takes one step. `actions`: a number of the game for each agent."""
         moment = self._player.step(actions)
-        self.frame = make_frame(
+        self.display = make_display(
             self._env.game, self._world(), self._player.returns.tolist(), actions, moment.reward.tolist(), _totals(moment), moment.done
         )
-        return self.frame
+        return self.display
 
     def _world(self) -> World:
         return replace(marked_world(self._env, self._player.state), params=dict(self._params))

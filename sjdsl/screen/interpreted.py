@@ -8,7 +8,7 @@ from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.state import Value, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.screen.frame import Frame, make_frame
+from sjdsl.screen.display import Display, make_display
 from sjdsl.trace.jax_random import fold_in, key_of
 
 
@@ -16,25 +16,25 @@ class Interpreted:
     """The episode of a seed: state by state what `sjdsl.replay.EpisodePlayer` plays for the same seed and actions.
 
     Attributes:
-      frame: of the moment; seen: nothing, for policies of the compiled game are not asked here.
+      display: of the moment; seen: nothing, for policies of the compiled game are not asked here.
     """
 
     def __init__(self, game: ir.Game, params: Mapping[str, Value], seed: int) -> None:
         """Begins the episode. `params`: every parameter of the game, reals as float32."""
         self._game, self._params, self._key = game, params, key_of(seed)
         world = reset(game, params, Threefry(*fold_in(self._key, 0)))
-        self.frame = make_frame(game, copied(world), [0.0] * game.agents.number)
+        self.display = make_display(game, copied(world), [0.0] * game.agents.number)
         self.seen = (None, None)
 
-    def step(self, actions: Sequence[int]) -> Frame:
+    def step(self, actions: Sequence[int]) -> Display:
         """Takes one step. `actions`: a number of the game for each agent."""
-        draws = Threefry(*fold_in(self._key, self.frame.world.step + 1))
-        world, outcome = step(self._game, self.frame.world, actions, self._params, draws)
+        draws = Threefry(*fold_in(self._key, self.display.world.step + 1))
+        world, outcome = step(self._game, self.display.world, actions, self._params, draws)
         rewards = [float(reward) for reward in outcome.reward]
-        returns = [before + reward for before, reward in zip(self.frame.returns, rewards, strict=True)]
+        returns = [before + reward for before, reward in zip(self.display.returns, rewards, strict=True)]
         events = dict(_totals(self._game, outcome.events))
-        self.frame = make_frame(self._game, world, returns, actions, rewards, events, outcome.terminated or outcome.truncated)
-        return self.frame
+        self.display = make_display(self._game, world, returns, actions, rewards, events, outcome.terminated or outcome.truncated)
+        return self.display
 
 
 def _totals(game: ir.Game, counted: Mapping[str, Any]) -> Iterator[tuple[str, int]]:

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from sjdsl.compiler import ir
 from sjdsl.replay.recording import Recording
-from sjdsl.screen.frame import Frame
+from sjdsl.screen.display import Display
 from sjdsl.trace.jax_random import fold_in, key_of, random_numbers
 
 OTHERS = 2**32 - 1  # folded into the seed's key for the others' choices: the steps have 0, 1, 2, …
@@ -17,14 +17,14 @@ class Player(Protocol):
     """An episode of a seed, taken one step at a time."""
 
     @property
-    def frame(self) -> Frame:
+    def display(self) -> Display:
         """Of the moment."""
 
     @property
     def seen(self) -> tuple[Any, Any]:
         """What the agents see, and the state it is seen of, for policies of the compiled game."""
 
-    def step(self, actions: Sequence[int]) -> Frame:
+    def step(self, actions: Sequence[int]) -> Display:
         """Takes one step with an action for each agent."""
 
 
@@ -53,14 +53,14 @@ class Session:
         self._choose = choose
 
     @property
-    def frame(self) -> Frame:
-        return self.player.frame
+    def display(self) -> Display:
+        return self.player.display
 
     @property
     def is_over(self) -> bool:
-        return self.frame.done or len(self.actions) >= self.length
+        return self.display.done or len(self.actions) >= self.length
 
-    def step(self, own: int | None = None) -> Frame:
+    def step(self, own: int | None = None) -> Display:
         """Takes one step. `own`: the action of the agent that is steered."""
         assert not self.is_over
         actions = list(self._choose(len(self.actions), self.player))
@@ -81,7 +81,7 @@ class Session:
 
     def recording(self, environment: Mapping[str, Any], game_hash: str, seed: int) -> Recording:
         """Returns the episode so far. `environment`: the arguments of `sjdsl.make`; game_hash: of the rules."""
-        actions, returns = [list(step) for step in self.actions], list(self.frame.returns)
+        actions, returns = [list(step) for step in self.actions], list(self.display.returns)
         return Recording(environment=dict(environment), hash=game_hash, seed=seed, actions=actions, returns=returns)
 
 

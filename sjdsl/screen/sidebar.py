@@ -9,34 +9,34 @@ from rich.text import Text
 
 from sjdsl.compiler import ir
 from sjdsl.screen.board import agent_letters, hexadecimal
-from sjdsl.screen.frame import Frame
+from sjdsl.screen.display import Display
 from sjdsl.screen.keys import describe_keys
 from sjdsl.screen.looks import OWN, ScreenLooks, letter_of
 from sjdsl.screen.palette import ink_on
 
 
-def score_table(game: ir.Game, looks: ScreenLooks, frame: Frame, own: int | None) -> Table:
+def score_table(game: ir.Game, looks: ScreenLooks, display: Display, own: int | None) -> Table:
     """Returns a line for each agent: what it did in the last step, what it got for it, what it has got so far."""
     heads = ("agent", "did", Column("reward", justify="right"), Column("return", justify="right"))
     table = Table(*heads, box=None, padding=(0, 1, 0, 0), show_edge=False, header_style="dim")
     for number in range(game.agents.number):
-        who = Text().append(*agent_letters(looks, frame.world, number, own, number in frame.held))
-        who.append(_standing(frame, number, own))
-        did = game.agents.actions[frame.actions[number]] if frame.actions else ""
-        reward, style = frame.rewards[number], "bold green" if frame.rewards[number] > 0 else "bold red"
-        table.add_row(who, did, Text(f"{reward:+.4g}", style) if reward else "", f"{frame.returns[number]:.4g}")
+        who = Text().append(*agent_letters(looks, display.world, number, own, number in display.held))
+        who.append(_standing(display, number, own))
+        did = game.agents.actions[display.actions[number]] if display.actions else ""
+        reward, style = display.rewards[number], "bold green" if display.rewards[number] > 0 else "bold red"
+        table.add_row(who, did, Text(f"{reward:+.4g}", style) if reward else "", f"{display.returns[number]:.4g}")
     return table
 
 
-def _standing(frame: Frame, number: int, own: int | None) -> str:
-    if frame.world.position[number] is None:
+def _standing(display: Display, number: int, own: int | None) -> str:
+    if display.world.position[number] is None:
         return " away"
-    return " you" if number == own else " held" if number in frame.held else ""
+    return " you" if number == own else " held" if number in display.held else ""
 
 
-def event_line(frame: Frame) -> str:
+def event_line(display: Display) -> str:
     """Returns what was tallied in the last step."""
-    return ", ".join(f"{name} {count}" for name, count in frame.events.items())
+    return ", ".join(f"{name} {count}" for name, count in display.events.items())
 
 
 def legend(looks: ScreenLooks, own: int | None) -> Text:

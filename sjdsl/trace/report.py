@@ -52,7 +52,7 @@ def _effect(effect: Effect, teller: Teller) -> dict[str, Any]:
         "old": HEADINGS[effect.old] if is_heading else plain(effect.old),
         "new": HEADINGS[effect.new] if is_heading else plain(effect.new),
         "by": [_done(done, teller.rules) for done in effect.by],
-        "words": [_used(used) for used in effect.draws],
+        "random_words": [_used(used) for used in effect.draws],
     }
 
 

@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.games_folder import find_game
 
 GOOD = "HFS..B\n.PPPP.\nPPP...\n"
-# map of Clean Up, with what is wrong with it, where (line and column from 1, None: at the sentence of the game), and in which words
+# map of Clean Up, with what is wrong with it, where (line and column from 1, None: at the statement of the game), and in which words
 WRONG = {
     "ragged": ("HFS..B\n.PPPP.\nPPP..\n", "SJ302", (3, 1), "row 2 has 5 characters, the others 6"),
     "unknown glyph": ("HFS..B\n.PP?P.\nPPPP..\n", "SJ301", (2, 4), "glyph `?` at row 1, column 3 is in no kind"),

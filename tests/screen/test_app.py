@@ -123,7 +123,7 @@ def test_steps_go_on_where_the_compiled_game_takes_over(begin: Begin, orchard: i
         assert "step 3" in text_of(pilot, "#title")
 
     played(Screen(orchard, session, compiler, 8.0), steps)
-    assert session.frame.world.step == 3
+    assert session.display.world.step == 3
 
 
 def test_with_a_trained_policy_keys_wait_for_it(begin: Begin, orchard: ir.Game) -> None:
@@ -176,7 +176,7 @@ def test_what_is_watched_goes_on_by_itself(begin: Begin, orchard: ir.Game) -> No
         compiler.done.set()
 
     played(Screen(orchard, session, compiler, 100.0), steps)
-    assert session.frame.done
+    assert session.display.done
 
 
 def test_a_map_larger_than_the_screen_follows_the_agent(orchard: ir.Game) -> None:
@@ -185,7 +185,7 @@ def test_a_map_larger_than_the_screen_follows_the_agent(orchard: ir.Game) -> Non
     compiler = Compiler(wide)
 
     async def steps(pilot: Pilot[None]) -> None:
-        place, board = session.frame.world.position[0], pilot.app.query_one("#board")
+        place, board = session.display.world.position[0], pilot.app.query_one("#board")
         assert place is not None
         assert board.scroll_offset.x <= 2 * place.col < board.scroll_offset.x + board.size.width
         compiler.done.set()

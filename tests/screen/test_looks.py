@@ -64,10 +64,10 @@ def test_letters_can_be_read() -> None:
 def test_the_board_shows_agents_owners_amounts_and_beams(begin: Begin, orchard: ir.Game) -> None:
     looks, session = make_screen_looks(orchard), begin(agent=1)
     session.step(4)
-    session.frame.world.cells["soil", "owner"][0] = 0
-    session.frame.world.cells["soil", "eaten"][1] = 7
-    world = session.frame.world
-    text = board_text(orchard, looks, session.frame, own=1)
+    session.display.world.cells["soil", "owner"][0] = 0
+    session.display.world.cells["soil", "eaten"][1] = 7
+    world = session.display.world
+    text = board_text(orchard, looks, session.display, own=1)
     lines = text.plain.splitlines()
     assert [len(line) for line in lines] == [16] * 4, "two letters a cell"
     assert lines[1][6:8] == "A0"

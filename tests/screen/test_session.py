@@ -39,16 +39,16 @@ def test_keys_are_folded_as_jax_folds_them() -> None:
 def test_the_interpreter_plays_the_episode_of_the_compiled_game(begin: Begin, env: Environment) -> None:
     session, player = begin(SEED, agent=None, at_random=True), EpisodePlayer(env, SEED)
     while not session.is_over:
-        frame = session.step()
+        display = session.step()
         moment = player.step(session.actions[-1])
-        assert frame.rewards == tuple(moment.reward.tolist())
-        assert frame.returns == tuple(moment.snapshot.returns.tolist())
-        assert [place or (-1, -1) for place in frame.world.position] == [*zip(moment.snapshot.row, moment.snapshot.col, strict=True)]
-        assert frame.events == {name: int(count.sum()) for name, count in moment.events.items()}
-        assert frame.held == frozenset(np.flatnonzero(moment.snapshot.held))
-    assert frame.done
+        assert display.rewards == tuple(moment.reward.tolist())
+        assert display.returns == tuple(moment.snapshot.returns.tolist())
+        assert [place or (-1, -1) for place in display.world.position] == [*zip(moment.snapshot.row, moment.snapshot.col, strict=True)]
+        assert display.events == {name: int(count.sum()) for name, count in moment.events.items()}
+        assert display.held == frozenset(np.flatnonzero(moment.snapshot.held))
+    assert display.done
     assert moment.done
-    assert sum(frame.returns) > 0, "something happened"
+    assert sum(display.returns) > 0, "something happened"
 
 
 def test_the_others_draw_what_the_random_policy_draws(orchard: ir.Game, env: Environment) -> None:
@@ -70,9 +70,9 @@ def test_nothing_jumps_where_the_compiled_game_takes_over(begin: Begin, orchard:
             for actions in handed.actions[:before]:
                 player.step(actions)
             handed.hand_over(player, before)
-        assert shown(handed.frame.world) == shown(whole.frame.world)
-        assert handed.frame.returns == whole.frame.returns
-        assert handed.frame.held == whole.frame.held
+        assert shown(handed.display.world) == shown(whole.display.world)
+        assert handed.display.returns == whole.display.returns
+        assert handed.display.held == whole.display.held
     assert isinstance(handed.player, Compiled)
     assert handed.recording({}, env.hash, SEED) == whole.recording({}, env.hash, SEED)
 
@@ -83,4 +83,4 @@ def test_a_session_ends_with_the_episode_or_its_steps(begin: Begin) -> None:
         while not session.is_over:
             session.step(FORWARD)
         assert len(session.actions) == taken
-        assert session.frame.done == (taken == 12)
+        assert session.display.done == (taken == 12)

@@ -49,7 +49,7 @@ def test_ways_out_are_tried_when_they_are_asked_for_and_named_when_they_are_acce
     (found,) = errors_of(next(case for case in CASES if case.name == "two members for one target").mistaken)
     assert not tried
     hint = found.hint
-    assert len(tried) == 4  # `first` and `pick 1` for the inner sentence, `pick 1` for the outer one, `match`: once each
+    assert len(tried) == 4  # `first` and `pick 1` for the inner statement, `pick 1` for the outer one, `match`: once each
     assert found.hint == hint
     assert "match" in hint
     assert "first" not in hint, "two may have one nearest neighbour"

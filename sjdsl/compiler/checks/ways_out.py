@@ -187,7 +187,7 @@ def _merged(a: ast.Each, b: ast.Each, source: Source) -> Iterator[Change]:
     tests = [None if s.domain.where is None else _text(source, s.domain.where.span) for s in (a, b)]
     bodies = [source.text[s.block.span.start : s.block.span.end] for s in (a, b)]
     then = "otherwise" if tests[1] is None else f"otherwise when {tests[1]}"
-    says = f"write one sentence, `each {who[0]} {{ when {tests[0]} {{ … }} {then} {{ … }} }}`"
+    says = f"write one statement, `each {who[0]} {{ when {tests[0]} {{ … }} {then} {{ … }} }}`"
     made = f"each {who[0]} {{ when {tests[0]} {bodies[0]} {then} {bodies[1]} }}"
     yield (says, ((a.span.start, a.span.end, made), (b.span.start, b.span.end, "")))
 

@@ -68,7 +68,7 @@ UNITS = {
 }
 
 # Values: `give 1 to everyone`, `when time > 9`.
-_ONESELF = "an agent is called as its sentence names it: `each agent as me { … }`"
+_ONESELF = "an agent is called as its statement names it: `each agent as me { … }`"
 VALUES = {
     **dict.fromkeys(("everyone", "everybody", "anyone"), "`give e to all` reaches all agents; `each agent { … }` speaks of each"),
     **dict.fromkeys(

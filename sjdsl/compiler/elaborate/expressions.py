@@ -140,7 +140,7 @@ def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope)
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.agent)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
-        raise wrong_type(scope, e.agent, "an agent that a sentence around has named", agent.type, _by_name(agent))
+        raise wrong_type(scope, e.agent, "an agent that a statement around has named", agent.type, _by_name(agent))
     name = e.action.text
     bound = scope.variables.get(name)
     if isinstance(bound, str):
@@ -164,11 +164,11 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
-            raise scope.problems.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a sentence around"))
+            raise scope.problems.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
-        raise wrong_type(scope, e.who, "an agent that a sentence around has named", agent.type, _by_name(agent))
+        raise wrong_type(scope, e.who, "an agent that a statement around has named", agent.type, _by_name(agent))
     return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)
 
 

@@ -54,7 +54,7 @@ def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
     static = scope.static
     what = ""
     if name.text in scope.variables:
-        what = "a variable around this sentence"
+        what = "a variable around this statement"
     elif chosen:
         tables: dict[str, Container[str]] = {
             "a size": static.sizes,
@@ -104,11 +104,11 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     if Declared(name.text) in static.broken:
         return Poisoned()
     if name.text in scope.withheld:
-        what, wanted = "a variable of the sentences around", "something that is the same for all who are sent"
+        what, wanted = "a variable of the statements around", "something that is the same for all who are sent"
         return scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]))
     if static.kinds_of(name.text) or name.text == "agent":
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
-        wanted, help_ = f"a variable of a sentence around (`each {name.text} …`)", ""
+        wanted, help_ = f"a variable of a statement around (`each {name.text} …`)", ""
         if scope.defining:
             wanted = "a parameter"
             help_ = _with_parameter(scope.defining[-1], name.text, static)

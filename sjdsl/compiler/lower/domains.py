@@ -89,7 +89,7 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     """`each agent as one in { a, b }`: an axis over the named variables; one agent named twice counts once."""
     axis = w.axis(d.var.name, len(among.members))
     if d.var.who != "agent":
-        raise NotSupported("a list of cells in braces", d.origin, "write the sentence for each of the cells by itself")
+        raise NotSupported("a list of cells in braces", d.origin, "write the statement for each of the cells by itself")
     indices = [scope.variables[m.name].number for m in among.members]
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
@@ -110,7 +110,7 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return extended(scope, axis, d, CellVar(site, d.var.kinds), iota(axis), axis.extent).when(ok)
     if d.restriction is not None:
-        raise NotSupported("a list of cells in braces", d.origin, "write the sentence for each of the cells by itself")
+        raise NotSupported("a list of cells in braces", d.origin, "write the statement for each of the cells by itself")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     variable = CellVar(iota(axis), d.var.kinds, axis)
     return extended(scope, axis, d, variable, variable.site, axis.extent)

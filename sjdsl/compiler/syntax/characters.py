@@ -74,7 +74,7 @@ def mend(source: Source, text: str, at: int, last: Token | None, keywords: dict[
     instead, type_ = SIGNS.get(character, ("", ""))
     help_ = f"write `{instead}`" if instead else "write an ordinary space" if character.isspace() else ""
     if character == ";":
-        help_ = "sentences need nothing between them"
+        help_ = "statements need nothing between them"
     problem = _bad(source, at, end, character, instead or " ", help_)
     return Mended(problem, _token(source, type_, instead, at, end) if instead else None, end)
 

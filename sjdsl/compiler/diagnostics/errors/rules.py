@@ -50,7 +50,7 @@ class TooFewToStart(TooFewFreeCells):
 
 class MoveAlone(Diagnostic, code="SJ405", title="Movement shares its phase"):
     says = "`move` stands alone in its phase"
-    hints = ("put the other sentences into a phase of their own",)
+    hints = ("put the other statements into a phase of their own",)
 
 
 class OverlappingSends(Diagnostic, code="SJ406", title="Two destinations that overlap"):

@@ -15,11 +15,11 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, reach, read
 from sjdsl.compiler.syntax.recovery.phrases import PHRASES, Phrase
-from sjdsl.compiler.syntax.recovery.repair import ENOUGH, ENTRIES, SECTIONS, SENTENCES, Trouble
+from sjdsl.compiler.syntax.recovery.repair import ENOUGH, ENTRIES, SECTIONS, STATEMENTS, Trouble
 from sjdsl.compiler.syntax.tokens import CLOSING, OPENING
 
 FARTHEST = 6  # tokens before the refused one at which an idiom may begin
-BEGINNING = (SENTENCES | SECTIONS | ENTRIES) - {"WHERE", "OTHERWISE"}
+BEGINNING = (STATEMENTS | SECTIONS | ENTRIES) - {"WHERE", "OTHERWISE"}
 # What a part of a phrase is read behind, and what shows that it is complete.
 READ_BEHIND = {
     "EXPR": ("sj 1 game x { checks { require", "RBRACE"),

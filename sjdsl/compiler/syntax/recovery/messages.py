@@ -11,7 +11,7 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.guesses import NAMES
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.recovery.automaton import END, accepted, open_braces, open_marks
-from sjdsl.compiler.syntax.recovery.repair import COMMITTED, SECTIONS, SENTENCES, Repair, Trouble, near_keywords
+from sjdsl.compiler.syntax.recovery.repair import COMMITTED, SECTIONS, STATEMENTS, Repair, Trouble, near_keywords
 
 PHRASES = {
     "NAME": "a name",
@@ -21,8 +21,8 @@ PHRASES = {
     END: "the end of the file",
 }
 MISPLACED = (
-    (SENTENCES, SECTIONS, "a sentence stands inside a `phase`"),
-    (SECTIONS, SENTENCES, "a declaration stands outside the phases"),
+    (STATEMENTS, SECTIONS, "a statement stands inside a `phase`"),
+    (SECTIONS, STATEMENTS, "a declaration stands outside the phases"),
 )
 VALUES = frozenset(("NAME", "INT", "DEC", "COUNT", "SUM", "CASE", "LPAR", "NOBODY", "SIGN"))
 OPERATORS = frozenset(("CMP", "SIGN", "TIMES", "AND", "OR", "IS", "IN", "ON", "CHOSE"))
@@ -211,7 +211,7 @@ def expected_text(trouble: Trouble, kinds: Sequence[str]) -> str:
     """Returns what can stand at a place, as a phrase: groups first, at most a few single words."""
     left = set(kinds)
     phrases = []
-    for group, phrase in ((SENTENCES, "a sentence"), (SECTIONS, "a declaration"), (VALUES, "a value")):
+    for group, phrase in ((STATEMENTS, "a statement"), (SECTIONS, "a declaration"), (VALUES, "a value")):
         if group <= left:
             phrases.append(phrase)
             left -= group | ({"NOT"} if group is VALUES else set())

@@ -92,7 +92,7 @@ def _places() -> Iterator[tuple[str, ...]]:
         yield f"{word} DOMAIN", "each {1}"
     yield "for NAME in agents", "each agent as {1}"
     yield "for NAME in NAME", "each {2} as {1}"
-    yield "each DOMAIN , DOMAIN", "each {1}", "write one sentence inside the other: `each {1} {{ each {2} {{ … }} }}`"
+    yield "each DOMAIN , DOMAIN", "each {1}", "write one statement inside the other: `each {1} {{ each {2} {{ … }} }}`"
     for every in ("each", "every"):
         yield f"{every} EXPR steps", "when step % {1} == 0"
     yield "pick DOMAIN", "pick 1 {1}"

@@ -15,7 +15,7 @@ from sjdsl.near_names import nearest
 AHEAD = 24  # tokens looked at behind an error
 ENOUGH = 3  # tokens that must follow for a change to be believed
 
-SENTENCES = frozenset((
+STATEMENTS = frozenset((
     "EACH", "PICK", "FIRST", "MATCH", "WHEN", "CHANCE", "LET", "DRAW", "SET", "ADD", "GIVE", "TALLY", "SEND",
     "REMOVE", "MOVE", "MARK", "END",
 ))  # fmt: skip
@@ -27,7 +27,7 @@ ENTRIES = frozenset((
     "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN", "FINAL", "REQUIRE",
     "ALWAYS", "ONCE", "CONSERVED", "MONOTONE", "SYMMETRIC", "EXPECT", "DROP", "OTHERWISE", "WHERE",
 ))  # fmt: skip
-RESUMING = SENTENCES | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
+RESUMING = STATEMENTS | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
 
 # Words and signs of other languages, with ours.
 FOREIGN = {

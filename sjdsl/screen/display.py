@@ -10,7 +10,7 @@ from sjdsl.interpreter.step import action_mask
 
 
 @dataclass(frozen=True)
-class Frame:
+class Display:
     """One moment.
 
     held: who can only stay. actions: of the step that led here, none at the start; rewards: of that step; events: its counts that are
@@ -26,7 +26,7 @@ class Frame:
     done: bool
 
 
-def make_frame(
+def make_display(
     game: ir.Game,
     world: World,
     returns: Sequence[float],
@@ -34,10 +34,10 @@ def make_frame(
     rewards: Sequence[float] = (),
     events: Mapping[str, Any] | None = None,
     done: bool = False,
-) -> Frame:
+) -> Display:
     """Returns the moment of a state; without a step before it nothing was done and nothing paid."""
     masks = action_mask(game, world) if game.agents.forbids else []
-    return Frame(
+    return Display(
         world=world,
         held=frozenset(agent for agent, mask in enumerate(masks) if sum(mask) == 1),
         actions=tuple(actions),
