@@ -17,7 +17,7 @@ from sjdsl.interpreter.threefry import Threefry
 
 from .corpus import TESTS
 
-SENTENCES = """
+STATEMENTS = """
 - `bag`, one for each of `raw`, `cut` and `fine`: a whole number from 0 to 15, at first 0; what would leave this range by adding is cut off.
 - `offered` of agent *x* is the first of the words `raw`, `cut` and `fine` whose entry in the `bag` of agent *x* is above 0 (`raw` if none is).
 - Each agent *giver* that chose `gift` and for which the sum of all entries of the `bag` of agent *giver* is more than 0:
@@ -66,7 +66,7 @@ def receive(bag: list[list[int]], post: list[list[int]], level: str) -> None:
 
 def test_the_sheet_still_says_what_this_was_written_from() -> None:
     sheet = rule_sheet(read_written(read_source(GAME))).splitlines()
-    assert [line for line in SENTENCES.strip().splitlines() if line not in sheet] == []
+    assert [line for line in STATEMENTS.strip().splitlines() if line not in sheet] == []
     assert any(line.startswith(ADDED) for line in sheet)
 
 

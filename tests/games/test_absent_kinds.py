@@ -33,7 +33,7 @@ game frame "A map without its pond" {{
 """
 SHAKE = 1
 # a sentence about ponds, and what the two agents are given when all shake
-SENTENCES = [
+STATEMENTS = [
     ("when count(pond where pond.fish is some) == 0 { give 1 to all }", [1, 1]),
     ("each pond where pond.fish is some { give 1 to all }", [0, 0]),
     ("pick 1 pond where pond.fish is some { give 1 to all } otherwise { give 2 to all }", [2, 2]),
@@ -51,7 +51,7 @@ SENTENCES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("rule", "reward"), SENTENCES)
+@pytest.mark.parametrize(("rule", "reward"), STATEMENTS)
 def test_sentences_about_an_absent_kind(rule: str, reward: list[float], tmp_path: Any) -> None:
     """The interpreter agrees on what is given, and where agents are."""
     text = FRAME.format(rule=rule)
