@@ -45,7 +45,13 @@ def describe(name: str) -> dict[str, Any]:
         "sizes": [_number(s.name, s.type, s.value, _limits(agents, composed, s.name)) for s in game.sizes],
         "metrics": [{"name": e.name, "sort": "event", "by": list(e.by), "per_agent": e.per_agent} for e in game.events]
         + [{"name": m.name, "sort": "mean" if m.mean else "final"} for m in game.measures],
+        "policies": [{"name": p.name, "title": p.title} for p in game.policies],
+        "scenarios": [{"name": s.name, "title": s.title, "slots": list(map(_slots, s.slots))} for s in game.scenarios],
     }
+
+
+def _slots(slots: ir.Slots) -> dict[str, Any]:
+    return {"number": slots.number, "policy": slots.policy or None}
 
 
 def _number(name: str, type_: ir.Type, value: Any, limits: tuple[Any, Any]) -> dict[str, Any]:

@@ -54,8 +54,14 @@ def page(game: dict[str, Any]) -> str:
     lines += _section("kinds", kinds)
     for title in ("params", "sizes"):
         lines += _section(title, [(n["name"], n["unit"], *_default(n)) for n in game[title]])
+    lines += _section("policies", [(p["name"], p["title"]) for p in game["policies"]])
+    lines += _section("scenarios", [(s["name"], ", ".join(map(_slots, s["slots"])), s["title"]) for s in game["scenarios"]])
     lines += _section("variants", [(v["name"], v["title"]) for v in game["variants"]])
     return "\n".join(lines)
+
+
+def _slots(slots: dict[str, Any]) -> str:
+    return f"{slots['number']} {slots['policy'] or 'focal'}"
 
 
 def _section(title: str, rows: Sequence[tuple[str, ...]]) -> list[str]:

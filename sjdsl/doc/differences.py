@@ -12,6 +12,7 @@ from sjdsl.doc.numbers import limits_of, unit_of
 from sjdsl.doc.observation import seen, unseen_fields
 from sjdsl.doc.order import schedule_changes
 from sjdsl.doc.pictures import picture_lines
+from sjdsl.doc.policies import policy_lines, scenario_line
 from sjdsl.doc.shapes import shape_lines
 from sjdsl.doc.statements import block, tick_lines
 from sjdsl.doc.vocabulary import Vocabulary
@@ -40,6 +41,8 @@ def differences(old: Written, new: Written) -> tuple[Section, ...]:
         ("Episode", texts("episode", episode(a), episode(b))),
         ("Metrics", texts("metrics", _metrics(a), _metrics(b))),
         ("Checks", texts("checks", [check_line(c, a) for c in a.game.checks], [check_line(c, b) for c in b.game.checks])),
+        ("Policies", _policies(a, b)),
+        ("Scenarios", texts("scenarios", *(list(map(scenario_line, v.game.scenarios)) for v in (a, b)))),
         ("Pictures", texts("pictures", picture_lines(a), picture_lines(b))),
     )
     return tuple(Section(title, tuple(changes)) for title, changes in sections if changes)
@@ -136,7 +139,7 @@ def _kinds(a: Vocabulary, b: Vocabulary) -> list[Change]:
 
 
 def _shapes(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    old, new = ({s.name: shape_lines(s) for s in v.game.shapes} for v in (a, b))
+    old, new = ({s.name: shape_lines(s) for s in v.shapes.values()} for v in (a, b))
     names = [*old, *(n for n in new if n not in old)]
     return [whole_texts(name, old.get(name, []), new.get(name, [])) for name in names if old.get(name) != new.get(name)]
 
@@ -146,6 +149,14 @@ def _phases(a: Vocabulary, b: Vocabulary) -> list[Change]:
     old, new = ({t.label if isinstance(t, ir.Phase) else "tick": _turn(t, v) for t in v.game.schedule} for v in (a, b))
     names = [*old, *(n for n in new if n not in old)]
     return [change for name in names for change in texts(name, old.get(name, ()), new.get(name, ()))]
+
+
+def _policies(a: Vocabulary, b: Vocabulary) -> list[Change]:
+    """Returns the policies with other titles or rules, in order; one that only one of the games has differs in all of them."""
+    old, new = ({p.name: (p.title, policy_lines(p, v)) for p in v.game.policies} for v in (a, b))
+    names = [*old, *(n for n in new if n not in old)]
+    found = by_name({f"title of {name}": title for name, (title, _) in sides.items() if title} for sides in (old, new))
+    return found + [change for name in names for change in texts(name, old.get(name, ("", []))[1], new.get(name, ("", []))[1])]
 
 
 def _turn(turn: ir.Turn, v: Vocabulary) -> tuple[Line, ...]:

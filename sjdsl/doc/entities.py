@@ -29,7 +29,7 @@ def entities(v: Vocabulary) -> list[str]:
     found = ["### Agents", "", *agents(v), "### Kinds of cell", "", *kinds(v), "### Map", "", *world_map(v.game)]
     if v.game.fields:
         found += ["### State of the world", "", *bullets(map(field_line, v.game.fields)), ""]
-    return [*found, "### Shapes", "", *shapes(v)] if v.game.shapes else found
+    return [*found, "### Shapes", "", *shapes(v)] if v.shapes else found
 
 
 def agents(v: Vocabulary) -> list[str]:

@@ -15,8 +15,8 @@ Cell = tuple[int, int]
 
 def shapes(v: Vocabulary) -> list[str]:
     """Returns the paragraphs about all shapes of a game."""
-    found = [line for shape in v.game.shapes for line in _shape(shape, v)]
-    return [LANES, "", *found] if any(shape.directed for shape in v.game.shapes) else found
+    found = [line for shape in v.shapes.values() for line in _shape(shape, v)]
+    return [LANES, "", *found] if any(shape.directed for shape in v.shapes.values()) else found
 
 
 def _shape(shape: ir.Shape, v: Vocabulary) -> list[str]:

@@ -7,6 +7,7 @@ from sjdsl.doc.entities import entities
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.observation import observation
 from sjdsl.doc.pictures import pictures
+from sjdsl.doc.policies import policies, scenarios
 from sjdsl.doc.randomness import draws
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
@@ -33,6 +34,8 @@ def rule_sheet(w: Written) -> str:
         ("Episode", episode(v)),
         ("Metrics", metrics(v)),
         ("Checks", checks(v)),
+        *([("Policies", policies(v))] if w.game.policies else []),
+        *([("Scenarios", scenarios(v))] if w.game.scenarios else []),
         *([("Pictures", pictures(v))] if w.game.looks else []),
         ("Variants", variants(w)),
     )

@@ -59,7 +59,8 @@ class Vocabulary:
 
     @cached_property
     def shapes(self) -> dict[str, ir.Shape]:
-        return {shape.name: shape for shape in self.game.shapes}
+        """The shapes of the game, those that only its policies speak of last."""
+        return {shape.name: shape for shape in (*self.game.shapes, *self.game.policy_shapes)}
 
     @cached_property
     def numbers(self) -> dict[str, ir.Param]:

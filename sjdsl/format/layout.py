@@ -16,7 +16,9 @@ from sjdsl.format.structure import Container, Structure
 
 INDENT, CONTINUED = 2, 4  # columns: of a block; of a line that goes on
 # Where a line that is too long is best broken: before one of these, or behind a comma.
-BREAKS = frozenset(("and", "or", "where", "in", "to", "with", "when", "over", "after", "facing", "otherwise", "for", "by", "->"))
+BREAKS = frozenset(
+    ("and", "or", "where", "in", "to", "with", "when", "over", "after", "facing", "otherwise", "for", "by", "avoiding", "choose", "->")
+)
 
 
 def lay_out(tokens: Sequence[Token], structure: Structure, gaps: Sequence[Gap]) -> list[Line]:

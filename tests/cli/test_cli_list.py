@@ -1,12 +1,15 @@
 """`sjdsl list`, `dump` and `explain`: what there is to know about games, stages and messages."""
 
 import json
+from pathlib import Path
 
 import pytest
 from command_line import Sjdsl
 
 from sjdsl.cli.dump import STAGES
 from sjdsl.games_folder import bundled
+
+POLICIES = Path(__file__).parents[1] / "cases" / "policies.sj"
 
 
 def test_all_games_are_listed(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -35,6 +38,15 @@ def test_a_game_for_a_reader(sjdsl: Sjdsl) -> None:
     shown = sjdsl("list", "orchard.sj").out
     for part in ("4 x 5", "apple", "0 .. 5", "none: 0.1", "rich", "event eaten", "written for a test"):
         assert part in shown
+
+
+def test_policies_and_scenarios_are_listed(sjdsl: Sjdsl) -> None:
+    shown = sjdsl("list", str(POLICIES)).out.splitlines()
+    assert "    gatherer  eats, and rests with a full bag" in shown
+    assert "    alone  1 focal, 2 bully               one among bullies" in shown
+    (game,) = json.loads(sjdsl("list", str(POLICIES), "--json").out)
+    assert [policy["name"] for policy in game["policies"]] == ["gatherer", "bully"]
+    assert game["scenarios"][0]["slots"] == [{"number": 1, "policy": None}, {"number": 2, "policy": "bully"}]
 
 
 @pytest.mark.parametrize("stage", STAGES)

@@ -22,7 +22,11 @@ SILENT = {
 }
 
 # Tuples whose order numbers things for observations and draws, and means nothing else.
-ORDERLESS = {("Forbid", "actions"), ("Game", "kinds"), ("Game", "glyphs"), ("Game", "about"), ("Game", "observables"), ("Shape", "lanes")}
+ORDERLESS = {
+    ("Forbid", "actions"),
+    *(("Game", name) for name in ("kinds", "glyphs", "about", "observables", "policies")),
+    ("Shape", "lanes"),
+}
 
 EACH = 2  # nodes of a class of which a field is changed
 

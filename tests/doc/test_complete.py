@@ -16,7 +16,7 @@ from .corpus import games, manual, small
 SECTIONS_THAT_REPEAT = ("Process overview: one step", "Random draws")  # what they say stands in the phases already
 LEFT_OVER = re.compile(r"\bTrue\b|\bFalse\b|\binf\b|\(\)|[a-z]  [a-z]|\w+\(.*?=|object at|\* \*|[.,:;][.,:;]|\b(?:of|the|a) *[.,:)]")
 NO_GAME = "not even a game"  # said of a game in which something reads a name that nothing has
-ABSTRACT = {ir.Node, ir.Expression, ir.Statement, ir.PlaceNode, ir.TurnNode}
+ABSTRACT = {ir.Node, ir.Expression, ir.Statement, ir.RestrictionNode, ir.TurnNode, ir.PolicyRuleNode}
 
 
 def node_classes(parent: type[ir.Node] = ir.Node) -> Iterator[type[ir.Node]]:

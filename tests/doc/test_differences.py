@@ -54,6 +54,8 @@ game yard "A yard" {
   observe { window ahead 2, behind 1, left 1, right 1  show agent.tired }
   metrics { event eaten  mean fruit = ripe_trees }
   checks { always ripe_trees <= 3 }
+  policy greedy { seek tree where tree.fruit is ripe }
+  scenario visitor { slots players - 1 focal  slots 1 policy greedy }
 }
 """
 
@@ -75,7 +77,9 @@ PAIRS = {
         " Each agent that chose `zap` and that stands on a tree cell whose `fruit` is `ripe`: |"
         " + The agent receives a reward of `pear`.",
     ),
-    "size": ([("count       = 2", "count       = 3")], "Numbers | players: 2 -> 3 (count) | Agents | number of agents: 2 -> 3"),
+    "size": ([("count       = 2", "count       = 3")], "Numbers | players: 2 -> 3 (count) | Agents | number of agents: 2 -> 3 |"
+        " Scenarios | scenarios | - `visitor`: 1 focal agent and 1 agent that follows `greedy`. |"
+        " + `visitor`: 2 focal agents and 1 agent that follows `greedy`."),
     "episode": (
         [("episode 20", "episode 30")],
         "Episode | episode | - An episode is cut off (truncated) after 20 steps; the reward of the last step counts. |"
@@ -160,6 +164,15 @@ PAIRS = {
     "checks": (
         [("always ripe_trees <= 3", "conserved ripe_trees")],
         "Checks | checks | - After every step: `ripe_trees` is at most 3. | + Never changes: `ripe_trees`.",
+    ),
+    "policies": (
+        [("policy greedy {", 'policy greedy "eats" { when agent.bag > 5 choose zap ')],
+        "Policies | title of greedy: added, eats | greedy | + If the `bag` of the agent is more than 5, choose `zap`.",
+    ),
+    "scenarios": (
+        [("slots 1 policy greedy", "slots 1 policy random")],
+        "Scenarios | scenarios | - `visitor`: 1 focal agent and 1 agent that follows `greedy`. |"
+        " + `visitor`: 1 focal agent and 1 agent that chooses all actions equally likely.",
     ),
 }  # fmt: skip
 

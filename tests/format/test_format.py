@@ -17,7 +17,7 @@ from tests.manual.blocks import examples
 
 HERE = Path(__file__).parent
 REPOSITORY = HERE.parents[1]
-FOLDERS = ("games", "tests/cases", "tests/differential/games", "tests/format", "tests/runtime")
+FOLDERS = ("games", "tests/cases", "tests/differential/games", "tests/format", "tests/policies/games", "tests/runtime")
 LAID_OUT = [path for folder in FOLDERS for path in sorted((REPOSITORY / folder).glob("*.sj"))]
 SMALL = [path.read_text("utf-8") for path in sorted((REPOSITORY / "tests/cases").glob("*.sj"))]
 
@@ -150,6 +150,18 @@ def test_columns_of_declarations() -> None:
         "  param long : probability = 0.5",
         '  kind x        "x"',
         '  kind long_one "y" {',
+    ]
+
+
+def test_rules_of_policies_and_slots_of_scenarios_are_sentences() -> None:
+    rules = "seek a avoiding b when c choose d\naim e at f avoiding g choose h"
+    text = formatted(f'sj 1 game a {{ policy p "x"{{ {rules} }} scenario s{{slots 1 focal slots n-1 policy p}} }}')
+    assert text.split("\n")[2:7] == [
+        '  policy p "x" {',
+        "    seek a avoiding b  when c choose d",
+        "    aim e at f avoiding g choose h",
+        "  }",
+        "  scenario s { slots 1 focal  slots n - 1 policy p }",
     ]
 
 

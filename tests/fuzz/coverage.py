@@ -14,7 +14,7 @@ from sjdsl.compiler import ir
 from tests.fuzz.programs import Program
 
 SIGNS = ("CMP", "SIGN", "TIMES")  # terminals that are several signs
-ABSTRACT = ("Expression", "Sentence", "PlaceNode", "TurnNode")
+ABSTRACT = ("Expression", "Statement", "RestrictionNode", "TurnNode", "PolicyRuleNode")
 
 
 class Grammar:

@@ -39,7 +39,7 @@ STATEMENTS = frozenset((
     "schedule", "phase", "observe", "look", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
     "moves", "forbid", "window", "show", "hide", "event", "mean", "final", "require", "always", "once", "conserved",
     "monotone", "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
-    "add", "give", "tally", "send", "remove", "move", "mark", "end",
+    "add", "give", "tally", "send", "remove", "move", "mark", "end", "scripted", "act", "go", "aim", "scenario", "slots",
 ))  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, 
 from sjdsl.compiler.elaborate.observations import observables, window
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.schedule import schedule, start
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 
 
@@ -86,8 +86,9 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
     counted: tuple[ir.Event, ...] = ()
     with problems.survive():
         counted = events([p for p in (begin, *turns) if p is not None], scope)
-    shapes = tuple(static.shapes.values())
+    of_rules, known = set(static.used), set(static.shapes)
     played = policies(game, static, problems)
+    of_policies = {name for name in static.shapes if name not in known or Declared(name, among="shapes") in static.used - of_rules}
     lineups = scenarios(game, static, problems, own_number)
     if agents is None or begin is None or episode is None or game.schedule is None:
         return None
@@ -106,7 +107,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         glyphs=tuple(glyph for _, glyph in static.glyphs),
         fields=tuple(static.fields.values()),
         agents=agents,
-        shapes=shapes,
+        shapes=tuple(shape for name, shape in static.shapes.items() if name not in of_policies),
         start=begin,
         schedule=turns,
         window=view,
@@ -117,6 +118,6 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         checks=checked,
         looks=drawn,
         policies=played,
-        policy_shapes=tuple(shape for name, shape in static.shapes.items() if name not in {s.name for s in shapes}),
+        policy_shapes=tuple(shape for name, shape in static.shapes.items() if name in of_policies),
         scenarios=lineups,
     )

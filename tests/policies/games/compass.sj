@@ -9,8 +9,10 @@ game compass "Compass moves on a map wider than a word" {
         "..#....#....................#...#......."
         "..#..O.#....######..........#.O........."
         "........................................" }
-  agents 4 { acts turn_left, turn_right, step_left, step_right, forward, backward, stay, dig, call
-             moves compass }
+  agents 4 {
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, dig, call
+    moves compass
+  }
   shape beam = fan(3, 1)
   phase start { each agent { send agent to floor } }
   schedule walk -> work
@@ -22,5 +24,7 @@ game compass "Compass moves on a map wider than a word" {
   observe { window ahead 2, behind 2, left 2, right 2 }
   policy digger { aim beam at rock where rock.ore is gold choose dig  when yes_now choose call }
   define yes_now = step >= 0
-  policy walker { seek floor where floor.row == 0 and floor.col == 39 avoiding floor where floor.row == 4  seek floor where floor.stock > 0 }
+  policy walker {
+    seek floor where floor.row == 0 and floor.col == 39 avoiding floor where floor.row == 4  seek floor where floor.stock > 0
+  }
 }

@@ -18,7 +18,9 @@ game turning "Turning and stepping forward only, in a maze with doors" {
   shape ray = line(reach)
   phase start { each agent { send agent to gate } }
   schedule grow -> tick -> walk -> eat -> shoot
-  phase grow { each floor where floor.fruit is none and nobody on floor { chance 0.2 { draw what from { ripe, bad } set floor.fruit = what } } }
+  phase grow {
+    each floor where floor.fruit is none and nobody on floor { chance 0.2 { draw what from { ripe, bad }  set floor.fruit = what } }
+  }
   phase walk { move each agent }
   phase eat { each agent on floor where floor.fruit is not none { set floor.fruit = none  add 1 to agent.bag } }
   phase shoot { each agent as one where one chose hit { each agent as other in ray of one { send other to gate after 2 } } }
