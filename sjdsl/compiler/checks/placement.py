@@ -32,7 +32,7 @@ def _check_start(game: ir.Game, problems: Problems) -> None:
     missing = [i for i in range(game.agents.number) if not _always_sent(game.start.body, i)]
     if missing:
         who = f"agent {missing[0]}" if len(missing) == 1 else f"agents {missing[0]} .. {missing[-1]}"
-        problems.add(errors.NotSentAtStart(game.start.origin, who=who))  # type: ignore[arg-type]
+        problems.add(errors.NotSentAtStart(game.start.span, who=who))
 
 
 def _always_sent(body: tuple[ir.Stmt, ...], agent: int) -> bool:
@@ -132,15 +132,15 @@ def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems, sources:
         lacking = [s for s in pool.sends if not s.stay]
         if cells < needed and lacking:
             domain = pool.sends[0].domain
-            span, place = lacking[0].origin, _as_written(domain, sources)
+            span, place = lacking[0].span, _as_written(domain, sources)
             if domain.where is None and starting:
-                problems.add(errors.TooFewCells(span, kind=place, cells=cells, agents=needed))  # type: ignore[arg-type]
+                problems.add(errors.TooFewCells(span, kind=place, cells=cells, agents=needed))
             elif starting:
-                problems.add(errors.TooFewToStart(span, place=place, cells=cells, agents=needed))  # type: ignore[arg-type]
+                problems.add(errors.TooFewToStart(span, place=place, cells=cells, agents=needed))
             elif domain.where is None:
-                problems.add(errors.TooFewFreeCells(span, place=place, cells=cells, agents=needed))  # type: ignore[arg-type]
+                problems.add(errors.TooFewFreeCells(span, place=place, cells=cells, agents=needed))
             else:
-                problems.add(errors.NoFreeCell(span, place=place))  # type: ignore[arg-type]
+                problems.add(errors.NoFreeCell(span, place=place))
     _check_overlap(pools, problems)
 
 

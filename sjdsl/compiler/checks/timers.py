@@ -29,7 +29,7 @@ def _check_sides(game: ir.Game, timers: list[ir.VarField], problems: Problems) -
         before = _sets(game.schedule[:at], timer)
         after = _sets(game.schedule[at + 1 :], timer)
         if before and after:
-            problems.add(errors.TimerBothSides(before[0].origin or timer.origin, name=timer.name))  # type: ignore[arg-type]
+            problems.add(errors.TimerBothSides(before[0].origin or timer.span, name=timer.name))
 
 
 def _sets(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:

@@ -48,7 +48,7 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
             problems.add(errors.KindAbsent(composition.kinds[kind.name].name.span, name=kind.name))
         for attribute in kind.fields:
             if Declared(attribute.name, kind.name) not in used and attribute.type.kind != "word":
-                problems.add(errors.Unused(attribute.origin, what="the field", name=f"{kind.name}.{attribute.name}"))  # type: ignore[arg-type]
+                problems.add(errors.Unused(attribute.span, what="the field", name=f"{kind.name}.{attribute.name}"))
     for name, constant in composition.constants.items():
         if Declared(name) not in used:
             what = "the size" if constant.is_size else "the parameter"
@@ -61,7 +61,7 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
             problems.add(errors.Unused(shape.name.span, what="the shape", name=name))
     for name, declared in static.agent_fields.items():
         if Declared(name, "agent") not in used:
-            problems.add(errors.Unused(declared.origin, what="the field", name=f"agent.{name}"))  # type: ignore[arg-type]
+            problems.add(errors.Unused(declared.span, what="the field", name=f"agent.{name}"))
     for name, declared in static.fields.items():
         if Declared(name) not in used:
-            problems.add(errors.Unused(declared.origin, what="the field", name=name))  # type: ignore[arg-type]
+            problems.add(errors.Unused(declared.span, what="the field", name=name))

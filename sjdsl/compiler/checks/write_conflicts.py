@@ -102,7 +102,7 @@ def _check_phase(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
                 _report(a, b, phase, problems)
     moves = [s for s in _all(phase.body) if isinstance(s, ir.Move)]
     if moves and (len(phase.body) > 1 or phase.body[0] is not moves[0]):
-        problems.add(errors.MoveAlone(moves[0].origin))  # type: ignore[arg-type]
+        problems.add(errors.MoveAlone(moves[0].span))
 
 
 def _all(body: tuple[ir.Stmt, ...]) -> Iterator[ir.Node]:

@@ -89,12 +89,12 @@ def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.
             test = scope.condition(forbid.condition)
             for node in ir.walk(test):
                 where = isinstance(node, ir.Distance) or (isinstance(node, ir.Attribute) and node.name in ("row", "col"))
-                if (
+                if ir.is_expression(node) and (
                     where
                     or isinstance(node, ir.Count | ir.Sum | ir.Extreme | ir.StandsOn | ir.Chose)
                     or (isinstance(node, ir.FieldRead) and node.held_by == "agent" and not isinstance(node.owner, ir.Member))
                 ):
-                    raise problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))  # type: ignore[arg-type]
+                    raise problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))
             numbers = tuple(_forbidden(a, scope) for a in forbid.actions) or tuple(range(len(static.actions)))
             found.append(ir.Forbid(actions=numbers, condition=test, origin=forbid.span))
     return tuple(found)

@@ -51,7 +51,7 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
             chosen = value
     found = chosen or rest
     if found is None:
-        raise scope.problems.fail(errors.TableGap(e.span, problem=f"`case` lacks `{subject.value}`"))
+        raise scope.problems.fail(errors.CaseLacks(e.span, words=(subject.value,)))
     return found
 
 
@@ -71,18 +71,18 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
     keys: list[Key] = []
     for arm in e.arms:
         if arm.low is not None:
-            raise scope.problems.fail(errors.TableGap(arm.span, problem="a number cannot be the case of a word"))
+            raise scope.problems.fail(errors.NumberForWord(arm.span))
         if arm.word is None:
             keys.append([])
             continue
         if arm.word.text not in names:
             raise scope.problems.fail(errors.WordOutside(arm.word.span, word=arm.word.text, owner="this case", words=names))
         if arm.word.text in seen:
-            raise scope.problems.fail(errors.TableGap(arm.word.span, problem=f"`case` has `{arm.word.text}` twice"))
+            raise scope.problems.fail(errors.CaseRepeats(arm.word.span, name=arm.word.text))
         seen.add(arm.word.text)
         keys.append([(None, None, (arm.word.text,))])
     rest = tuple(n for n in names if n not in seen)
-    _close(e, keys, [(None, None, rest)] if rest else [], f"`case` lacks `{'`, `'.join(rest)}`", scope)
+    _close(e, keys, [(None, None, rest)] if rest else [], errors.CaseLacks(e.span, words=rest), scope)
     return keys
 
 
@@ -92,18 +92,18 @@ def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
     keys: list[Key] = []
     for arm in e.arms:
         if arm.word is not None:
-            raise scope.problems.fail(errors.TableGap(arm.span, problem=f"`{arm.word.text}` cannot be the case of a number"))
+            raise scope.problems.fail(errors.WordForNumber(arm.span, name=arm.word.text))
         if arm.low is None:
             keys.append([])
             continue
         first, last = float(arm.low), inf if arm.open else float(arm.high if arm.high is not None else arm.low)
         if last < first or any(first <= b and a <= last for a, b in taken):
-            raise scope.problems.fail(errors.TableGap(arm.span, problem="this case overlaps one before it, or is empty"))
+            raise scope.problems.fail(errors.CaseOverlaps(arm.span))
         taken.append((first, last))
         keys.append([(arm.low, None if arm.open else int(last), ())])
     gaps = _gaps(sorted(taken), low, high)
-    first_gap = "" if not gaps else f"`case` leaves {_gap_text(gaps[0])} open"
-    _close(e, keys, [(int(a) if a > -inf else None, int(b) if b < inf else None, ()) for a, b in gaps], first_gap, scope)
+    lacking = errors.CaseLeavesOpen(e.span, numbers=_gap_text(gaps[0]) if gaps else "")
+    _close(e, keys, [(int(a) if a > -inf else None, int(b) if b < inf else None, ()) for a, b in gaps], lacking, scope)
     return keys
 
 
@@ -125,14 +125,14 @@ def _gap_text(gap: tuple[float, float]) -> str:
     return f"{'' if low == -inf else f'{low:g}'}..{'' if high == inf else f'{high:g}'}"
 
 
-def _close(e: ast.Case, keys: list[Key], rest: Key, problem: str, scope: Scope) -> None:
-    """Gives what is left to `otherwise`, which must stand last and have something to do."""
+def _close(e: ast.Case, keys: list[Key], rest: Key, lacking: errors.TableGap, scope: Scope) -> None:
+    """Gives what is left to `otherwise`, which must stand last and have something to do; without one, `lacking` is reported."""
     holes = [i for i, key in enumerate(keys) if not key]
     if not holes and rest:
-        raise scope.problems.fail(errors.TableGap(e.span, problem=problem))
+        raise scope.problems.fail(lacking)
     if holes and (len(holes) > 1 or holes[0] != len(keys) - 1):
-        raise scope.problems.fail(errors.TableGap(e.arms[holes[0]].span, problem="`otherwise` stands once, and last"))
+        raise scope.problems.fail(errors.OtherwiseNotLast(e.arms[holes[0]].span))
     if holes and not rest:
-        raise scope.problems.fail(errors.TableGap(e.arms[-1].span, problem="nothing is left for `otherwise`"))
+        raise scope.problems.fail(errors.NothingForOtherwise(e.arms[-1].span))
     if holes:
         keys[-1] = rest

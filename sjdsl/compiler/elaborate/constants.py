@@ -8,6 +8,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Label, near
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.lookup import table_words
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
@@ -94,19 +95,16 @@ def _value(tree: ast.Expr | ast.Table, unit: str, scope: Scope) -> tuple[tuple[t
     """Returns the levels of words and the value (nested as the levels) of a number or table."""
     if not isinstance(tree, ast.Table):
         return (), _number(tree, unit, scope)
-    names = tuple(e.key.text for e in tree.entries)
-    for i, entry in enumerate(tree.entries):
-        if entry.key.text in names[:i]:
-            raise scope.problems.fail(errors.TableGap(entry.key.span, problem=f"the table has `{entry.key.text}` twice"))
-    words = _table_words(tree, names, scope)
+    names = table_words(tree, scope)
+    words = _declared_words(tree, names, scope)
     inner = [_value(e.value, unit, scope) for e in tree.entries]
     if any(i[0] != inner[0][0] for i in inner):
-        raise scope.problems.fail(errors.TableGap(tree.span, problem="the rows of this table differ in their words"))
+        raise scope.problems.fail(errors.UnequalRows(tree.span))
     order = [names.index(w) for w in words]
     return (words, *inner[0][0]), tuple(inner[i][1] for i in order)
 
 
-def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
+def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
     """Returns the declared set of words a table is over; every word of it exactly once."""
     sets = scope.static.word_sets
     exact = next((s for s in sets if set(s) == set(names)), None)
@@ -125,9 +123,8 @@ def _table_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tupl
         raise scope.problems.fail(errors.UnknownName(unknown.span, name=unknown.text, near=meant, help="" if meant.nearest else help_))
     if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
         return tuple(w for w in closest if w in names)
-    missing = [w for w in closest if w not in names]
-    problem = f"the table lacks `{'`, `'.join(missing)}`" if missing else "no set of words has just these words"
-    raise scope.problems.fail(errors.TableGap(table.span, problem=problem))
+    missing = tuple(w for w in closest if w not in names)
+    raise scope.problems.fail(errors.TableLacks(table.span, words=missing) if missing else errors.TableGap(table.span))
 
 
 def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
@@ -152,10 +149,7 @@ def _word(declared: ast.Constant, scope: Scope) -> None:
     by: tuple[tuple[str, ...], ...] = ()
     entries: list[ast.Expr | ast.Table] = [declared.value]
     if isinstance(declared.value, ast.Table):
-        names = tuple(e.key.text for e in declared.value.entries)
-        if len(set(names)) != len(names):
-            raise scope.problems.fail(errors.TableGap(declared.value.span, problem="the table has a word twice"))
-        by = (_table_words(declared.value, names, scope),)
+        by = (_declared_words(declared.value, table_words(declared.value, scope), scope),)
         order = {e.key.text: e.value for e in declared.value.entries}
         entries = [order[w] for w in by[0]]
     values = [_one_word(e, scope) for e in entries]

@@ -70,8 +70,8 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     elif s.event.steps:
         raise scope.problems.fail(errors.WrongType(s.event.span, wanted="the event alone", given="an entry of it"))
     amount = None if s.by is None else scope.number(s.by, ("count",), "a count")
-    if amount is not None and amount.type.low < 0:
-        raise scope.problems.fail(errors.Negative(s.by.span, name="what is counted"))  # type: ignore[union-attr]
+    if s.by is not None and amount is not None and amount.type.low < 0:
+        raise scope.problems.fail(errors.Negative(s.by.span, name="what is counted"))
     for_ = None if s.receiver is None else receiver(s.receiver, scope)
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 
@@ -99,13 +99,13 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if destination.var.who != "cell" or destination.on is not None or destination.restriction is not None:
         raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
     after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")
-    if after is not None and after.type.low < 0:
-        raise scope.problems.fail(errors.Negative(s.after.span, name="the delay"))  # type: ignore[union-attr]
+    if s.after is not None and after is not None and after.type.low < 0:
+        raise scope.problems.fail(errors.Negative(s.after.span, name="the delay"))
     if isinstance(after, ir.Number) and after.value == 0:
         after = None
     facing = None if s.facing is None else s.facing.text
-    if facing is not None and facing not in FACINGS:
-        raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")  # type: ignore[arg-type]
+    if s.facing is not None and facing not in FACINGS:
+        raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")
     if s.stay is not None and s.stay.text != "stay":
         raise scope.problems.fail(errors.UnknownName(s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"))
     place = use.streams.header(s.domain.span, s.domain.span.end)

@@ -81,8 +81,8 @@ def _check_reads(test: ir.Expr, look: ast.Look, problems: Problems) -> None:
     for node in ir.walk(test):
         field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
         between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word)
-        if not isinstance(node, READABLE) or field_of_other or between_cells:
-            raise problems.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))  # type: ignore[arg-type]
+        if ir.is_expression(node) and (not isinstance(node, READABLE) or field_of_other or between_cells):
+            raise problems.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))
 
 
 def _paint(paint: ast.Paint, problems: Problems) -> ir.Paint:

@@ -28,6 +28,15 @@ def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
         raise scope.problems.fail(errors.CanBeNobody(span, path=text(agent)))
 
 
+def table_words(table: ast.Table, scope: Scope) -> tuple[str, ...]:
+    """Returns the words of a table's entries; says so if one stands there twice."""
+    names = tuple(entry.key.text for entry in table.entries)
+    for i, entry in enumerate(table.entries):
+        if entry.key.text in names[:i]:
+            raise scope.problems.fail(errors.TableRepeats(entry.key.span, name=entry.key.text))
+    return names
+
+
 def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     """Returns the kinds a kind or group name stands for."""
     kinds = scope.static.kinds_of(name.text)

@@ -87,7 +87,7 @@ def _put_looks(seen: dict[Key, ir.Observable], game: Composition, problems: Prob
             if label.name in detailed:
                 given = f"a kind whose cells do not all look alike: its `{detailed[label.name]}` is seen"
                 help = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
-                problems.add(errors.WrongType(label.origin, wanted="one look", given=given, help=help))  # type: ignore[arg-type]
+                problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help))
 
 
 def _entries(observable: ir.Observable) -> list[ir.Observable]:
@@ -194,8 +194,9 @@ def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Prob
     for i, label in enumerate(show.labels):
         last = i == len(show.labels) - 1
         if last != (label.where is None):
-            problem = "the last label has no condition" if last else f"label `{label.label.text}` needs a condition (`where`)"
-            raise problems.fail(errors.TableGap(label.span, problem=problem))
+            raise problems.fail(
+                errors.LastLabelConditional(label.span) if last else errors.LabelUnconditional(label.span, name=label.label.text)
+            )
         test = None if label.where is None else _scope(what, kind, static, problems).condition(label.where)
         found.append(ir.Label(name=label.label.text, condition=test, origin=label.span))
     return tuple(found)

@@ -134,10 +134,8 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
 
 
 def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:
-    names = tuple(e.key.text for e in table.entries)
     _check_declared(tuple(e.key for e in table.entries), scope)
-    if len(set(names)) != len(names):
-        raise scope.problems.fail(errors.TableGap(table.span, problem="a word stands twice in these weights"))
+    names = tuple(e.key.text for e in table.entries)
     weights = []
     for entry in table.entries:
         if isinstance(entry.value, ast.Table):
@@ -168,8 +166,8 @@ def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
     header = use.streams.header(s.span, s.block.span.start)
     how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
-    if how_many is not None and how_many.type.low < 0:
-        raise scope.problems.fail(errors.Negative(s.number.span, name="the number picked"))  # type: ignore[union-attr]
+    if isinstance(s, ast.Pick) and how_many is not None and how_many.type.low < 0:
+        raise scope.problems.fail(errors.Negative(s.number.span, name="the number picked"))
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
@@ -261,7 +259,7 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
     for part in conjuncts(test):
         clash = next((f for f in scope.facts if contradict(Fact(part), f)), None)
         if clash is not None:
-            scope.problems.add(errors.NeverHappens(part.origin or test.origin, problem=f"{text(clash.condition)} holds here"))  # type: ignore[arg-type]
+            scope.problems.add(errors.NeverHappens(part.origin or test.span, problem=f"{text(clash.condition)} holds here"))
             continue
         match part:
             case ir.Compare(fn=fn, left=left, right=right):
@@ -276,7 +274,7 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
                 }[fn]
                 if never:
                     reach = interval_text(left.type.model_copy(update={"low": low, "high": high}))
-                    scope.problems.add(errors.NeverHappens(part.origin or test.origin, problem=f"{text(left)} is {reach}"))  # type: ignore[arg-type]
+                    scope.problems.add(errors.NeverHappens(part.origin or test.span, problem=f"{text(left)} is {reach}"))
             case _:
                 pass
 

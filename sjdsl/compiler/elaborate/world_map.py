@@ -114,7 +114,7 @@ def check_rows(
 def _absent(glyphs: dict[str, ir.GlyphMeaning], rows: tuple[str, ...]) -> tuple[Label, ...]:
     """Returns the place of the one glyph that is declared and nowhere on the map: perhaps it is the one that is misspelt."""
     found = [m for m in glyphs.values() if m.origin is not None and not any(m.glyph in row for row in rows)]
-    return tuple(Label(m.origin, f"`{m.glyph}` is nowhere on the map") for m in found if len(found) == 1)  # type: ignore[arg-type]
+    return tuple(Label(m.span, f"`{m.glyph}` is nowhere on the map") for m in found if len(found) == 1)
 
 
 def _place(inline: tuple[ast.String, ...], spans: tuple[Span, ...], row: int, column: int | None, span: Span) -> Span:

@@ -31,6 +31,12 @@ class Node(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
     origin: Annotated[Span, INSTANCE] | None = Field(default=None, repr=False)
 
+    @property
+    def span(self) -> Span:
+        """Where the author wrote it; not for nodes that the compiler has made."""
+        assert self.origin is not None, self
+        return self.origin
+
 
 class Expression(Node):
     """Something with a value."""

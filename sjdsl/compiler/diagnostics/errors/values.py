@@ -25,9 +25,69 @@ class ProbabilityRange(Diagnostic, code="SJ202", title="Not a probability"):
 
 
 class TableGap(Diagnostic, code="SJ203", title="A table with a gap or an overlap"):
-    says = "{problem}"
+    says = "no set of words has just these words"
     hints = ("every case exactly once",)
-    problem: str
+
+
+class TableLacks(TableGap):
+    says = "the table lacks {listed}"
+    words: tuple[str, ...]
+
+    @property
+    def listed(self) -> str:
+        return ", ".join(f"`{word}`" for word in self.words)
+
+
+class CaseLacks(TableLacks):
+    says = "`case` lacks {listed}"
+
+
+class CaseLeavesOpen(TableGap):
+    says = "`case` leaves {numbers} open"
+    numbers: str
+
+
+class CaseOverlaps(TableGap):
+    says = "this case overlaps one before it, or is empty"
+
+
+class UnequalRows(TableGap):
+    says = "the rows of this table differ in their words"
+
+
+class TableRepeats(TableGap):
+    says = "the table has `{name}` twice"
+    name: str
+
+
+class CaseRepeats(TableRepeats):
+    says = "`case` has `{name}` twice"
+
+
+class WordForNumber(TableGap):
+    says = "`{name}` cannot be the case of a number"
+    name: str
+
+
+class NumberForWord(TableGap):
+    says = "a number cannot be the case of a word"
+
+
+class OtherwiseNotLast(TableGap):
+    says = "`otherwise` stands once, and last"
+
+
+class NothingForOtherwise(TableGap):
+    says = "nothing is left for `otherwise`"
+
+
+class LastLabelConditional(TableGap):
+    says = "the last label has no condition"
+
+
+class LabelUnconditional(TableGap):
+    says = "label `{name}` needs a condition (`where`)"
+    name: str
 
 
 class FieldRange(Diagnostic, code="SJ204", title="A field can leave its range"):
