@@ -1,6 +1,5 @@
 """`sjdsl evaluate`: prints the returns of a trained policy, compared with a random policy in the same episodes."""
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,8 @@ from sjdsl.cli.environment_options import SEED, make_environment
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import warnings_as_notes
+from sjdsl.cli.provenance import provenance_of
+from sjdsl.cli.scenarios import check_scenario_options, evaluate_in_scenarios, scenario_options
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers.policy_names import split_name
 
@@ -32,21 +33,44 @@ if TYPE_CHECKING:
     "--which", type=click.Choice(["last", "best"]), help="The last policy of a run, which is the default, or its best; as in RUN@best."
 )
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4.")
-def command(run: str, episodes: int, seed: int, greedy: bool | None, which: str | int | None, film: str | None) -> None:
+@scenario_options
+def command(
+    run: str,
+    episodes: int,
+    seed: int,
+    greedy: bool | None,
+    which: str | int | None,
+    film: str | None,
+    scenario: str | None,
+    game: str | None,
+    output: str | None,
+    **described: Any,
+) -> None:
     """Evaluates the policy of RUN and a random one, and writes the figures to a file in RUN.
 
     RUN is a folder that `sjdsl train` wrote, or one of its policies: RUN@best, RUN@UPDATE; of several seeds, each is evaluated.
     The file is evaluation.json for the last policy, evaluation_best.json or evaluation_UPDATE.json for another.
+
+    With --scenario the agents of RUN play among the policies of a scenario, with a score between random agents, 0, and the best
+    scripted ones, 1. The file is scenarios.json, and the same command goes on with a stopped one. With --game GAME, RUN may be any policy.
     """
 
+    check_scenario_options(scenario, game, output, described)
     path, named = split_name(run)
     if which is not None and named not in (which, "last"):
         raise click.UsageError(f"{run} names one policy and --which {which} another; leave one of them out", click.get_current_context())
+    if scenario is not None:
+        if film is not None or greedy is not None:
+            unfit = "--film" if film is not None else "--greedy" if greedy else "--drawn"
+            raise click.UsageError(f"{unfit} is not for --scenario", click.get_current_context())
+        policy = f"{run}@{which}" if which is not None and path == Path(run) else run
+        evaluate_in_scenarios(policy, scenario, game, episodes, seed, output, described)
+        return
     which = which or named
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))
-    provenance = _provenance(path)
+    provenance = provenance_of(path)
     with stages(LOADING):
         env = make_environment(provenance)
     folders = sorted(path.glob("seed_*")) or [path]
@@ -104,25 +128,6 @@ def _interval(figure: "Estimate") -> str:
     if math.isnan(figure.mean):
         return "not defined"
     return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
-
-
-def _provenance(run_dir: Path) -> dict[str, Any]:
-    """Returns how the environment of a run was made."""
-    path = run_dir / "manifest.json"
-    if not path.is_file() and (run_dir.parent / "manifest.json").is_file():
-        path = run_dir.parent / "manifest.json"  # one seed of several
-    if not run_dir.exists():
-        raise click.ClickException(f"there is no folder `{run_dir}`; name the folder of a run that `sjdsl train` wrote")
-    if not path.is_file():
-        raise click.ClickException(
-            f"{run_dir} is not the folder of a training run: there is no manifest.json in it. Name the folder that `sjdsl train` wrote"
-        )
-    provenance = json.loads(path.read_text(encoding="utf-8")).get("provenance") or {}
-    if "game" not in provenance:
-        raise click.ClickException(
-            f"the manifest of {run_dir} does not say which game was trained, for the run was started from Python; evaluate it from Python, too"
-        )
-    return provenance
 
 
 def list_files(run_dir: Path) -> None:

@@ -1,6 +1,6 @@
 """The options of commands that play policies with each other, and the environment they play in."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,9 +40,16 @@ def experiment(game: str, policies: Sequence[str], folder: Path, described: dict
     checked = check_environment(game, **described)
     for policy in policies:
         check_policy(policy, checked)
+    with playing_in(describe_environment(game, **described), folder) as both:
+        yield both
+
+
+@contextmanager
+def playing_in(arguments: Mapping[str, Any], folder: Path) -> Iterator[tuple["Environment", Say]]:
+    """Yields the environment of these arguments, and what says the stages; if interrupted, says where what was played is kept."""
     require_folder_of(folder)
     with stages(LOADING) as say:
-        env = make_environment(describe_environment(game, **described))
+        env = make_environment(arguments)
         try:
             yield env, say
         except KeyboardInterrupt:

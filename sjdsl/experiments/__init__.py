@@ -1,4 +1,4 @@
-"""Experiments with policies: who meets whom, and what cooperators and defectors earn among each other."""
+"""Experiments with policies: who meets whom, what cooperators and defectors earn among each other, and how a policy does in scenarios."""
 
 from typing import TYPE_CHECKING
 
@@ -10,9 +10,11 @@ if TYPE_CHECKING:
     from .mixtures import CrossPlay
     from .players import find_pool
     from .refusals import ExperimentError
+    from .scenario_scores import ScenarioScores
+    from .scenarios import play_scenarios
     from .schelling import schelling_diagram
 
-__all__ = ["CrossPlay", "Diagram", "ExperimentError", "cross_play", "find_pool", "schelling_diagram"]
+__all__ = ["CrossPlay", "Diagram", "ExperimentError", "ScenarioScores", "cross_play", "find_pool", "play_scenarios", "schelling_diagram"]
 
 __getattr__ = lazy_names(
     __name__,
@@ -20,8 +22,10 @@ __getattr__ = lazy_names(
         "CrossPlay": "mixtures",
         "Diagram": "diagram",
         "ExperimentError": "refusals",
+        "ScenarioScores": "scenario_scores",
         "cross_play": "crossplay",
         "find_pool": "players",
+        "play_scenarios": "scenarios",
         "schelling_diagram": "schelling",
     },
 )

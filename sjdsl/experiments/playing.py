@@ -1,6 +1,6 @@
 """Plays the line-ups of an experiment, one after the other, and keeps each in the folder as soon as it is played."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -88,12 +88,13 @@ def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tup
     return tuple(pool for _, pool in found)
 
 
-def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell) -> list[Part]:
+def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell, wanted: Collection[Lineup] | None = None) -> list[Part]:
     """Returns each line-up as every replicate played it, line-up by line-up; what the folder has already is not played again.
 
     Args:
       kept: the folder for what is played; None keeps nothing.
       tell: called with a line before each line-up that is played.
+      wanted: the line-ups to play, of the others only what the folder has; None: all.
     Raises:
       ExperimentError: a return is not finite. OSError: the disk is full; what was kept stays.
     """
@@ -114,6 +115,8 @@ def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell) -> 
         for replicate in replicates:
             name = f"lineup_{number:03d}_replicate_{replicate:02d}"
             known = kept.find(name) if kept else None
+            if known is None and wanted is not None and lineup not in wanted:
+                continue
             if known is None:
                 tell(
                     f"playing {experiment.episodes} episodes of line-up {number + 1} of {len(experiment.lineups)}{_of(replicate, replicates)}"

@@ -7,6 +7,7 @@ from sjdsl.experiments.contrasts import IN_WORDS
 from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.mixtures import CrossPlay
 from sjdsl.experiments.published import published_shape
+from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores
 from sjdsl.trainers.estimates import Estimate
 
 
@@ -56,6 +57,24 @@ def crossplay_text(found: CrossPlay) -> str:
         else f"{experiment.episodes} episodes, of these policies only"
     )
     return f"\n{experiment.title}: means with 95 % intervals over {over}\n{_in_columns(rows)}"
+
+
+def scenarios_text(found: ScenarioScores) -> str:
+    """Returns what the focal policy earned in each scenario that was asked for, with its score, as text."""
+    agents = found.experiment.env.num_agents
+    rows = [("scenario", "focal agents", "focal return", "background return", "random", "best scripted", "score")]
+    cautions = []
+    for name in found.asked:
+        score = found[name]
+        background = "none" if score.background is None else _with_bounds(score.background)
+        best = f"{score.baseline(score.best).mean:.4g}, {score.best}"
+        shown = "not defined" if score.score is None else f"{score.score:.3g}"
+        random = f"{score.baseline(RANDOM).mean:.4g}"
+        rows.append((name, f"{score.number_focal} of {agents}", _with_bounds(score.focal), background, random, best, shown))
+        cautions += [f"{name}: {score.caution}"] if score.caution else []
+    head = f"\n{found.experiment.title}: focal agents play {found.policy}; mean returns of an agent, with 95 % intervals over {found.population}"
+    said = "score: (focal - random) / (best scripted - random), the latter two for the focal agents of the same scenario"
+    return "\n".join([head, _in_columns(rows), said, *cautions])
 
 
 def _in_columns(rows: Sequence[Sequence[str]]) -> str:

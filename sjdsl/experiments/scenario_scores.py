@@ -1,0 +1,159 @@
+"""What focal agents earned in the scenarios of a game, and their score between random agents and the best scripted ones."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.experiments.lineups import Lineup
+from sjdsl.experiments.playing import Experiment, Part
+from sjdsl.trainers.estimates import Estimate, estimate
+
+FORMAT = 1  # of scenarios.json
+RANDOM = "random"
+
+
+@dataclass(frozen=True)
+class ScenarioScore:
+    """One scenario as it was played: per-capita returns of R replicates of E episodes each."""
+
+    scenario: ir.Scenario
+    focal_returns: np.ndarray  # [R, E] float64: the mean return of a focal agent
+    background_returns: np.ndarray | None  # [R, E]: that of the other agents; None where there are none
+    baselines: Mapping[str, np.ndarray]  # [R, E]: that of focal agents who play `random`, the file's policies or `stay`
+
+    @property
+    def focal(self) -> Estimate:
+        """The focal per-capita return, over training seeds where there are two at least, else over episodes."""
+        return _over_units(self.focal_returns)
+
+    @property
+    def background(self) -> Estimate | None:
+        """The background's per-capita return, over the same samples."""
+        return None if self.background_returns is None else _over_units(self.background_returns)
+
+    def baseline(self, name: str) -> Estimate:
+        """Returns the focal per-capita return of a policy that was not trained, over all episodes."""
+        return estimate(self.baselines[name].ravel())
+
+    @property
+    def best(self) -> str:
+        """The scripted policy with the highest focal per-capita return; the first in the file of several."""
+        return max((name for name in self.baselines if name != RANDOM), key=lambda name: self.baseline(name).mean)
+
+    @property
+    def score(self) -> float | None:
+        """`(focal - random) / (best - random)`; None where `best` is not above `random`."""
+        random, best = self.baseline(RANDOM).mean, self.baseline(self.best).mean
+        return None if best <= random else (self.focal.mean - random) / (best - random)
+
+    @property
+    def caution(self) -> str:
+        """What is to be said of the score: that there is none, or that the difference it is a share of may be nothing; else empty."""
+        random, best = self.baseline(RANDOM).mean, self.baseline(self.best).mean
+        if best <= random:
+            return f"the score is not defined: the best scripted focal policy, {self.best}, earns {best:.4g}, no more than random with {random:.4g}"
+        apart = estimate((self.baselines[self.best] - self.baselines[RANDOM]).ravel())
+        if apart.low > 0:
+            return ""
+        interval = f"[{apart.low:.4g}, {apart.high:.4g}]" if np.isfinite(apart.low) else "of unknown width"
+        return f"the score is uncertain: {self.best} less random is {apart.mean:.4g}, with the interval {interval}; play more episodes"
+
+    @property
+    def number_focal(self) -> int:
+        """How many agents are focal."""
+        return sum(part.number for part in self.scenario.slots if not part.policy)
+
+
+@dataclass(frozen=True)
+class ScenarioScores:
+    """The scenarios that were asked for, and all that were played under the same conditions, by name."""
+
+    experiment: Experiment
+    asked: tuple[str, ...]
+    scenarios: Mapping[str, ScenarioScore]
+
+    @property
+    def policy(self) -> str:
+        """The name of the focal policy."""
+        return self.experiment.pools[0].name
+
+    @property
+    def unit(self) -> str:
+        """What the intervals of focal and background returns are over."""
+        return "training seed" if self.experiment.replicates > 1 else "episode"
+
+    @property
+    def population(self) -> str:
+        """The samples of these intervals, in words."""
+        if self.experiment.replicates > 1:
+            return f"{self.experiment.replicates} training seeds"
+        return f"{self.experiment.episodes} episodes, of this policy only"
+
+    def __getitem__(self, name: str) -> ScenarioScore:
+        """Returns a scenario by name."""
+        return self.scenarios[name]
+
+
+def _over_units(returns: np.ndarray) -> Estimate:
+    """Returns the mean of `[R, E]` returns with its interval over replicates where there are two at least, else over episodes."""
+    return estimate(returns.mean(axis=1) if len(returns) > 1 else returns[0])
+
+
+def line_up(scenario: ir.Scenario, focal: int, scripted: Mapping[str, int]) -> Lineup:
+    """Returns who plays a scenario, in the order of its slots, if pool `focal` has the focal ones. `scripted`: pools by name."""
+    return tuple(scripted[part.policy] if part.policy else focal for part in scenario.slots for _ in range(part.number))
+
+
+def score_of(scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part], replicates: int) -> ScenarioScore | None:
+    """Returns a scenario as it was played with pool 0, and with each scripted pool, as focal agents; None if something was not played."""
+    played = Counter(part.lineup for part in parts)
+    if any(played[line_up(scenario, pool, scripted)] < replicates for pool in (0, *scripted.values())):
+        return None
+    is_focal = np.array([not part.policy for part in scenario.slots for _ in range(part.number)])
+
+    def per_capita(pool: int, members: np.ndarray) -> np.ndarray:
+        lineup = line_up(scenario, pool, scripted)
+        return np.stack([part.returns[:, members].mean(axis=1) for part in parts if part.lineup == lineup])
+
+    background = None if is_focal.all() else per_capita(0, ~is_focal)
+    return ScenarioScore(
+        scenario, per_capita(0, is_focal), background, {name: per_capita(pool, is_focal) for name, pool in scripted.items()}
+    )
+
+
+def slots_of(scenario: ir.Scenario) -> list[list[Any]]:
+    """Returns the slots of a scenario as JSON values: how many, and their policy; null for the focal ones."""
+    return [[part.number, part.policy or None] for part in scenario.slots]
+
+
+def report_of(found: ScenarioScores) -> dict[str, Any]:
+    """Returns the figures as JSON values."""
+    seeds = [player.seed for player in found.experiment.pools[0].players if player.seed is not None]
+    return {
+        "format": FORMAT,
+        **found.experiment.describe(),
+        "focal_policy": found.policy,
+        "training_seeds": seeds,
+        "unit": found.unit,
+        "units": found.experiment.replicates if found.experiment.replicates > 1 else found.experiment.episodes,
+        "scenarios": {name: _entry(score) for name, score in found.scenarios.items()},
+    }
+
+
+def _entry(score: ScenarioScore) -> dict[str, Any]:
+    background = score.background
+    return {
+        "title": score.scenario.title,
+        "slots": slots_of(score.scenario),
+        "focal": asdict(score.focal),
+        "background": None if background is None else asdict(background),
+        "baselines": {name: asdict(score.baseline(name)) for name in score.baselines},
+        "best": score.best,
+        "score": score.score,
+        "caution": score.caution or None,
+        "returns": {"focal": score.focal_returns, "background": score.background_returns},
+    }

@@ -1,0 +1,89 @@
+"""`sjdsl evaluate --scenario`: a run of two seeds and a policy of the file in scenarios of a small game, and what is refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+from command_line import GAME, Sjdsl
+
+from sjdsl.cli.environment_options import describe_environment, make_environment
+from tests.experiments.stored_policies import store_pool
+
+SCENARIOS = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
+  scenario guest "one among those who eat" { slots 1 focal  slots players - 1 policy eater }
+  scenario pair  "two who are the same"    { slots 2 focal }
+}
+"""
+SCRIPTED = ("evaluate", "eater", "--game", "grove.sj", "--scenario")
+
+
+@pytest.fixture(autouse=True)
+def _grove(folder: Path) -> None:
+    """A game with scenarios, beside one without."""
+    written = GAME.rstrip().removesuffix("}") + SCENARIOS
+    (folder / "grove.sj").write_text(written.replace("game orchard", "game grove"))
+
+
+def test_a_run_of_two_seeds(sjdsl: Sjdsl, folder: Path) -> None:
+    described = describe_environment(str(folder / "grove.sj"), None, None, None, {})
+    store_pool(folder / "runs/grove", make_environment(described), (0, 1))
+    (folder / "runs/grove/manifest.json").write_text(json.dumps({"provenance": described}))
+    one = sjdsl("evaluate", "runs/grove", "--scenario", "guest", "--episodes", "3")
+    assert one.status == 0, one.text
+    assert "A Small Orchard: focal agents play runs/grove; mean returns of an agent, with 95 % intervals over 2 training seeds" in one.out
+    assert "guest     1 of 2" in one.out
+    assert "pair" not in one.out
+    assert "runs/grove/scenarios.json" in one.out
+    both = sjdsl("evaluate", "runs/grove/", "--scenario", "all", "--episodes", "3")
+    assert both.status == 0, both.text
+    assert "pair      2 of 2" in both.out
+    assert one.out.splitlines()[3] in both.out, "what was played is not played again"
+    stored = json.loads((folder / "runs/grove/scenarios.json").read_text())
+    assert (stored["unit"], stored["training_seeds"], stored["episodes"]) == ("training seed", [0, 1], 3)
+    assert list(stored["scenarios"]) == ["guest", "pair"]
+    assert stored["scenarios"]["guest"]["baselines"].keys() == {"random", "eater", "stay"}
+    another = sjdsl("evaluate", "runs/grove", "--scenario", "all", "--episodes", "4")
+    assert another.status == 1
+    assert "scenarios holds another experiment: episodes 3 there, 4 here. Name another folder" in another.err
+    poorer = sjdsl("evaluate", "runs/grove", "--scenario", "pair", "--game", "orchard.sj")
+    assert "orchard has no scenarios; write one into the game's file" in poorer.err
+    (folder / "orchard.sj").write_text((folder / "grove.sj").read_text().replace("game grove", "game orchard"))
+    other = sjdsl("evaluate", "runs/grove", "--scenario", "pair", "--game", "orchard.sj")
+    assert (other.status, "was trained on another game: grove there, orchard here" in other.err) == (1, True), other.text
+    assert "runs/grove" in sjdsl("evaluate", "runs/grove/seed_0", "--episodes", "2").out, "the run is evaluated alone as before"
+
+
+def test_a_policy_of_the_file(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl(*SCRIPTED, "guest,pair", "--episodes", "3", "--param", "length=4")
+    assert shown.status == 0, shown.text
+    assert "focal agents play eater; mean returns of an agent, with 95 % intervals over 3 episodes, of this policy only" in shown.out
+    stored = json.loads((folder / "grove_eater_scenarios/scenarios.json").read_text())
+    assert (stored["focal_policy"], stored["game"]["params"]["length"]) == ("eater", 4)
+    assert stored["scenarios"]["pair"]["score"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (
+            ("evaluate", "eater", "--scenario", "all"),
+            1,
+            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or name",
+        ),
+        (("evaluate", "runs/a", "--game", "grove.sj"), 2, "--game is for --scenario"),
+        (("evaluate", "runs/a", "-o", "there"), 2, "-o is for --scenario"),
+        (("evaluate", "runs/a", "--scenario", "all", "--agents", "3"), 2, "--agents is for --game"),
+        ((*SCRIPTED, "all", "--greedy"), 2, "--greedy is not for --scenario"),
+        ((*SCRIPTED, "all", "--film", "a.gif"), 2, "--film is not for --scenario"),
+        (("evaluate", "eatr", "--game", "grove.sj", "--scenario", "all"), 1, "there is no policy `eatr`; did you mean `eater`?"),
+        ((*SCRIPTED, "gest"), 1, "there is no scenario `gest`; did you mean `guest`?"),
+        ((*SCRIPTED, "all", "--agents", "3"), 1, "the scenario `pair` does not fit 3 agents: it has 2 slots; name another, such as guest"),
+        ((*SCRIPTED, "all", "--agents", "1"), 1, "a scenario needs two agents at least, and grove has one here"),
+        (("evaluate", "stay", "--game", "orchard.sj", "--scenario", "all"), 1, "orchard has no scenarios; write one into the game's file"),
+    ],
+)
+def test_what_is_refused(sjdsl: Sjdsl, arguments: tuple[str, ...], status: int, said: str) -> None:
+    shown = sjdsl(*arguments)
+    assert shown.status == status, shown.text
+    assert said in shown.err
+    assert "playing" not in shown.err
