@@ -23,6 +23,10 @@ game compass "Compass moves on a map wider than a word" {
   }
   observe { window ahead 2, behind 2, left 2, right 2 }
   policy digger { aim beam at rock where rock.ore is gold choose dig  when yes_now choose call }
+  policy keeper {
+    when min(distance(agent, other) over agent as other where other is not agent otherwise 40) < 8 choose dig
+    when max(distance(agent, rock) over rock) > 20 choose call
+  }
   define yes_now = step >= 0
   policy walker {
     seek floor where floor.row == 0 and floor.col == 39 avoiding floor where floor.row == 4  seek floor where floor.stock > 0
