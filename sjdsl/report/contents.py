@@ -3,14 +3,9 @@
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 
-from sjdsl.compiler import build
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.ir.hash import game_hash
-from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled, find_game
+from sjdsl.games_folder import bundled
+from sjdsl.report.bundled_rules import rules_now
 from sjdsl.report.cells import Index, Setting
 from sjdsl.report.evidence import Evidence
 from sjdsl.report.published import suite
@@ -88,24 +83,12 @@ def notes_of_rules(contents: Contents) -> list[str]:
         setting = game.setting
         if setting is None or not setting.plain:
             continue
-        now = _rules_now(setting.game, setting.variant)
+        now = rules_now(setting.game, setting.variant)
         if now is not None and now[1] == setting.num_agents and now[0] != setting.hash:
             notes.append(f"the runs of {game.label} are of other rules ({setting.hash}) than the game has now ({now[0]})")
     trained = {game.setting.hash for game in contents.games if game.setting is not None}
     for row in contents.evidence.diagrams:
-        now = _rules_now(row.game, "")
+        now = rules_now(row.game, "")
         if now is not None and now[1] == row.num_agents and row.hash not in {now[0], *trained}:
             notes.append(f"the diagram of {row.game} is of other rules ({row.hash}) than the game has now ({now[0]})")
     return list(dict.fromkeys(notes))
-
-
-@cache
-def _rules_now(game: str, variant: str) -> tuple[str, int] | None:
-    """Returns the hash and the number of agents of a bundled game as it is now; None for another game, or a variant that is gone."""
-    if game not in bundled():
-        return None
-    try:
-        made = build(read_source(Path(find_game(game))), tuple(variant.split("+")) if variant else ())
-    except CompileError:
-        return None
-    return game_hash(made.game), made.game.agents.number

@@ -81,6 +81,7 @@ class DiagramRow:
 
     game: str
     hash: str
+    params: str  # numbers that a bundled game has otherwise
     num_agents: int
     cooperators: str
     defectors: str
@@ -158,6 +159,7 @@ class Meeting:
 
     game: str
     hash: str
+    params: str  # numbers that a bundled game has otherwise
     mixture: str
     policy: str
     mean: float

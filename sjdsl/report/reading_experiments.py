@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from sjdsl.report.bundled_rules import other_numbers
 from sjdsl.report.evidence import DiagramRow, Evidence, Meeting, RandomRow, rounded
 from sjdsl.report.refusals import ReportError
 
@@ -61,6 +62,7 @@ def _diagram(stored: Mapping[str, Any]) -> Evidence:
     row = DiagramRow(
         game["name"],
         game["hash"],
+        " ".join(other_numbers(game)),
         game["num_agents"],
         stored["cooperators"],
         stored["defectors"],
@@ -83,13 +85,14 @@ def _diagram(stored: Mapping[str, Any]) -> Evidence:
 def _cross_play(stored: Mapping[str, Any]) -> Evidence:
     """Returns the meetings; of a mixture of random policies alone also what a random policy earns."""
     game, number = stored["game"], stored["game"]["num_agents"]
+    of = (game["name"], game["hash"], " ".join(other_numbers(game)))
     meetings, random = [], []
     for mixture in stored["mixtures"]:
         for policy, figure in mixture["policies"].items():
             low, high = _bounds(figure)
             mean, episodes = rounded(figure["mean"]), mixture["episodes"]
-            meetings.append(Meeting(game["name"], game["hash"], mixture["mixture"], policy, mean, low, high, stored["unit"], episodes))
-            if set(mixture["slots"]) == {"random"}:
+            meetings.append(Meeting(*of, mixture["mixture"], policy, mean, low, high, stored["unit"], episodes))
+            if set(mixture["slots"]) == {"random"} and not of[-1]:
                 least, most = (None if bound is None else rounded(number * bound) for bound in (low, high))
                 random.append(RandomRow(game["name"], game["hash"], rounded(number * mean), least, most, episodes))
     return Evidence(meetings=tuple(meetings), random=tuple(random), notes=tuple(stored.get("notes", ())))

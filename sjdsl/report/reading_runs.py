@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.report.bundled_rules import other_numbers
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
@@ -58,7 +59,7 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
         hash=game["hash"],
         variant=made.get("variant") or "",
         num_agents=game["num_agents"],
-        params=" ".join(f"{name}={value}" for name, value in sorted((made.get("params") or {}).items())),
+        params=" ".join(_numbers(game, made)),
         map=Path(made["map"]).name if isinstance(made.get("map"), str) else "own" if made.get("map") else "",
         algorithm=config["algorithm"],
         reward=reward,
@@ -70,6 +71,17 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
         network=str(config["network"]),
         steps=int(config["total_timesteps"]),
     )
+
+
+def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
+    """Returns what was asked for besides the game and a variant: numbers of the game, and of agents.
+
+    A run that was started from Python may not say what was asked for: then the numbers that a bundled game has otherwise.
+    """
+    if "game" not in made:
+        return other_numbers(game)
+    asked = {**(made.get("params") or {}), **({} if made.get("num_agents") is None else {"num_agents": made["num_agents"]})}
+    return [f"{name}={value}" for name, value in sorted(asked.items())]
 
 
 def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:

@@ -35,7 +35,7 @@ def fixed() -> Iterator[None]:
     now = {**RULES, "harvest_open": "new"}
     known = {game: (rules, AGENTS[game]) for game, rules in now.items()}
     with (
-        mock.patch("sjdsl.report.contents._rules_now", lambda game, variant: None if variant else known.get(game)),
+        mock.patch("sjdsl.report.contents.rules_now", lambda game, variant: None if variant else known.get(game)),
         mock.patch("sjdsl.report.sections.over_games.is_installed", return_value=False),
     ):
         yield

@@ -1,13 +1,16 @@
 """What a report reads of each kind of folder, and what it says of folders that are half written, failed, of other rules, or of no kind."""
 
+import json
 from pathlib import Path
 
 import pytest
+from report_folders import described as describe
 from report_folders import random_returns, write_cross_play, write_diagram, write_json, write_run, write_speeds, write_sweep, write_training
 
 from sjdsl.report import Evidence, ReportError, read_folders
 from sjdsl.report.evidence_files import evidence_files, read_evidence
 from sjdsl.report.reading_runs import POINTS
+from sjdsl.report.report import make_report
 
 DIAGRAM = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 9.0), "fear": (-4.0, -5.0, -3.0), "greed": (2.0, 1.0, 3.0)}
 
@@ -106,6 +109,20 @@ def test_metrics_that_were_cut_off_and_long_ones(tmp_path: Path) -> None:
     assert points[-1].env_steps == 100_000
 
 
+def test_numbers_of_a_run_that_was_started_from_python(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (3.0,))
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["provenance"] = {}
+    manifest["game"]["params"] = {"length": 1000, "spawn": 0.0005000000237487257, "coin": 1.0, "harm": -2.0}  # as float32 has them
+    write_json(folder / "manifest.json", manifest)
+    assert read_folders([folder]).runs[0].params == ""
+    manifest["game"]["params"] |= {"harm": -3.0, "length": 100}
+    write_json(folder / "manifest.json", manifest)
+    assert read_folders([folder]).runs[0].params == "harm=-3.0 length=100"
+    crowd = write_run(tmp_path / "crowd", "harvest_open", (3.0,), provenance={"num_agents": 3, "params": {"regrow_1": 0}})
+    assert read_folders([crowd]).runs[0].params == "num_agents=3 regrow_1=0"
+
+
 def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> None:
     sweep = tmp_path / "svo"
     write_run(sweep / "cells/weight", "coins", (100.0, 101.0), reward="svo")
@@ -127,6 +144,18 @@ def test_experiments(tmp_path: Path) -> None:
     assert found.notes == ("seed 1 is left out",)
     assert [(row.policy, row.mean, row.low) for row in found.meetings] == [("random", -0.5, None), ("stay", 0.0, 0.0)]
     assert [(row.mean, row.low) for row in found.random] == [(-1.0, None)]  # of both agents together
+
+
+def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("report_folders.described", lambda game: {**describe(game), "params": {"harm": -3.0}})
+    write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma")
+    write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None)})
+    found = read_folders([tmp_path])
+    assert (found.diagrams[0].params, found.meetings[0].params) == ("harm=-3.0", "harm=-3.0")
+    assert found.random == ()  # it says nothing of the game as it is
+    page = make_report(found, "sjdsl report").page
+    assert "| coins, harm=-3.0 | `runs/coins_common` |" in page
+    assert "| dilemma, greed |  |" in page
 
 
 def test_an_experiment_that_is_not_finished(tmp_path: Path) -> None:

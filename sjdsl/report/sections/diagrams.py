@@ -13,7 +13,7 @@ HEADINGS = (*("game", "cooperators", "defectors", "A", "B", "fear", "greed", "ve
 
 def diagrams(contents: Contents) -> Section:
     """Returns the section of the contrasts of each diagram, and its verdict."""
-    found = {row.game for row in contents.evidence.diagrams}
+    found = {row.game for row in contents.evidence.diagrams if not row.params}
     missing = [name for name in contents.names if name not in found]
     rows = [row for name in contents.names for row in _rows(contents, name)]
     records = tuple(_record(row) for row in contents.evidence.diagrams)
@@ -36,9 +36,9 @@ def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:
     published = published_shape(game)
     note = f" ({published['note']})" if published and published["note"] else ""
     said = f"{published['shape']}, called a {published['type']}{note}" if published else ""
-    found = [row for row in contents.evidence.diagrams if row.game == game]
-    if not found:
-        return [(game, *("",) * 7, said, "")] if said else []
+    found = sorted((row for row in contents.evidence.diagrams if row.game == game), key=lambda row: row.params)
+    if said and not (found and not found[0].params):
+        return [(game, *("",) * 7, said, ""), *(_row(row, "") for row in found)]
     return [_row(row, said if number == 0 else "") for number, row in enumerate(found)]
 
 
@@ -52,9 +52,10 @@ def _row(row: DiagramRow, said: str) -> tuple[str, ...]:
     shape = " and ".join(name for name, there in (("fear", row.fear), ("greed", row.greed)) if there)
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
     over = f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else ", of these policies only")
-    return (row.game, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, said, over)
+    game = ", ".join(filter(None, (row.game, row.params)))
+    return (game, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, said, over)
 
 
 def _record(row: DiagramRow) -> dict[str, Any]:
-    published = published_shape(row.game) or {}
+    published = {} if row.params else published_shape(row.game) or {}
     return {**vars(row), "published_shape": published.get("shape"), "published_type": published.get("type")}

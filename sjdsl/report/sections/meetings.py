@@ -10,7 +10,9 @@ def meetings(contents: Contents) -> Section:
     rows = []
     for row in contents.evidence.meetings:
         over = "training seeds" if row.unit == "training seed" else f"{row.episodes} episodes, of these policies only"
-        rows.append((row.game, row.mixture, f"`{row.policy}`", bounded(row.mean, row.low, row.high), over))
+        rows.append(
+            (", ".join(filter(None, (row.game, row.params))), row.mixture, f"`{row.policy}`", bounded(row.mean, row.low, row.high), over)
+        )
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
     records = tuple(vars(row) for row in contents.evidence.meetings)
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, tuple(rows), records, 3)
