@@ -108,12 +108,13 @@ def command(
     with stages(LOADING):
         from sjdsl.sweeps.engines import Crew
         from sjdsl.sweeps.running import sweep
+        from sjdsl.trainers.resuming import DiskError
 
     options = {name: as_number(value) for name, value in read_texts(engine_options).items()}
     crew = Crew(engine, workers, options, "auto", lambda line: click.echo(line, err=True))
     try:
         outcome = sweep(asked, folder, describe, crew, together, again)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, OSError, DiskError):
         click.echo(f"what was trained is kept in {folder}; the same command goes on with it", err=True)
         raise
     return _report(outcome, folder)

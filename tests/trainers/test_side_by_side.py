@@ -154,3 +154,33 @@ def test_a_folder_that_another_process_has_taken_is_left_alone(tmp_path: Path, m
         train(matching(), SHORT.model_copy(update={"evaluate_every": 0}), tmp_path / "run", "none", callback=taken)
     assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["2"]
     assert read_manifest(tmp_path / "run")["status"] == "running"
+
+
+OTHERS: dict[str, dict[str, Any]] = {
+    "vdn": {"algorithm": "vdn", "buffer_size": 64, "batch_size": 8, "learning_starts": 16, "num_steps": 4, "network_width": 4},
+    "mappo": {**TINY, "algorithm": "mappo", "critic": "state", "reward": "inequity", "scale_clip_epsilon": True},
+    "own networks with memory": {**TINY, "sharing": "per_agent", "memory": "gru"},
+    "roles": {**TINY, "sharing": "by_role", "roles": (0, 1), "reward": "exchange"},
+}
+DIFFERENT: dict[str, dict[str, Any]] = {
+    "vdn": {"epsilon_end": 0.3, "epsilon_fraction": 0.7, "target_rate": 0.5, "learning_rate": 1e-2, "gamma": 0.5},
+    "mappo": {"inequity_envy": 1.0, "inequity_smoothing": 0.2, "max_gradient_norm": 0.1, "clip_epsilon": 0.4},
+    "own networks with memory": {"entropy_coefficient": 0.3, "gae_lambda": 0.2, "reward_smoothing": 0.5},
+    "roles": {"exchange_ratio": 0.9, "value_coefficient": 2.0},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_programs_as_apart(tmp_path: Path, name: str) -> None:
+    """One seed each; the second run has other numbers than the first."""
+    base = {**OTHERS[name], "network": "mlp", "num_envs": 4, "total_timesteps": 16 * 6, "seeds": 1}
+    configs = [make_config(base), make_config(base, seed=7, **DIFFERENT[name])]
+    runs = [Run(payoffs(4.0), config, tmp_path / "together" / str(number)) for number, config in enumerate(configs)]
+    train_side_by_side(runs, "none")
+    train(payoffs(4.0), configs[1], tmp_path / "apart", "none")
+    apart, beside = (read_lines(folder / "metrics.jsonl") for folder in (tmp_path / "apart", runs[1].run_dir))
+    for left, right in zip(apart, beside, strict=True):
+        numbers = [key for key in left if key not in OF_THE_CLOCK and left[key] is not None]
+        np.testing.assert_allclose([left[key] for key in numbers], [right[key] for key in numbers], rtol=1e-3, atol=FIGURES)
+    assert read_lines(runs[0].run_dir / "metrics.jsonl")[-1]["loss"] != pytest.approx(beside[-1]["loss"])
