@@ -12,9 +12,11 @@ from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import Cell, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.policies.interpreted import choose
 
 HEADINGS = ("north", "east", "south", "west")
 QUICK = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}  # compiling costs more than these runs
+STEADY = (0, 2**32 - 1)  # with these random numbers no policy draws a move
 Key = tuple[int, int]
 Place = tuple[int, int] | None
 
@@ -25,7 +27,8 @@ class View:
 
     cells: (kind, field) -> a value for each cell. events: name or `name[word]` -> a count, or one for each agent.
     away: ticks until each agent returns, 0 for those here and those removed. observation: agents x rows x columns x planes;
-    None, as `allowed`, where the compiled step has not looked (after a picture).
+    None, as `allowed`, where the compiled step has not looked (after a picture). chosen: what each agent would do under each policy of
+    the file, no move of it drawn; None of the compiled step.
     """
 
     steps: int
@@ -42,6 +45,7 @@ class View:
     metrics: dict[str, float] = field(default_factory=dict)
     truncated: bool = False
     terminated: bool = False
+    chosen: dict[str, list[str]] | None = None
 
 
 class Play(Protocol):
@@ -104,7 +108,11 @@ class Interpreted:
             world={name: _plain(v) for name, v in world.fields.items()},
             allowed=action_mask(self.game, world),
             observation=observe(self.game, world),
+            chosen={policy.name: [self._choice(policy, agent) for agent in range(len(world.position))] for policy in self.game.policies},
         )
+
+    def _choice(self, policy: ir.ScriptedPolicy, agent: int) -> str:
+        return self.game.agents.actions[choose(policy, self.game, self.world, agent, STEADY)]
 
 
 def _plain(value: Any) -> Any:

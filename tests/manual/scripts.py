@@ -110,7 +110,7 @@ def perform(script: Script, game: ir.Game, play: Play, other: Callable[[str, int
             if step := _STEP.fullmatch(text):
                 for _ in range(int(step.group(1) or 1)):
                     steps += 1
-                    view = play.step(_actions(game, step.group(2), line), (run, steps))
+                    view = play.step(_actions(game, view, step.group(2), line), (run, steps))
             elif text.startswith("before "):
                 view = play.arrange(*pictures.read(game, _TEXT.findall(text), view))
             elif equal := _EQUAL.fullmatch(text):
@@ -123,11 +123,13 @@ def perform(script: Script, game: ir.Game, play: Play, other: Callable[[str, int
         gathered.check()
 
 
-def _actions(game: ir.Game, text: str, line: int) -> list[int]:
+def _actions(game: ir.Game, view: View, text: str, line: int) -> list[int]:
+    """Returns the numbers of actions; the name of a policy stands for what it chooses."""
     names = [t.strip() for t in text.split(",")] if text else []
     assert len(names) in (0, game.agents.number), f"line {line}: an action for each agent, or none"
     names = names or ["stay"] * game.agents.number
-    return [game.agents.actions.index(name) for name in names]
+    chosen = view.chosen or {}
+    return [game.agents.actions.index(chosen[name][agent] if name in chosen else name) for agent, name in enumerate(names)]
 
 
 def _check(text: str, line: int, game: ir.Game, view: View, gathered: Gathered) -> None:
@@ -201,6 +203,9 @@ def values_of(game: ir.Game, view: View, path: str) -> list[Any]:
             return [view.metrics[rest]]
         case "allowed":
             return [mask[game.agents.actions.index(rest)] for mask in view.allowed]
+        case "chosen":
+            assert view.chosen is not None
+            return list(view.chosen[rest])
         case "steps" | "truncated" | "terminated":
             return [getattr(view, word)]
         case "planes":

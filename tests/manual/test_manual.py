@@ -156,7 +156,7 @@ class Both:
                     first, second = list(first.values()), [second[name] for name in first]
                 assert np.allclose(first, second, rtol=1e-6, atol=1e-6), (part.name, first, second)
             elif second is None:
-                assert part.name in ("allowed", "observation")
+                assert part.name in ("allowed", "observation", "chosen")
             elif part.name == "observation":
                 assert np.array_equal(first, second), "the observations differ"
             else:
