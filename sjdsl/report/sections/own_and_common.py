@@ -15,7 +15,11 @@ def own_and_common(contents: Contents) -> Section:
         own, shared = (None if game.setting is None else contents.index.returns(game.setting, way) for way in (individual, common))
         lines.append(((game.label, difficulty(game.published), _random(contents, game)), own, shared))
     table = compared_table(
-        "own_and_common", "Collective return of IPPO", ("game", "the paper calls it", "random policy, over episodes"), ("individual", "common"), lines
+        "own_and_common",
+        "Collective return of IPPO",
+        ("game", "the paper calls it", "random policy, over episodes"),
+        ("individual", "common"),
+        lines,
     )
     text = ("If common reward earns the group more than individual reward does, what is good for an agent is bad for the group.",)
     missing = dict.fromkeys(game.name for game, line in zip(contents.games, lines, strict=True) if None in line[1:])
