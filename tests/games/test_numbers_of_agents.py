@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import pytest
 
 from sjdsl import make
-from sjdsl.agent_range import agent_range
+from sjdsl.agent_range import agent_range, number_of_agents
 from sjdsl.cli.describe import describe
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -74,9 +74,10 @@ def test_the_printed_range_is_what_is_accepted(form: Form) -> None:
     """Of every game on every map: both ends are taken, one beyond is not."""
     source = read_source(find_game(form.game))
     variants = (form.variant,) if form.variant else ()
-    name, low, high = agent_range(compose(source, variants))
-    written = read_written(source, variants).numbers[name]
-    assert (written.low, written.high) == (str(low), str(high))
+    size = number_of_agents(compose(source, variants))
+    assert size is not None
+    written = read_written(source, variants).numbers[size.name.text]
+    low, high = int(written.low), int(written.high)
     assert high == (most_of(form)[0] if form.game in NINE else MOST_OF_OTHERS[form.game])
     assert low == 2
     for number in (low, high):
