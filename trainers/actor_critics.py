@@ -60,7 +60,8 @@ class ActorCritics:
         if self.joint_shape is None:
             return None
         if self.from_state:
-            return from_state
+            result: Array | None = from_state
+            return result
         lead = observation.shape[:-4]
         return observation.reshape(*lead, -1, *observation.shape[-2:])
 
@@ -155,4 +156,5 @@ def state_shape(env: Environment) -> tuple[int, ...]:
     """
     if not hasattr(env, "state_vector"):
         raise ConfigError(f'`{env.name}` gives no state_vector for a critic of the state; choose critic = "observations"')
-    return jax.eval_shape(lambda key: env.state_vector(env.reset(key)[1]), abstract_key()).shape
+    result: tuple[int, ...] = jax.eval_shape(lambda key: env.state_vector(env.reset(key)[1]), abstract_key()).shape
+    return result

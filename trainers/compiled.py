@@ -63,7 +63,8 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
 
     def first(numbers: Any, seeds: Array) -> TrainState:
         start = over_seeds(lambda own, seed: program_of(own).init(jax.random.key(seed)))
-        return start(numbers, seeds if config.seeds > 1 else seeds[0])
+        result: TrainState = start(numbers, seeds if config.seeds > 1 else seeds[0])
+        return result
 
     seeds = jnp.asarray(lanes.seeds, jnp.uint32)
     numbers = jax.device_put(lanes.numbers, placement.everywhere)
@@ -102,7 +103,8 @@ def _bytes(compiled: Any) -> int:
     said = compiled.memory_analysis()
     if said is None:
         return 0
-    return said.argument_size_in_bytes + said.output_size_in_bytes + said.temp_size_in_bytes - said.alias_size_in_bytes
+    result: int = said.argument_size_in_bytes + said.output_size_in_bytes + said.temp_size_in_bytes - said.alias_size_in_bytes
+    return result
 
 
 def _check_memory(need: int, placement: Placement) -> None:
@@ -127,7 +129,8 @@ def peak_megabytes() -> float:
     """Returns the most memory held so far: by the first device, or by this process if that is a CPU."""
     device = jax.local_devices()[0]
     if device.platform != "cpu":
-        return (device.memory_stats() or {}).get("peak_bytes_in_use", 0) / MEGABYTE
+        result: float = (device.memory_stats() or {}).get("peak_bytes_in_use", 0) / MEGABYTE
+        return result
     import resource
     import sys
 

@@ -149,7 +149,8 @@ class Config(BaseModel):
         if config.seed + config.seeds > SEEDS:
             last = "" if config.seeds == 1 else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
             raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, for random keys are made of 32 bits, not {config.seed}{last}")
-        return config
+        result: Config = config
+        return result
 
     @model_validator(mode="after")
     def _smoothing_of_this_reward(self) -> "Config":

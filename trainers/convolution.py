@@ -17,7 +17,8 @@ from jax.custom_batching import custom_vmap
 @jax.custom_vjp
 def convolve(features: Array, kernel: Array) -> Array:
     """Returns features `[M, H, W, C]` under a kernel `[K, K, C, D]`, K odd, padded to the same size: `[M, H, W, D]`."""
-    return _convolution(kernel.shape[0] // 2)(features, kernel)
+    result: Array = _convolution(kernel.shape[0] // 2)(features, kernel)
+    return result
 
 
 def _plain(features: Array, kernel: Array, padding: int) -> Array:
@@ -41,7 +42,8 @@ def _convolution(padding: int) -> Any:
             features = jnp.broadcast_to(features, (size, *features.shape))
 
         def one_after_the_other(features: Array, kernel: Array) -> Array:
-            return jax.lax.map(lambda both: _plain(both[0], both[1], padding), (features, kernel))
+            result: Array = jax.lax.map(lambda both: _plain(both[0], both[1], padding), (features, kernel))
+            return result
 
         def side_by_side(features: Array, kernel: Array) -> Array:
             return jax.vmap(lambda image, weights: _plain(image, weights, padding))(features, kernel)
@@ -56,12 +58,14 @@ def _forward(features: Array, kernel: Array) -> tuple[Array, tuple[Array, Array]
 
 
 def _backward(inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, Array]:
-    return jax.lax.platform_dependent(*inputs, gradient, cpu=_gradients_as_convolutions, default=_gradients)
+    result: tuple[Array, Array] = jax.lax.platform_dependent(*inputs, gradient, cpu=_gradients_as_convolutions, default=_gradients)
+    return result
 
 
 def _gradients(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
     _, pull_back = jax.vjp(lambda image, weights: _plain(image, weights, kernel.shape[0] // 2), features, kernel)
-    return pull_back(gradient)
+    result: tuple[Array, Array] = pull_back(gradient)
+    return result
 
 
 def _gradients_as_convolutions(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:

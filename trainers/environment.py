@@ -68,13 +68,15 @@ class ObservableEnvironment(Environment, Protocol):
 
 def reset_shapes(env: Environment) -> tuple[Any, Any]:
     """Returns the shapes and dtypes of an observation and a state."""
-    return jax.eval_shape(env.reset, abstract_key())
+    result: tuple[Any, Any] = jax.eval_shape(env.reset, abstract_key())
+    return result
 
 
 def info_shapes(env: Environment) -> dict[str, Any]:
     """Returns the shapes and dtypes of a step's info."""
     actions = array_shape((env.num_agents,), jnp.int32)
-    return jax.eval_shape(env.step, abstract_key(), reset_shapes(env)[1], actions)[-1]
+    result: dict[str, Any] = jax.eval_shape(env.step, abstract_key(), reset_shapes(env)[1], actions)[-1]
+    return result
 
 
 def array_shape(shape: tuple[int, ...], dtype: Any) -> Any:

@@ -35,12 +35,14 @@ class Evaluation:
     @property
     def collective_returns(self) -> np.ndarray:
         """`[E]` raw return summed over agents."""
-        return collective_return(self.returns)
+        result: np.ndarray = collective_return(self.returns)
+        return result
 
     @property
     def equalities(self) -> np.ndarray:
         """`[E]` one minus the Gini coefficient of the agents' returns; NaN unless none is negative and one positive."""
-        return equality(self.returns)
+        result: np.ndarray = equality(self.returns)
+        return result
 
 
 EVALUATION = 0x6576616C  # "eval": apart from the numbers under which a run splits and folds its own keys

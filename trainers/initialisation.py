@@ -44,4 +44,5 @@ def orthonormal_columns(matrix: Array) -> Array:
             column = column - done @ (done.T @ column)
         return done.at[:, number].set(column / jnp.linalg.norm(column))
 
-    return jax.lax.fori_loop(0, matrix.shape[1], free, jnp.zeros_like(matrix))
+    result: Array = jax.lax.fori_loop(0, matrix.shape[1], free, jnp.zeros_like(matrix))
+    return result

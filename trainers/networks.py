@@ -76,7 +76,8 @@ class Torso(nn.Module):
                 f"the network `{self.kind}` must make features [M, K] of tokens [M, planes, rows, columns], here {tokens.shape}; it made "
                 f"{features.shape}"
             )
-        return features
+        result: Array = features
+        return result
 
     def _dense(self, features: Array) -> Array:
         return nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
@@ -105,7 +106,8 @@ class Recurrence(nn.Module):
         """Takes memory `[..., width]`, features `[L, ..., K]` and `[L, ...]` bool, fresh; returns memory and `[L, ..., width]`."""
         features, fresh = step
         memory = jnp.where(fresh[..., None], jnp.zeros_like(memory), memory)
-        return nn.GRUCell(self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal())(memory, features)
+        result: tuple[Array, Array] = nn.GRUCell(self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal())(memory, features)
+        return result
 
 
 class Head(nn.Module):

@@ -79,7 +79,8 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
         return load_policy(path, env, greedy=greedy, which=which)
     if is_own("policy", name):
         try:
-            return find("policy", name)
+            result: Policy = find("policy", name)
+            return result
         except ConfigError as error:
             raise PolicyError(str(error)) from None
     raise PolicyError(unknown_policy(name, tuple(declared)))

@@ -129,7 +129,8 @@ def check_minibatches(config: PPOConfig) -> None:
 def start_learner(parameters: Any, config: PPOConfig) -> Learner:
     """Returns G learners in one: parameters `[G, ...]`, and an optimiser each."""
     optimiser = make_optimiser(config)
-    return jax.vmap(lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser))(parameters)
+    result: Learner = jax.vmap(lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser))(parameters)
+    return result
 
 
 def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
@@ -149,7 +150,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         joint = _joint(env, networks, info.get("terminal_state"))
 
         # most steps end no episode: then the second forward pass is skipped
-        return jax.lax.cond(
+        result: Array = jax.lax.cond(
             truncated.any(),
             lambda memory, last, joint: _value(networks, parameters, memory, last, joint, jnp.zeros_like(truncated)),
             lambda *_: jnp.zeros((truncated.shape[0], env.num_agents)),
@@ -157,6 +158,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
             info["terminal_observation"],
             joint,
         )
+        return result
 
     return Actor(act, networks.packing.pack, follow, lambda state: _joint(env, networks, state))
 

@@ -35,7 +35,8 @@ class Placement:
     def of_state(self, state: TrainState) -> TrainState:
         """Returns the placement of every leaf of a state."""
         placed = jax.tree.map(lambda _: self.everywhere, state)
-        return placed.replace(worlds=jax.tree.map(lambda _: self.spread, state.worlds))
+        result: TrainState = placed.replace(worlds=jax.tree.map(lambda _: self.spread, state.worlds))
+        return result
 
 
 def make_placement(config: Config) -> Placement:

@@ -129,10 +129,12 @@ def _with_structure(program: Train, structure: Any) -> Train:
     own = _structure(program)
 
     def inside(state: TrainState) -> TrainState:
-        return jax.tree.unflatten(own, jax.tree.leaves(state))
+        result: TrainState = jax.tree.unflatten(own, jax.tree.leaves(state))
+        return result
 
     def outside(state: TrainState) -> TrainState:
-        return jax.tree.unflatten(structure, jax.tree.leaves(state))
+        result: TrainState = jax.tree.unflatten(structure, jax.tree.leaves(state))
+        return result
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         after, played = program.collect(inside(state))

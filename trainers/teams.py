@@ -63,7 +63,8 @@ def _roles_of(env: Environment) -> Sequence[int]:
     roles = getattr(env, "roles", None)
     if roles is None:
         raise ConfigError(f"`{env.name}` gives its agents no lasting roles; say them, one number an agent, such as roles=0,0,1,1")
-    return roles
+    result: Sequence[int] = roles
+    return result
 
 
 def over_teams(bundle: Bundle, apply: Callable[..., Any], agents_axis: int) -> Callable[..., Any]:

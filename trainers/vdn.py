@@ -158,11 +158,13 @@ def _entries(rollout: Rollout) -> Transition:
         ended=rollout.done & ~rollout.truncated,
         allowed=allowed,
     )
-    return jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), steps)
+    result: Transition = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), steps)
+    return result
 
 
 def _no_losses(losses: Metrics) -> Metrics:
-    return jax.tree.map(jnp.zeros_like, losses)
+    result: Metrics = jax.tree.map(jnp.zeros_like, losses)
+    return result
 
 
 def make_actor(env: Environment, network: ActionValues, packing: Packing, masks: bool, parameters: Any, epsilon: Array) -> Actor:

@@ -48,7 +48,8 @@ def _seconds_to_compile(env: Environment) -> float:
 def lower_step(env: Environment) -> Lowered:
     """Returns one step of a single environment as XLA is given it."""
     step: Any = env.step
-    return step.lower(*_described(env))
+    result: Lowered = step.lower(*_described(env))
+    return result
 
 
 def _described(env: Environment) -> tuple[Any, Any, Any]:

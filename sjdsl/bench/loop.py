@@ -88,7 +88,8 @@ def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actio
     seen = jax.eval_shape(one, start, key)[1]
     nothing = jnp.zeros(seen.shape, seen.dtype)
     _, observation, total, _ = jax.lax.scan(body, (start, nothing, jnp.float32(0), key), None, num_steps)[0]
-    return total + observation.astype(jnp.float32).sum()
+    result: Array = total + observation.astype(jnp.float32).sum()
+    return result
 
 
 def steps_for(num_envs: int) -> int:

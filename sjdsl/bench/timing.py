@@ -127,4 +127,5 @@ def memory_of(compiled: Compiled) -> int:
     stats = compiled.memory_analysis()
     if stats is None:
         return 0
-    return stats.temp_size_in_bytes + stats.argument_size_in_bytes + stats.output_size_in_bytes - stats.alias_size_in_bytes
+    result: int = stats.temp_size_in_bytes + stats.argument_size_in_bytes + stats.output_size_in_bytes - stats.alias_size_in_bytes
+    return result

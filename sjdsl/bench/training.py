@@ -112,7 +112,8 @@ def _repeated(part: Callable[[], Any], number: int) -> Array:
     found = None
     for _ in range(number):
         found = part()
-    return jax.tree.leaves(jax.block_until_ready(found))[0]
+    result: Array = jax.tree.leaves(jax.block_until_ready(found))[0]
+    return result
 
 
 def matrix_flops_per_s(repeats: int) -> float:

@@ -57,7 +57,8 @@ def _flops_of_ppo(env: Environment, config: Any, parameters: Any) -> float:
     minibatch = config.steps_per_update // config.num_minibatches
     acting = _flops(lambda own: forward(own, config.num_envs), parameters)
     learning = _flops(jax.grad(lambda own: forward(own, minibatch)), parameters)
-    return acting * (config.num_steps + 1) + learning * config.num_epochs * config.num_minibatches
+    result: float = acting * (config.num_steps + 1) + learning * config.num_epochs * config.num_minibatches
+    return result
 
 
 def _flops_of_vdn(env: Environment, config: VDNConfig, parameters: Any) -> float:
@@ -66,7 +67,8 @@ def _flops_of_vdn(env: Environment, config: VDNConfig, parameters: Any) -> float
 
     def forward(parameters: Any, steps: int) -> Array:
         values: Any = network.apply(parameters, jnp.zeros((steps, *env.observation_shape), jnp.uint8))
-        return values.sum()
+        result: Array = values.sum()
+        return result
 
     acting = _flops(lambda own: forward(own, config.num_envs), parameters)
     learning = _flops(jax.grad(lambda own: forward(own, config.batch_size)), parameters)

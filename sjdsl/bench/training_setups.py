@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from sjdsl.bench.training_split import Algorithm, Network, Sharing
 from sjdsl.trainers.config import Config, ConfigError, VDNConfig, make_config
@@ -25,8 +25,7 @@ class Setup:
 
     @property
     def network(self) -> Network:
-        network: Any = self.config.network
-        return network
+        return cast("Network", self.config.network)
 
     @property
     def learning(self) -> tuple[Algorithm, Sharing]:

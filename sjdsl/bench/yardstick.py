@@ -46,7 +46,8 @@ def _near(cells: list[tuple[int, int]]) -> np.ndarray:
     """Returns which apples are within two cells of which, `[64, 64]` float32."""
     places = np.array(cells)
     squares = ((places[:, None] - places[None]) ** 2).sum(-1)
-    return ((squares <= 4) & (squares > 0)).astype(np.float32)
+    result: np.ndarray = ((squares <= 4) & (squares > 0)).astype(np.float32)
+    return result
 
 
 def _site_numbers(cells: list[tuple[int, int]]) -> np.ndarray:

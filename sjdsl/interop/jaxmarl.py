@@ -100,7 +100,8 @@ class JaxMARLGame(MultiAgentEnv):
         observations = jax.eval_shape(self.reset, jax.random.key(0))[0]
         if "world_state" not in observations:
             raise ValueError('there is no world state: make the environment with world_state="observations" or "state"')
-        return observations["world_state"].shape[1]
+        result: int = observations["world_state"].shape[1]
+        return result
 
     @partial(jax.jit, static_argnums=(0,))
     def reset(self, key: Array) -> tuple[ByAgent, GameState]:
@@ -114,7 +115,8 @@ class JaxMARLGame(MultiAgentEnv):
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
         """One step; a finished episode is followed by the first state of the next, or by `reset_state`."""
         if reset_state is not None:
-            return super().step(key, state, actions, reset_state)
+            result: tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]] = super().step(key, state, actions, reset_state)
+            return result
         # resets of the game are computed only where an environment of a batch is done; those of the base class in every step
         observation, game, reward, done, info = self.env.step(key, _game(state), self._actions(actions))
         return self._observations(observation, game), _state(game, jnp.asarray(False)), *self._results(reward, done, info)

@@ -152,7 +152,8 @@ class Slots:
         parted = by_env.any(axis=1) & ~by_env.all(axis=1)
         if parted.any():
             raise ValueError(f"only some agents of environment {parted.argmax()} are to be reset; they begin an episode together")
-        return np.all(by_env, axis=1)
+        result: np.ndarray = np.all(by_env, axis=1)
+        return result
 
     def _final(self, states: Any, ended: np.ndarray) -> dict[int, np.ndarray]:
         """Returns the last observations of the environments that have ended; observed only then."""
@@ -178,13 +179,15 @@ class Slots:
 
         def with_fresh() -> tuple[Any, Any]:
             fresh = jax.vmap(self.env.reset)(keys[:, 1])
-            return jax.tree.map(lambda new, old: _where(begins, new, old), fresh, (observation, stepped))
+            result: tuple[Any, Any] = jax.tree.map(lambda new, old: _where(begins, new, old), fresh, (observation, stepped))
+            return result
 
         seen, state = jax.lax.cond(begins.any(), with_fresh, lambda: (observation, stepped))
         reward, info = self._outcome(reward, info)
 
         def quiet(leaf: Array) -> Array:
-            return _where(begins, jnp.zeros_like(leaf), leaf)
+            result: Array = _where(begins, jnp.zeros_like(leaf), leaf)
+            return result
 
         info = {"events": info["events"], "terminated": info["terminated"], "truncated": info["truncated"]}
         return key, seen, state, quiet(reward), {**jax.tree.map(quiet, info), "terminal_state": state}

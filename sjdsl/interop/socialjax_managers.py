@@ -33,12 +33,14 @@ class MAPPOWorldStateWrapper(_Wrapper):
     @partial(jax.jit, static_argnums=0)
     def reset(self, key: Array) -> tuple[Array, Any]:
         """As the environment's."""
-        return self._env.reset(key)
+        result: tuple[Array, Any] = self._env.reset(key)
+        return result
 
     @partial(jax.jit, static_argnums=0)
     def step(self, key: Array, state: Any, actions: Any, timestep: Any = 0) -> tuple[Array, Any, Array, Batch, Batch]:
         """As the environment's."""
-        return self._env.step(key, state, actions, timestep)
+        result: tuple[Array, Any, Array, Batch, Batch] = self._env.step(key, state, actions, timestep)
+        return result
 
     def world_state(self, observation: Array, state: Any) -> Array:
         """Returns the observations of all agents, `[N, …]`."""
@@ -95,7 +97,8 @@ class CTRolloutManager(_Wrapper):
     def batch_sample(self, key: Array, agent: int | str) -> Array:
         """Returns an action for an agent in every environment, `[B]`, each with equal probability."""
         sample = self._env.action_space(agent).sample
-        return jax.vmap(sample)(jax.random.split(key, self.batch_size)).astype(jnp.int32)
+        result: Array = jax.vmap(sample)(jax.random.split(key, self.batch_size)).astype(jnp.int32)
+        return result
 
     def get_valid_actions(self, states: Any) -> Batch:
         """Returns ones, `[B, A]` for each agent: every action may be taken, as in the suite."""
@@ -120,4 +123,5 @@ def save_params(params: Mapping[str, Any], filename: str | os.PathLike[str]) -> 
 
 def load_params(filename: str | os.PathLike[str]) -> dict[str, Any]:
     """Returns the nested parameters of such a file."""
-    return unflatten_dict(load_file(filename), sep=SEPARATOR)
+    result: dict[str, Any] = unflatten_dict(load_file(filename), sep=SEPARATOR)
+    return result

@@ -58,7 +58,8 @@ def make_rewards(mode: Mode, num_agents: int) -> Callable[[Array, Array], tuple[
 def _kept(mode: Mode, timestep: Array) -> Array:
     """Returns how much of its reward an agent keeps at a time step of the training."""
     if mode.s_interest_schedule is None:
-        return jnp.float32(mode.s_interest)
+        result: Array = jnp.float32(mode.s_interest)
+        return result
     schedule = jnp.asarray(mode.s_interest_schedule, jnp.float32)
     return schedule[(jnp.asarray(timestep) // mode.s_interest_change_every) % len(schedule)]
 

@@ -31,7 +31,8 @@ def unpack(words: Array, size: int) -> Array:
     """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
     places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * words.ndim + (-1,))
     members = (words[..., None] >> places) & jnp.uint32(1)
-    return members.reshape(*words.shape[:-1], -1)[..., :size] != 0
+    result: Array = members.reshape(*words.shape[:-1], -1)[..., :size] != 0
+    return result
 
 
 def count(words: Array) -> Array:
@@ -65,7 +66,8 @@ def nth(words: Array, n: Array) -> Array:
     chosen = (jnp.where(here, words, jnp.uint32(0)), jnp.where(here, before, 0), jnp.where(here, numbers, 0))
     # one sum of three instead of three: each would find `here` again
     word, passed, number = lax.reduce(chosen, (jnp.uint32(0), jnp.int32(0), jnp.int32(0)), _added, (words.ndim - 1,))
-    return number * WIDTH + nth_bit(word, n - passed)
+    result: Array = number * WIDTH + nth_bit(word, n - passed)
+    return result
 
 
 def _added(left: tuple[Array, ...], right: tuple[Array, ...]) -> tuple[Array, ...]:

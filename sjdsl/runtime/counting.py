@@ -46,7 +46,8 @@ def times_in(sets: Array, agents: int) -> Array:
     agent = jnp.arange(agents, dtype=flat.dtype)[:, None]
 
     def members(some: Array) -> Array:
-        return ((some[None] >> agent) & flat.dtype.type(1)).astype(small)
+        result: Array = ((some[None] >> agent) & flat.dtype.type(1)).astype(small)
+        return result
 
     counts = jnp.zeros(agents, jnp.int32)
     if rows:

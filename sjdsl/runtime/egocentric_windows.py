@@ -70,7 +70,8 @@ def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
             return jax.vmap(lambda plane, values: _scattered(plane, cells, values))(*both), True
         return _from_runs(both[0], both[1], constant, first), True
 
-    return filled(plane, values)
+    result: Array = filled(plane, values)
+    return result
 
 
 LONG_RUN = 4  # cells of a run, on average: below, copies are not faster

@@ -89,7 +89,7 @@ class Environment:
 
     @property
     def observation_dtype(self) -> jnp.dtype:
-        return jnp.dtype(jnp.uint8)
+        return np.dtype(np.uint8)
 
     @property
     def episode_length(self) -> int:

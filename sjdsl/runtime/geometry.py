@@ -129,7 +129,8 @@ def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], 
 
 def neighbours(cells: np.ndarray, numbers: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     """Returns, for each cell, the numbers of the cells of an undirected shape around it: `[S, K]` int32."""
-    return numbers[cells[:, None] + offsets[0][None]]
+    result: np.ndarray = numbers[cells[:, None] + offsets[0][None]]
+    return result
 
 
 def near_masks(around: np.ndarray, size: int) -> np.ndarray:
@@ -148,4 +149,5 @@ def near_masks(around: np.ndarray, size: int) -> np.ndarray:
 
 def own_cell(rows: int, columns: int, row: int, column: int) -> np.ndarray:
     """Returns which cell of its window is the observer's own: `[rows * columns]` bool."""
-    return np.arange(rows * columns) == row * columns + column
+    result: np.ndarray = np.arange(rows * columns) == row * columns + column
+    return result

@@ -36,12 +36,14 @@ def _spread(into: Array, lost: Array) -> Array:
     """Returns `lost` with all who wait, directly or through others, for the cell of one who stays: `[N]` bool."""
     n = lost.shape[0]
     if n > 31:
-        return lax.fori_loop(0, n, lambda _, out: out | jnp.any(into & out[None, :], axis=1), lost)
+        spread: Array = lax.fori_loop(0, n, lambda _, out: out | jnp.any(into & out[None, :], axis=1), lost)
+        return spread
     bit = (jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)).astype(jnp.uint32)
     waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
     stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)
     stays = lax.fori_loop(0, n - 1, lambda _, s: s | _waiting(waits, bit, s), stays)
-    return (stays & bit) != 0
+    result: Array = (stays & bit) != 0
+    return result
 
 
 def _waiting(waits: Array, bit: Array, stays: Array) -> Array:

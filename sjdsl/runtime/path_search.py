@@ -89,7 +89,8 @@ def contains(boards: Array, which: Array, row: Array, col: Array) -> Array:
     inside = (row >= 0) & (row < height) & (col >= 0) & (col < words * WIDTH)
     r, c = jnp.where(inside, row, 0), jnp.where(inside, col, 0)
     word = boards[which, r, c // WIDTH]
-    return inside & (((word >> (c % WIDTH).astype(jnp.uint32)) & jnp.uint32(1)) != 0)
+    result: Array = inside & (((word >> (c % WIDTH).astype(jnp.uint32)) & jnp.uint32(1)) != 0)
+    return result
 
 
 def first_moves(

@@ -51,7 +51,8 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
 
     @custom_vmap
     def picked(members: Array, key: Array) -> Array:
-        return lax.cond(_several(members), lambda: chosen(members, key), lambda: _only(members))
+        result: Array = lax.cond(_several(members), lambda: chosen(members, key), lambda: _only(members))
+        return result
 
     @picked.def_vmap
     def batched(size: int, in_batched: list[bool], members: Array, key: Array) -> tuple[Array, bool]:
@@ -166,7 +167,8 @@ def pair(ranks: Array, alike: bool) -> Array:
 
     most = left // 2 if alike else min(left, right)
     start = (ranks, jnp.full(left, right, jnp.int32))
-    return lax.fori_loop(0, most, take, start)[1]
+    result: Array = lax.fori_loop(0, most, take, start)[1]
+    return result
 
 
 def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array:

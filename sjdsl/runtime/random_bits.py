@@ -37,7 +37,8 @@ def random_bits_at(key: Array, stream: int, numbers: Array) -> Array:
     Returns:
       uint32 of the shape of `numbers`.
     """
-    return _numbered(key, jnp.uint32(stream), numbers)
+    result: Array = _numbered(key, jnp.uint32(stream), numbers)
+    return result
 
 
 @jax.jit  # one function of the program for each shape, however many rules draw
@@ -78,20 +79,23 @@ def random_bits(key: Array, stream: int, *shape: int) -> Array:
 
 def threshold(probability: Array) -> Array:
     """Returns the threshold below which the upper 31 bits of a random number lie with this probability (float32 in 0 .. 1)."""
-    return (probability * jnp.float32(2**31)).astype(jnp.uint32)
+    result: Array = (probability * jnp.float32(2**31)).astype(jnp.uint32)
+    return result
 
 
 def next_threshold(before: Array, probability: Array) -> Array:
     """Returns the threshold of the next branch of a chain: `probability` of what the branches before it left."""
     left = (jnp.uint32(2**31) - before).astype(jnp.float32)
-    return before + (left * probability).astype(jnp.uint32)
+    result: Array = before + (left * probability).astype(jnp.uint32)
+    return result
 
 
 def below(word: Array, bound: Array | int) -> Array:
     """Returns floor(word * bound / 2^32), int32: uniform on 0 .. bound - 1 for bounds up to 65,535."""
     n = jnp.asarray(bound, jnp.uint32)
     high, low = word >> jnp.uint32(16), word & jnp.uint32(0xFFFF)
-    return ((high * n + ((low * n) >> jnp.uint32(16))) >> jnp.uint32(16)).astype(jnp.int32)
+    result: Array = ((high * n + ((low * n) >> jnp.uint32(16))) >> jnp.uint32(16)).astype(jnp.int32)
+    return result
 
 
 def ranks(word: Array, member: Array) -> Array:

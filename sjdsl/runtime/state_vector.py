@@ -57,4 +57,5 @@ def _numbers(stored: Array, field: StateField, num_agents: int) -> Array:
             value = stored.astype(jnp.float32)
             if field.low is None or field.high is None:
                 return value / (1.0 + jnp.abs(value))
-            return (value - jnp.float32(field.low)) / jnp.float32(field.high - field.low)
+            result: Array = (value - jnp.float32(field.low)) / jnp.float32(field.high - field.low)
+            return result
