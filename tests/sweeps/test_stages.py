@@ -1,4 +1,4 @@
-"""The second stage of the protocol svo, with cells that are not trained but written as if they had been."""
+"""Stages, memory and takeovers of sweeps, with cells that are not trained but written as if they had been."""
 
 import csv
 import json
@@ -9,11 +9,13 @@ from typing import Any
 import pytest
 from described import GAME, TINY
 
-from sjdsl.sweeps import running
+from sjdsl.sweeps import running, work
+from sjdsl.sweeps.axes import Axis
 from sjdsl.sweeps.engines import Batch, Crew
 from sjdsl.sweeps.folder import cells_of, read_sweep, record_failure
 from sjdsl.sweeps.plan import Asked
 from sjdsl.sweeps.running import Outcome, sweep
+from sjdsl.trainers.resuming import TooLargeError
 
 ASKED = Asked([GAME], (), "svo", {**TINY, "seed": 4}, episodes=2)
 
@@ -78,3 +80,64 @@ def test_no_second_stage_while_a_cell_of_the_first_has_failed(tmp_path: Path) ->
     assert outcome.failed == {"matrix_game_reward-svo_svo_weight-0.6_svo_angle-90": "it had to"}
     assert said == ["the second stage begins when every cell of the first is done"]
     assert len((tmp_path / "results.csv").read_text().splitlines()) == 1 + 10
+
+
+RATES = Asked([GAME], [Axis("learning_rate", (0.1, 0.2, 0.3, 0.4, 0.5))], settings=TINY, episodes=2)
+
+
+def test_cells_that_do_not_fit_into_memory_together_are_halved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes: list[int] = []
+
+    def train(runs: Sequence[Any], *_: Any) -> None:
+        sizes.append(len(runs))
+        if len(runs) > 2:
+            raise TooLargeError("an update needs more")
+        for run in runs:
+            finish(run.run_dir, range(2), float)
+
+    monkeypatch.setattr(work, "train_side_by_side", train)
+    said: list[str] = []
+    outcome = sweep(RATES, tmp_path / "sweep", crew=Crew(tell=said.append), together=5)
+    assert len(outcome.done) == 5
+    assert sizes == [5, 3, 2, 1, 2]
+    assert "5 cells do not fit into memory together; 3 at a time" in said
+
+
+def test_a_cell_that_does_not_fit_alone_has_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def train(runs: Sequence[Any], *_: Any) -> None:
+        if runs[0].config.learning_rate == 0.2:
+            raise TooLargeError("an update needs more")
+        finish(runs[0].run_dir, range(2), float)
+
+    monkeypatch.setattr(work, "train_side_by_side", train)
+    outcome = sweep(RATES, tmp_path / "sweep")
+    assert outcome.failed == {"matrix_game_learning_rate-0.2": "an update needs more"}
+    assert len(outcome.done) == 4
+
+
+def test_a_process_that_was_suspended_leaves_a_cell_that_was_taken_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(work, "BEAT", -1.0)
+    folder = tmp_path / "sweep"
+
+    def train(runs: Sequence[Any], progress: str, callback: Callable[[Any], bool]) -> None:
+        del progress
+        assert callback(None) is False
+        elsewhere = {"machine": "another", "host": "far", "pid": 7, "started": 0.0}
+        (folder / "claims" / f"{runs[0].run_dir.name}@1.json").write_text(json.dumps(elsewhere))
+        callback(None)
+        raise AssertionError("it went on")
+
+    def done_elsewhere(_: float) -> None:
+        """The other process ends, while this one waits."""
+        for cell in cells_of(read_sweep(folder)):
+            finish(folder / "cells" / cell.name, cell.seeds, float)
+            claim = folder / "claims" / f"{cell.name}@1.json"
+            claim.write_text(json.dumps({**json.loads(claim.read_text()), "released": True}))
+
+    monkeypatch.setattr(work, "train_side_by_side", train)
+    monkeypatch.setattr("sjdsl.sweeps.running.time.sleep", done_elsewhere)
+    said: list[str] = []
+    one = Asked([GAME], [Axis("learning_rate", (0.1,))], settings=TINY, episodes=2)
+    assert sweep(one, folder, crew=Crew(tell=said.append)).done == ("matrix_game_learning_rate-0.1",)
+    assert said[1].endswith("another process has taken over, for this one was suspended for long")
+    assert said[-1].endswith("waiting for the process 7 on far, which runs it")
