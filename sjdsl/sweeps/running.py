@@ -15,6 +15,7 @@ from sjdsl.sweeps.claims import take
 from sjdsl.sweeps.engines import Batch, Crew, check_engine, run_batches
 from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, retry, run_dir, write_sweep
 from sjdsl.sweeps.plan import Asked, Plan, plan_sweep, second_stage
+from sjdsl.sweeps.protocols import SETS
 from sjdsl.sweeps.tables import collective_returns, write_tables
 from sjdsl.sweeps.work import environment_of
 from sjdsl.trainers.algorithms import make_train
@@ -78,13 +79,24 @@ def sweep(
         if following is None:
             crew.tell("the second stage begins when every cell of the first is done")
         else:
-            known = write_sweep(path, describe_sweep(asked, [*cells, *following]))
+            write_sweep(path, describe_sweep(asked, [*cells, *following]))
             cells += following
+            _tell_weights(following, crew)
             if again:
                 _retry(path, following, asked.episodes)
             _run_stage(path, following, asked.episodes, crew, together)
     write_tables(path, write_sweep(path, describe_sweep(asked, cells)))
     return _outcome(path, cells, asked.episodes, complete)
+
+
+def _tell_weights(following: Sequence[Cell], crew: Crew) -> None:
+    """Says which weight was best, for each game and combination of axes."""
+    for said in dict.fromkeys(
+        f"second stage of {cell.game}{''.join(f', {name} {value}' for name, value in cell.values.items() if name not in SETS['svo'])}: "
+        f"weight {cell.values['svo_weight']:g} was best, seeds {cell.seeds[0]} to {cell.seeds[-1]}"
+        for cell in following
+    ):
+        crew.tell(said)
 
 
 def check_cells(cells: Sequence[Cell]) -> None:

@@ -56,8 +56,9 @@ def run_with(earned: Callable[[Any, int], float], fails: Callable[[Any], bool], 
 def test_angles_at_the_best_weight_with_other_seeds(tmp_path: Path) -> None:
     """Weight 0.4 has the best mean, 0.8 the best seed."""
     means = {0.4: (5.0, 5.0), 0.8: (9.0, 0.0)}
-    outcome, _ = run_with(lambda cell, seed: means.get(cell.values["svo_weight"], (1.0, 1.0))[seed % 2], lambda _: False, tmp_path)
+    outcome, said = run_with(lambda cell, seed: means.get(cell.values["svo_weight"], (1.0, 1.0))[seed % 2], lambda _: False, tmp_path)
     assert outcome.complete
+    assert said == ["second stage of matrix_game: weight 0.4 was best, seeds 6 to 7"]
     assert len(outcome.done) == 6 + 5
     rows = [*csv.DictReader((tmp_path / "results.csv").read_text().splitlines())]
     first, second = ([row for row in rows if row["stage"] == stage] for stage in "12")
