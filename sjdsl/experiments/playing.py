@@ -110,17 +110,16 @@ def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell, wan
 
     everyone = [players(lineup, replicate) for lineup in experiment.lineups for replicate in replicates]
     play = make_player_of_lineups(env, everyone, experiment.episodes)
-    parts = []
+    parts, asked = [], [lineup for lineup in experiment.lineups if wanted is None or lineup in wanted]
     for number, lineup in enumerate(experiment.lineups):
         for replicate in replicates:
             name = f"lineup_{number:03d}_replicate_{replicate:02d}"
             known = kept.find(name) if kept else None
-            if known is None and wanted is not None and lineup not in wanted:
+            if known is None and lineup not in asked:
                 continue
             if known is None:
-                tell(
-                    f"playing {experiment.episodes} episodes of line-up {number + 1} of {len(experiment.lineups)}{_of(replicate, replicates)}"
-                )
+                place = f"{asked.index(lineup) + 1} of {len(asked)}"
+                tell(f"playing {experiment.episodes} episodes of line-up {place}{_of(replicate, replicates)}")
                 order = orders[replicate]
                 known = play(play_key(experiment.seed, replicate), players(lineup, replicate), order), order
                 _check_finite(known[0], name)

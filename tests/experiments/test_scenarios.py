@@ -36,7 +36,9 @@ def visitors(players: int = 4, ranked: float = 1.0) -> Any:
 def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[ScenarioScores, Path]:
     """Those who give, in a scenario; then, in the same folder, in all that four agents fill."""
     folder = tmp_path_factory.mktemp("scenarios")
-    first = play_scenarios(visitors(), "giver", "visitor", EPISODES, SEED, folder)
+    said: list[str] = []
+    first = play_scenarios(visitors(), "giver", "visitor", EPISODES, SEED, folder, said.append)
+    assert said == [f"playing {EPISODES} episodes of line-up {number} of 4" for number in (1, 2, 3, 4)], "giver, random, keeper, stay"
     assert list(first.scenarios) == ["visitor"]
     assert list(json.loads((folder / "scenarios.json").read_text())["scenarios"]) == ["visitor"]
     return play_scenarios(visitors(), "giver", FITTING, EPISODES, SEED, folder), folder
