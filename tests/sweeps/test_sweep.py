@@ -281,3 +281,12 @@ def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(DiskError):
         sweep(asked(0.25), tmp_path / "sweep", again=True)
     assert (tmp_path / "sweep" / "failed" / f"{LOW}_1" / "policies").is_dir()
+
+
+@pytest.mark.slow
+def test_the_python_lines_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    lines = page.partition("```python\n")[2].partition("```")[0]
+    monkeypatch.chdir(tmp_path)
+    exec(lines, {})
+    assert capsys.readouterr().out.splitlines()[-1] == "('coins_reward-individual', 'coins_reward-common') {}"
