@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs results wheel-test types clean
+.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -96,6 +96,14 @@ docs: .venv/ready
 # Writes docs/results.md again: the page of the results in docs/results/data.
 results: .venv/ready
 	$(BIN)/sjdsl report docs/results/data -o docs/results.md --suite
+
+# Plays the scripted Schelling diagrams of the nine games again, and writes the tables of docs/schelling.md: about 30 minutes.
+diagrams: .venv/ready
+	for game in $(NINE); do \
+	  $(BIN)/sjdsl schelling $$game --cooperators cooperator --defectors defector --episodes 200 -o runs/diagrams/$$game && \
+	  mkdir -p docs/schelling/$$game && cp runs/diagrams/$$game/schelling.json runs/diagrams/$$game/schelling.svg docs/schelling/$$game/ || exit 1; \
+	done
+	$(BIN)/python docs/schelling/tables.py
 
 # Installs the wheel where nothing else is, and uses it far from this folder.
 wheel-test: .venv/ready

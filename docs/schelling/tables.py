@@ -1,0 +1,63 @@
+"""Writes the tables of docs/schelling.md again, from the diagrams in the folders beside this file."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from sjdsl.bench.markdown import replace_section
+
+HERE = Path(__file__).parent
+PAGE = HERE.with_suffix(".md")
+
+
+def main(check: bool) -> int:
+    """Writes the page, or with `check` only says whether it is up to date: 0 if it is, else 1."""
+    page = PAGE.read_text(encoding="utf-8")
+    found = written(page)
+    if not check:
+        PAGE.write_text(found, encoding="utf-8")
+    return int(check and found != page)
+
+
+def written(page: str) -> str:
+    """Returns the page with the tables of all diagrams."""
+    diagrams = {path.parent.name: json.loads(path.read_text(encoding="utf-8")) for path in sorted(HERE.glob("*/schelling.json"))}
+    for name, diagram in diagrams.items():
+        page = replace_section(page, f"diagram {name}", lines_table(name, diagram))
+    scripted = [name for name in diagrams if not name.endswith("_trained")]
+    trained = [name for name in diagrams if name.endswith("_trained")]
+    page = replace_section(page, "scripted", verdicts_table({name: diagrams[name] for name in scripted}))
+    return replace_section(page, "trained", verdicts_table({name: diagrams[name] for name in trained}))
+
+
+def verdicts_table(diagrams: dict[str, dict[str, Any]]) -> str:
+    """Returns a row for each diagram: the published shape, the verdict, the contrasts."""
+    rows = [("game", "published", "here", "A", "B", "fear", "greed"), ("---", "---", "---", "--:", "--:", "--:", "--:")]
+    for diagram in diagrams.values():
+        published, verdict = diagram["published"], diagram["verdict"]
+        contrasts = (bounds(diagram["contrasts"][name]) for name in ("A", "B", "fear", "greed"))
+        shape = f"dilemma, {verdict['shape']}" if verdict["outcome"] == "dilemma" else verdict["outcome"]
+        rows.append((diagram["game"]["name"], f"{published['shape']}, {published['type']}", shape, *contrasts))
+    return table(rows)
+
+
+def lines_table(name: str, diagram: dict[str, Any]) -> str:
+    """Returns the picture, and both lines of a diagram over the number of other cooperators."""
+    others = range(diagram["game"]["num_agents"])
+    rows = [("other cooperators", *map(str, others)), ("---", *("--:" for _ in others))]
+    rows += [(line, *(f"{value:.4g}" for value in diagram[line]["mean"])) for line in ("C", "D")]
+    rows.append(("preferred", *diagram["D-C"]["preferred"]))
+    return f"![Schelling diagram of {diagram['game']['name']}](schelling/{name}/schelling.svg)\n\n{table(rows)}"
+
+
+def bounds(figure: dict[str, float]) -> str:
+    return f"{figure['mean']:.4g} [{figure['low']:.4g}, {figure['high']:.4g}]"
+
+
+def table(rows: list[tuple[str, ...]]) -> str:
+    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main("--check" in sys.argv[1:]))
