@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.compiler.lower import NotSupported
 from sjdsl.policies.compiled import scripted_policy
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import UNTRAINED, MemoryPolicy, Policy, mixed_policy, random_policy, stay_policy, with_memory
@@ -73,7 +74,10 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
             raise PolicyError(str(error)) from None
     declared = declared_policies(env)
     if name in declared:
-        return scripted_policy(env, name)
+        try:
+            return scripted_policy(env, name)
+        except NotSupported as refused:
+            raise PolicyError(_not_compiled(name, refused)) from None
     path, which = split_name(name)
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy=greedy, which=which)
@@ -84,6 +88,12 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
         except ConfigError as error:
             raise PolicyError(str(error)) from None
     raise PolicyError(unknown_policy(name, tuple(declared)))
+
+
+def _not_compiled(name: str, refused: NotSupported) -> str:
+    place = f" ({refused.origin.file}, line {refused.origin.line})" if refused.origin is not None else ""
+    instead = f"; {refused.instead}" if refused.instead else ""
+    return f"the policy `{name}` cannot be compiled: {refused.what} is not supported yet{place}{instead}"
 
 
 def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool | None = None) -> Policy:

@@ -18,7 +18,7 @@ from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.replay import save_recording
 from sjdsl.screen.interpreted import Interpreted
-from sjdsl.screen.session import Choose, Prepared, Session, policy_choice, random_choice, stay_choice
+from sjdsl.screen.session import Choose, Prepared, Session, policy_choice, random_choice, scripted_choice, stay_choice
 from sjdsl.trainers.policy_names import UNTRAINED
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def play_on(
 ) -> None:
     """Plays a session to its end, or until the person stops: on the screen, or where there is none with each moment given to `show`."""
 
-    trained = others not in UNTRAINED
+    trained = others not in (*UNTRAINED, *(policy.name for policy in game.policies))
 
     def compiled() -> Any:
         from sjdsl.screen.compiled import Compiled
@@ -118,6 +118,8 @@ def _choice_of(others: str, game: "ir.Game", seed: int) -> "Choose":
     """Returns what the others do as far as it is known without JAX. Raises ClickException for what is no policy."""
 
     check_policy(others, game)
+    if any(policy.name == others for policy in game.policies):
+        return scripted_choice(game, others, seed)
     return random_choice(game, seed) if others == "random" else stay_choice(game)
 
 

@@ -6,6 +6,8 @@ from functools import partial
 from typing import Any, Protocol
 
 from sjdsl.compiler import ir
+from sjdsl.interpreter.threefry import Threefry
+from sjdsl.policies.interpreted import choose
 from sjdsl.replay.recording import Recording
 from sjdsl.screen.display import Display
 from sjdsl.trace.jax_random import fold_in, key_of, random_numbers
@@ -95,6 +97,19 @@ def stay_choice(game: ir.Game) -> Choose:
     """Returns who does nothing."""
     stay = [game.agents.actions.index("stay")] * game.agents.number
     return lambda _number, _player: stay
+
+
+def scripted_choice(game: ir.Game, name: str, seed: int) -> Choose:
+    """Returns who follows a policy of the game's file: what `sjdsl.policies.compiled.scripted_policy` does in the compiled game."""
+    policy = next(policy for policy in game.policies if policy.name == name)
+    key, agents = fold_in(key_of(seed), OTHERS), range(game.agents.number)
+
+    def choose_all(number: int, player: Player) -> list[int]:
+        draws = Threefry(*fold_in(key, number))
+        bits = [(draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1)) for agent in agents]
+        return [choose(policy, game, player.display.world, agent, bits[agent]) for agent in agents]
+
+    return choose_all
 
 
 def policy_choice(env: Any, policy: Any, seed: int) -> Choose:

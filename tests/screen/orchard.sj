@@ -36,4 +36,5 @@ game orchard "A Small Orchard" {
   phase sing { each agent where agent chose sing { mark voice of agent  set agent.tired = 2 } }
   observe { window ahead 2, behind 1, left 1, right 1 }
   metrics { event eaten }
+  policy eater { seek soil where soil.fruit is ripe avoiding soil where soil.eaten > 2  when step > 8 choose sing }
 }

@@ -7,11 +7,12 @@ import pytest
 import sjdsl
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import World, default_params
+from sjdsl.policies.compiled import scripted_policy
 from sjdsl.render import random_policy
 from sjdsl.replay import EpisodePlayer
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.compiled import Compiled
-from sjdsl.screen.session import policy_choice, random_choice
+from sjdsl.screen.session import policy_choice, random_choice, scripted_choice
 from sjdsl.trace.jax_random import fold_in, key_of
 from tests.screen.conftest import ORCHARD, Begin
 
@@ -55,6 +56,18 @@ def test_the_others_draw_what_the_random_policy_draws(orchard: ir.Game, env: Env
     ours, theirs = random_choice(orchard, SEED), policy_choice(env, random_policy(env), SEED)
     player = Compiled(env, default_params(orchard), 0)
     assert [list(ours(number, player)) for number in range(20)] == [theirs(number, player) for number in range(20)]
+
+
+def test_the_others_follow_a_policy_of_the_file_as_the_compiled_game_does(orchard: ir.Game, env: Environment) -> None:
+    """Draw by draw."""
+    ours, theirs = scripted_choice(orchard, "eater", SEED), policy_choice(env, scripted_policy(env, "eater"), SEED)
+    player, chosen = Compiled(env, default_params(orchard), SEED), set()
+    for number in range(12):
+        actions = ours(number, player)
+        assert list(actions) == theirs(number, player)
+        chosen |= set(actions)
+        player.step(actions)
+    assert len(chosen) > 2
 
 
 @pytest.mark.parametrize("before", [0, 3])
