@@ -42,11 +42,11 @@ class Episodes:
 class Script(NamedTuple):
     """Policies of all agents as arrays.
 
-    table: the actions that each draws from; count: how many. seek, scripted: which `seek`, which policy of the file it follows; -1: none.
+    table: the actions that each draws from; entries: how many. seek, scripted: which `seek`, which policy of the file it follows; -1: none.
     """
 
     table: Array
-    count: Array
+    entries: Array
     seek: Array
     scripted: Array
 
@@ -121,7 +121,7 @@ class Player:
         """Returns an action for each agent, as `scripted_policies.choose` does on the interpreter."""
         agents = self.env.num_agents
         bits = random_bits_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
-        actions = jnp.take_along_axis(script.table, below(bits[:, 0], script.count)[:, None], axis=1)[:, 0]
+        actions = jnp.take_along_axis(script.table, below(bits[:, 0], script.entries)[:, None], axis=1)[:, 0]
         for i, chooser in enumerate(self._choosers):  # the script is the same in all episodes: those that nobody follows cost nothing
             follows = script.scripted == i
             chosen = jax.lax.cond(jnp.any(follows), chooser, lambda *_: jnp.zeros(agents, jnp.int32), state, bits)

@@ -41,7 +41,7 @@ def checks(w: World) -> list[Lines]:
         event = w.random.choice(w.events)
         name = f"{event.name}[{event.by[0]}]" if event.by else event.name
         text, *_ = domain(scope.having(Variable("agent")), 1)
-        policies = w.random.choice(("random", f"never({w.actions[0]})", f"random, seek {text}"))
+        policies = w.random.choice(("random", f"never({w.actions[0]})", f"random, seek {text}", *w.policies))
         lines.append(f"expect {name} >= 0 with {policies} over 5 episodes")
     return [braces(w.random.choice(("checks", "checks dilemma")), lines)] if lines or w.is_now(0.05) else []
 

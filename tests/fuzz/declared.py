@@ -89,6 +89,7 @@ class World:
     defines: list[Define] = field(default_factory=list)
     requires: Lines = field(default_factory=list)
     dilemmas: Lines = field(default_factory=list)
+    policies: Lines = field(default_factory=list)
     agents: int = 1
     rows: Lines = field(default_factory=list)
     bound: int = 0

@@ -18,9 +18,23 @@ from sjdsl.compiler.lower import NotSupported
 from sjdsl.compiler.optimise import PASSES, optimise
 from sjdsl.factory import load_module
 from sjdsl.runtime.env import Environment
+from tests.fuzz.policies import different_choice
 from tests.fuzz.printed import changed_by_layout
 from tests.fuzz.programs import Program
-from tests.fuzz.together import forms, interpret, jitted, module_text, of_text, random_play, run, same_trajectory
+from tests.fuzz.together import (
+    History,
+    OnNumPy,
+    Play,
+    forms,
+    interpret,
+    jitted,
+    module_text,
+    moments,
+    of_text,
+    random_play,
+    run,
+    same_trajectory,
+)
 
 # What a generated text may be refused for: things its generator does not look at closely.
 FORESEEN = {
@@ -41,6 +55,7 @@ FORESEEN = {
     "SJ403": "two destinations",
     "SJ404": "a destination that may be full",
     "SJ406": "destinations that overlap",
+    "SJ511": "a variant changes the number of agents",
     "SJ502": "a variant adds a timer, and no tick",
     "SJ508": "a define that asks for a place, used in `phase start`",
     "SJ601": "a stated limit",
@@ -158,6 +173,8 @@ def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
             report, trajectory = run(of_text(game, text), play, history)
             verdict.steps = report.steps
             verdict.fault = report.differences[0] if report.differences else ""
+            if manner.strict and not verdict.fault and game.policies:
+                verdict.fault = _choices(game, of_text(game, text), play, history)
         else:
             differs = same_trajectory(of_text(game, text), play, trajectory)
             verdict.fault = f"passes {name}: {differs}" if differs else ""
@@ -168,6 +185,13 @@ def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
             return
     if manner.jit:
         verdict.fault = _on_jax(made, play, history)
+
+
+def _choices(game: ir.Game, env: OnNumPy, play: Play, history: History) -> str:
+    """Returns where policies choose differently when they are compiled."""
+    at = range(0, min(len(history.moments), 16), 3)
+    states = [state for state, *_ in moments(env, play, min(len(history.moments), 16))]
+    return different_choice(game, env, [states[i + 1] for i in at], [history.moments[i].ended for i in at], play.start[0])
 
 
 def _on_jax(made: Build, play: Any, history: Any) -> str:

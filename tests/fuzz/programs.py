@@ -16,6 +16,7 @@ from tests.fuzz.conditions import condition
 from tests.fuzz.declared import Define, Lines, Number, World
 from tests.fuzz.declaring import a_field, declare, param
 from tests.fuzz.members import domain
+from tests.fuzz.policies import policies, scenarios
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Variable
 from tests.fuzz.statements import Phase, block, braces, destination, indented
@@ -45,7 +46,7 @@ def program(random: Random) -> Program:
     loose += [_episode(w), *_kinds(w), *([g] for g in _groups(w)), *([f.text] for f in w.fields), _map(w, files), agents(w)]
     loose += [[t] for t in w.shape_texts] + [[d.text] for d in w.defines]
     turns, phases = schedule(w)
-    loose += [start(w), [f"schedule {' -> '.join(turns)}"], *phases, metrics(w), *checks(w), *observe(w)]
+    loose += [start(w), [f"schedule {' -> '.join(turns)}"], *phases, metrics(w), *policies(w), *scenarios(w), *checks(w), *observe(w)]
     loose += [[line] for line in looks(w)]
     if w.is_now(0.3):
         random.shuffle(loose)
@@ -265,7 +266,18 @@ def _needs_tick(w: World, phases: list[Lines]) -> bool:
 
 def changes(w: World, turns: list[str]) -> Lines:
     """Returns what a variant, or a game upon this one, says differently."""
-    makers: list[Callable[[World], Lines]] = [_set, _set, _other_param, more_agents, _new_map, _dropped, _other_phase, _seen, looks]
+    makers: list[Callable[[World], Lines]] = [
+        _set,
+        _set,
+        _other_param,
+        more_agents,
+        _new_map,
+        _dropped,
+        _other_phase,
+        _seen,
+        looks,
+        _other_policy,
+    ]
     lines: Lines = []
     for make in w.random.sample(makers, w.random.randint(1, 3)):
         lines += make(w)
@@ -307,6 +319,12 @@ def _other_phase(w: World) -> Lines:
     return braces(
         "phase start", [f"each agent {{ send agent to {destination(Scope(w), first) if w.is_now(0.05) else first} facing west }}"]
     )
+
+
+def _other_policy(w: World) -> Lines:
+    if w.policies and w.is_now(0.2):
+        return [f"drop {w.policies[0]}"]
+    return [line for lines in policies(w) for line in lines]
 
 
 def _seen(w: World) -> Lines:
