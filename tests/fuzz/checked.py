@@ -43,7 +43,7 @@ def checks(w: World) -> list[Lines]:
         text, *_ = domain(scope.having(Variable("agent")), 1)
         policies = w.random.choice(("random", f"never({w.actions[0]})", f"random, seek {text}", *w.policies))
         lines.append(f"expect {name} >= 0 with {policies} over 5 episodes")
-    return [braces(w.random.choice(("checks", "checks dilemma")), lines)] if lines or w.is_now(0.05) else []
+    return [braces(w.random.choice(("checks", "checks dilemma")), lines)] if lines or w.is_now(0.4) else []
 
 
 def observe(w: World) -> list[Lines]:

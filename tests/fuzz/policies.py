@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.compiler import ir
@@ -75,10 +76,12 @@ def different_choice(game: ir.Game, env: Environment, states: Sequence[Any], wor
     Args:
       states: of the compiled module, on NumPy or JAX; worlds: the same of the interpreter.
     """
+    params = Compiled(**{name: jnp.asarray(value) for name, value in vars(env.params).items()})
+    on_jax: Any = SimpleNamespace(game=game, module=env.module, num_agents=env.num_agents, cells=env.cells, params=params)
     choosers: list[tuple[ir.ScriptedPolicy, Chooser]] = []
     for policy in game.policies:
         try:
-            choosers.append((policy, make_chooser(env, policy)))
+            choosers.append((policy, make_chooser(on_jax, policy)))
         except NotSupported:
             continue  # a stated limit
     if not choosers or not states:
