@@ -14,7 +14,6 @@ EPISODES = 200
 SEED = 0
 PICTURE_STEPS = 40  # steps of random play before the picture
 SHOWN = "sjdsl:shown"  # the key of its digest in a picture's file
-UNDRAWN = ("cites", "about", "policies", "policy_shapes", "scenarios")  # parts of a game that no picture shows
 DIGITS = 6  # significant ones that are kept
 
 
@@ -92,8 +91,8 @@ def draw_picture(name: str, path: Path) -> None:
 
 
 def picture_digest(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits of what a picture shows: the rules and the looks."""
-    return printed_digest(game.model_copy(update=dict.fromkeys(UNDRAWN, ())))
+    """Returns 16 hexadecimal digits of the game that a picture shows: its rules and looks, and its policies and scenarios."""
+    return printed_digest(game.model_copy(update={"cites": (), "about": ()}))
 
 
 def is_picture_of(path: Path, game: ir.Game) -> bool:
