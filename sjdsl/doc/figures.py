@@ -91,8 +91,8 @@ def draw_picture(name: str, path: Path) -> None:
 
 
 def picture_digest(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits of the game that a picture shows: its rules and looks, and its policies and scenarios."""
-    return printed_digest(game.model_copy(update={"cites": (), "about": ()}))
+    """Returns 16 hexadecimal digits of what a picture shows: the rules and the looks."""
+    return printed_digest(game.model_copy(update={"cites": (), "about": (), "policies": (), "policy_shapes": (), "scenarios": ()}))
 
 
 def is_picture_of(path: Path, game: ir.Game) -> bool:

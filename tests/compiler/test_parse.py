@@ -385,7 +385,7 @@ def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Tok
         lines = [d.span.line for d in found] + [label.span.line for d in found for label in d.labels]
         near += any(abs(line - (token.line or 0)) <= 1 for line in lines)
     refused = sum(count > 0 for count in counts)
-    assert refused >= 0.96 * len(counts)  # a text or a word less in a list is another game, not a mistake
+    assert refused >= 0.95 * len(counts)  # a text, a word of a list or a slot less is another game, not a mistake
     assert near >= 0.97 * refused
     assert sum(count == 1 for count in counts) >= 0.93 * refused
     assert max(counts) <= 4

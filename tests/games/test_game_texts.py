@@ -12,7 +12,8 @@ from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game
 
-MOST_LINES = 80  # a game is read aloud: non-blank lines without comments, map, looks, checks and variants, each of at most WIDTH columns
+MOST_LINES = 80  # a game is read aloud: non-blank lines of the rules, without comments, each of at most WIDTH columns
+APART = (ast.Map, ast.Checks, ast.Variant, ast.Look, ast.ScriptedPolicy, ast.Scenario)  # what is no rule
 WIDTH = 140
 SOURCE = re.compile(r"\b(paper|released code|Melting Pot)\b|\bours: \S")
 STRING = re.compile(r'"[^"\n]*"')
@@ -37,7 +38,7 @@ def lines_of(text: str) -> list[Line]:
 
 def counted_lines(source: Source) -> int:
     """Returns the number of lines by the rule of `MOST_LINES`."""
-    apart = [s.span for s in parse(source).game.sections if isinstance(s, ast.Map | ast.Checks | ast.Variant | ast.Look)]
+    apart = [s.span for s in parse(source).game.sections if isinstance(s, APART)]
     text = source.text
     for span in apart:
         text = text[: span.start] + re.sub(r"[^\n]", " ", text[span.start : span.end]) + text[span.end :]
@@ -61,7 +62,7 @@ def numbers_of(source: Source) -> Iterator[tuple[str, set[int]]]:
             case ast.Override():
                 yield f"set {section.path.name.text}", rows
                 covered |= rows
-            case ast.Checks() | ast.Look():
+            case ast.Checks() | ast.Look() | ast.Scenario():
                 covered |= rows
             case ast.Observe() | ast.Shape():
                 if NUMBER.search("".join(line.code for line in lines if line.number in rows)):

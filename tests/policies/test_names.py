@@ -10,7 +10,6 @@ import pytest
 
 import sjdsl
 from sjdsl.compiler.lower import NotSupported
-from sjdsl.interop.gymnasium import AgentGame
 from sjdsl.interpreter.state import default_params
 from sjdsl.policies import compiled
 from sjdsl.policies.interpreted import choose
@@ -44,6 +43,9 @@ def test_partners_of_a_run(env: Environment) -> None:
 
 
 def test_the_others_of_a_gymnasium_environment() -> None:
+    pytest.importorskip("gymnasium")
+    from sjdsl.interop.gymnasium import AgentGame
+
     played = AgentGame(str(ORCHARD), agent=0, others="eater")
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -95,9 +95,13 @@ MUTATIONS = [
     Mutation("pd_arena", "require prisoners_dilemma(payoff)", (("{ coop: 5, defect: 1 }", "{ coop: 2, defect: 1 }"),), refused=True),
     Mutation("pd_arena", "expect collected[coop]", (("tally collected[patch.class]", "tally collected[defect]"),)),
     Mutation("stag_hunt", "require stag_hunt(payoff)", (("stag: 4, hare: 0", "stag: 1, hare: 0"),), refused=True),
-    Mutation("stag_hunt", "expect collected[stag]", (("seek patch where patch.class is stag", "seek patch where patch.class is hare"),)),
+    Mutation(
+        "stag_hunt", "expect collected[stag]", (("with seek patch where patch.class is stag", "with seek patch where patch.class is hare"),)
+    ),
     Mutation("chicken", "require chicken(payoff)", (("dove: 5, hawk: 0", "dove: 1, hawk: 0"),), refused=True),
-    Mutation("chicken", "expect collected[dove]", (("seek patch where patch.class is dove", "seek patch where patch.class is hawk"),)),
+    Mutation(
+        "chicken", "expect collected[dove]", (("with seek patch where patch.class is dove", "with seek patch where patch.class is hawk"),)
+    ),
     Mutation(
         "allelopathic_harvest", "symmetric agents", (("set agent.empty = loading", "when agent.index == 0 { set agent.empty = loading }"),)
     ),

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from described import GAME
+
+from tests.sweeps.described import GAME
 
 pytestmark = pytest.mark.slow
 

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from described import plan
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import read_axis, with_number
 from sjdsl.sweeps.plan import second_stage
+from tests.sweeps.described import plan
 
 
 def test_every_combination_is_a_cell() -> None:

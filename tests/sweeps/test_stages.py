@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from described import GAME, TINY
 
 from sjdsl.sweeps import running, work
 from sjdsl.sweeps.axes import Axis
@@ -16,6 +15,7 @@ from sjdsl.sweeps.folder import cells_of, read_sweep, record_failure
 from sjdsl.sweeps.plan import Asked
 from sjdsl.sweeps.running import Outcome, sweep
 from sjdsl.trainers.resuming import TooLargeError
+from tests.sweeps.described import GAME, TINY
 
 ASKED = Asked([GAME], (), "svo", {**TINY, "seed": 4}, episodes=2)
 

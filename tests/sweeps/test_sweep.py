@@ -10,7 +10,6 @@ from typing import Any
 
 import jax
 import pytest
-from described import GAME, TINY
 
 import sjdsl
 from sjdsl.experiments import find_pool
@@ -23,6 +22,7 @@ from sjdsl.sweeps.running import Outcome, sweep
 from sjdsl.trainers import evaluate, load_policy
 from sjdsl.trainers.evaluation import evaluation_key
 from sjdsl.trainers.resuming import DiskError
+from tests.sweeps.described import GAME, TINY
 
 LOW, HIGH = "matrix_game_exchange_ratio-0.25", "matrix_game_exchange_ratio-0.75"
 

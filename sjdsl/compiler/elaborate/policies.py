@@ -72,7 +72,10 @@ def scenarios(game: Composition, static: Static, problems: Problems, own_number:
 
 
 def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
-    number = int(scope.fixed(part.number, "a number of slots"))
+    number = scope.fixed(part.number, "a number of slots")
+    if number != int(number):
+        raise scope.problems.fail(errors.WrongType(part.number.span, wanted="a whole number of slots", given=f"{number:g}"))
+    number = int(number)
     if part.policy is None:
         return ir.Slots(number=number, origin=part.span)
     known = (*game.policies, *WITHOUT_RULES)

@@ -17,9 +17,9 @@ game deer "Deer move away from hunters; two who strike from different sides in o
   shape spear = line(1)
   field killed : 0 .. 1000 capped = 0
   phase start { each agent { send agent to camp } }
-  schedule walk -> aim -> fall -> flee -> rest
+  schedule walk -> hunt -> fall -> flee -> rest
   phase walk { move each agent }
-  phase aim {
+  phase hunt {
     each agent where agent chose strike { first meadow in spear of agent where meadow.deer is yes { add agent to meadow.hunters } }
   }
   phase fall {
