@@ -61,7 +61,7 @@ def observe(w: World) -> list[Lines]:
             if made:
                 lines.append(made)
                 shown.add(text)
-    whole = {name for name in w.kinds if w.is_now(0.15)}
+    whole = [name for name in w.kinds if w.is_now(0.15)]
     looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]
     for name in whole:
         lines.append(f"show {name} as {{ {_labels(w, name, (*LABELS, 'outside', *looks))} }}")
