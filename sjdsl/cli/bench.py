@@ -104,9 +104,8 @@ def command(
         return
     compile_everything_anew()
     seen = flat(observations) or (OBSERVATIONS if folder else ("tokens",))
-    _refuse_mixtures(
-        context, games, seen, agents, envs or ((1,) if asked.networks or sweep else RACED), sweep, asked.networks, plots, folder
-    )
+    raced = envs or ((1,) if asked.networks or sweep else RACED)
+    _refuse_mixtures(context, games, seen, agents, raced, sweep, asked.networks, plots, folder)
     tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
     if folder:
         measure_all(games or bundled(), tasks, envs, repeats, minutes, Path(folder), said)
@@ -117,8 +116,7 @@ def command(
         what, measured = _plan_sweep(tasks[0], sweep, values, (envs or SWEPT)[0], repeats, steps)
     else:
         what, measured = _plan_race(tasks, envs or RACED, repeats, steps)
-    section = f"{what} {jax.default_backend()}"
-    outputs.check(section)
+    outputs.check(section := f"{what} {jax.default_backend()}")
     with stages("compiling") as tell:
         found = measured(tell)
     keep(found)

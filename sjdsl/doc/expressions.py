@@ -71,15 +71,19 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
         case ir.Sum():
             return f"the sum of {operand(e.value, v)} over all {v.members(e.domain)}"
         case ir.Extreme():
-            which = "smallest" if e.fn == "min" else "largest"
-            otherwise = "" if e.otherwise is None else f", or {operand(e.otherwise, v)} if there are none"
-            return f"the {which} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
+            return _extreme(e, v)
         case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty() | ir.Chose():
             return f"whether {v.condition(e)}"
         case ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():
             return f"whether {v.condition(e)}"
         case _:
             assert_never(e)
+
+
+def _extreme(e: ir.Extreme, v: Vocabulary) -> str:
+    which = "smallest" if e.fn == "min" else "largest"
+    otherwise = "" if e.otherwise is None else f", or {operand(e.otherwise, v)} if there are none"
+    return f"the {which} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
 
 
 def operand(e: ir.Expr, v: Vocabulary) -> str:

@@ -10,7 +10,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, shape_named
 from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
-from sjdsl.policies.poses import is_headed, visible_from
+from sjdsl.policies.poses import visible_from
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.path_search import board, contains, destination, first_moves, moves_of, shifted
 from sjdsl.runtime.policy import MemoryPolicy
@@ -29,7 +29,7 @@ def scripted_policy(env: Any, name: str) -> MemoryPolicy:
     Raises:
       KeyError: the game has no policy of that name. NotSupported: the compiler cannot say exactly what it reads.
     """
-    choose = make_chooser(env, declared_policies(env)[name])
+    choose = Chooser(env, declared_policies(env)[name])
 
     def act(memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
         del observation
@@ -132,7 +132,7 @@ class Chooser:
         """Returns where, and with which heading, an agent has a member in the shape: `[K, P, H, L]` boards."""
         game = self._game
         shape = shape_named(game.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}), rule.shape)
-        planes = 4 if is_headed(shape) or self._moves.turns_matter else 1
+        planes = 4 if shape.directed or self._moves.turns_matter else 1
         found = []
         for heading in range(planes):
             poses = jnp.zeros_like(members)
@@ -149,11 +149,6 @@ class Chooser:
         row, col = self._env.cells(state)
         cols = self._shape[1] + 2 * self._pad
         return state.replace(position=jnp.where(state.position == 0, 0, (row + self._pad) * cols + col + self._pad))
-
-
-def make_chooser(env: Environment, policy: ir.ScriptedPolicy) -> Chooser:
-    """Returns what the agents of a policy do in a state of `env`. Raises NotSupported."""
-    return Chooser(env, policy)
 
 
 def open_cells(game: ir.Game) -> np.ndarray:

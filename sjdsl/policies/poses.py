@@ -9,11 +9,6 @@ from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph
 from sjdsl.runtime.actions import DIRECTIONS
 
 
-def is_headed(shape: ir.Shape) -> bool:
-    """Returns whether it depends on an agent's heading which cells are in a shape."""
-    return shape.directed
-
-
 def visible_from(game: ir.Game, shape: ir.Shape, heading: int) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
     """Yields each cell of a shape as seen with a heading, and from where it is not behind a cell that always blocks the shape.
 

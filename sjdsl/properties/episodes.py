@@ -11,7 +11,7 @@ from jax import Array
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
-from sjdsl.policies.compiled import make_chooser
+from sjdsl.policies.compiled import Chooser
 from sjdsl.properties.biased_draws import POLICY, RESET, STEP
 from sjdsl.properties.compiled_values import Lowered, lower_checks, with_totals
 from sjdsl.properties.scripted_policies import WANDERS, allowed_by, policy_named
@@ -59,7 +59,7 @@ class Player:
         self.expressions = [e for check in checks for e in check.values]
         self.domains = list(dict.fromkeys(p.domain for check in checks for p in check.policies if p.domain is not None))
         self.scripted = list(dict.fromkeys(p.scripted for check in checks for p in check.policies if p.scripted))
-        self._choosers = [make_chooser(env, policy_named(env.game, name)) for name in self.scripted]
+        self._choosers = [Chooser(env, policy_named(env.game, name)) for name in self.scripted]
         self._lowered = lower_checks(env.game, self.expressions, self.domains)
         self._shortest_paths = shortest_paths_of(env.game) if self.domains else None
         self._steps = env.episode_length

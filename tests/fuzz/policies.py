@@ -11,7 +11,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import NotSupported
 from sjdsl.interpreter.state import World as State
-from sjdsl.policies.compiled import Chooser, make_chooser
+from sjdsl.policies.compiled import Chooser
 from sjdsl.policies.interpreted import choose
 from sjdsl.runtime.env import Environment
 from tests.fuzz.conditions import condition
@@ -81,7 +81,7 @@ def different_choice(game: ir.Game, env: Environment, states: Sequence[Any], wor
     choosers: list[tuple[ir.ScriptedPolicy, Chooser]] = []
     for policy in game.policies:
         try:
-            choosers.append((policy, make_chooser(on_jax, policy)))
+            choosers.append((policy, Chooser(on_jax, policy)))
         except NotSupported:
             continue  # a stated limit
     if not choosers or not states:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sjdsl
-from sjdsl.policies.compiled import make_chooser
+from sjdsl.policies.compiled import Chooser
 from sjdsl.policies.interpreted import choose
 from tests.differential.worlds import world_of
 
@@ -22,7 +22,7 @@ def played(env: sjdsl.Environment, seed: int) -> Any:
 
     In each step an agent follows one of the policies or takes a random action.
     """
-    choosers = [make_chooser(env, policy) for policy in env.game.policies]
+    choosers = [Chooser(env, policy) for policy in env.game.policies]
 
     def advance(state: Any, key: jax.Array) -> Any:
         bits_key, who_key, random_key, step_key = jax.random.split(key, 4)

@@ -55,8 +55,7 @@ def expression(e: ir.Expr) -> str:
         case ir.SumRow():
             return f"sum({expression(e.row)})"
         case ir.Extreme():
-            otherwise = "" if e.otherwise is None else f" otherwise {expression(e.otherwise)}"
-            return f"{e.fn}({expression(e.value)} over {domain(e.domain)}{otherwise})"
+            return _extreme(e)
         case ir.Case():
             return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
         case ir.Lowest():
@@ -73,6 +72,11 @@ def expression(e: ir.Expr) -> str:
             return f"{e.name}({expression(e.table)})"
         case _:
             assert_never(e)
+
+
+def _extreme(e: ir.Extreme) -> str:
+    otherwise = "" if e.otherwise is None else f" otherwise {expression(e.otherwise)}"
+    return f"{e.fn}({expression(e.value)} over {domain(e.domain)}{otherwise})"
 
 
 def _test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty) -> str:
