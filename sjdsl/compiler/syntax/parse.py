@@ -23,6 +23,7 @@ from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make
 from sjdsl.compiler.syntax.recovery.idioms import Idiom, find_idiom, idiom_error
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
+from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names
 from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
@@ -45,7 +46,7 @@ def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
     found = scan(source, parser())
     if wrong and not _skip_to_game(found):
         raise CompileError(wrong)
-    tree = None if wrong or found.problems else _tree(found.tokens)
+    tree = None if wrong or found.problems else _tree(found)
     if tree is None:
         raise CompileError(wrong + found.problems + (_find_errors(found, not wrong) if found.complete else []))
     _raise(check_tree(tree, source))
@@ -130,6 +131,9 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
     search, at, repairs = Search(), 0, 0
     trail: dict[int, Stack] = {}
     while repairs < MAX_PROBLEMS:
+        if kinds[at] in SOFT:
+            found.tokens[at] = as_name(table, stack, found.tokens[at])
+            kinds[at] = found.tokens[at].type
         after = read(table, stack, kinds[at], at)
         if after is not None and kinds[at] == END:
             break
@@ -205,13 +209,23 @@ def _beginning(table: Automaton, begun: bool) -> Stack:
     return stack
 
 
-def _tree(tokens: list[Token]) -> Tree[Token] | None:
-    """Returns the tree of tokens, None if there is an error in them."""
-    reader = parser().parse_interactive("")
+def _tree(found: Scan) -> Tree[Token] | None:
+    """Returns the tree of the tokens, None if there is an error in them; soft words become names if they have to."""
     try:
-        for token in tokens:
-            reader.feed_token(token)
-        tree: Tree[Token] = reader.feed_eof(tokens[-1])
-        return tree
+        return _feed(found.tokens)
+    except UnexpectedToken:
+        if not any(token.type in SOFT for token in found.tokens):
+            return None
+    found.tokens = as_names(automaton(), found.tokens)
+    try:
+        return _feed(found.tokens)
     except UnexpectedToken:
         return None
+
+
+def _feed(tokens: list[Token]) -> Tree[Token]:
+    reader = parser().parse_interactive("")
+    for token in tokens:
+        reader.feed_token(token)
+    tree: Tree[Token] = reader.feed_eof(tokens[-1])
+    return tree
