@@ -4,6 +4,8 @@ from pathlib import Path
 
 from sjdsl.near_names import meant
 
+MELTING_POT = "meltingpot"  # the folder of the games that only Melting Pot has
+
 
 def games_folder() -> Path:
     """Returns the folder of the bundled games: inside the installed package, or `games/` of a source tree."""
@@ -13,8 +15,18 @@ def games_folder() -> Path:
 
 
 def bundled() -> list[str]:
-    """Returns the names of the bundled games."""
-    return sorted(p.stem for p in games_folder().glob("*.sj"))
+    """Returns the names of all bundled games; no two folders have a game of the same name."""
+    return sorted([*main_games(), *melting_pot_games()])
+
+
+def main_games() -> list[str]:
+    """Returns the names of the games of docs/games.md: those that `generated/` holds."""
+    return sorted(path.stem for path in games_folder().glob("*.sj"))
+
+
+def melting_pot_games() -> list[str]:
+    """Returns the names of the further families of Melting Pot, those of the folder `meltingpot`."""
+    return sorted(path.stem for path in (games_folder() / MELTING_POT).glob("*.sj"))
 
 
 def find_game(name: str | Path) -> Path:
@@ -25,9 +37,10 @@ def find_game(name: str | Path) -> Path:
     path = Path(name)
     if path.suffix == ".sj" or path.is_file():
         return path
-    found = games_folder() / f"{name}.sj"
-    if found.is_file() and path.name == str(name):
-        return found
+    for folder in (games_folder(), games_folder() / MELTING_POT):
+        found = folder / f"{name}.sj"
+        if found.is_file() and path.name == str(name):
+            return found
     if path.is_dir():
         first = next(iter(sorted(path.glob("*.sj"))), None)
         such = f"; name a file in it, such as {first}" if first else ""

@@ -13,7 +13,7 @@ from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Quoting, Words
 from sjdsl.cli.bench_training import Asked, asked_of, plan_training, training_options, with_hours
 from sjdsl.cli.game_file import variant_option
 from sjdsl.cli.stages import stages
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 
 if TYPE_CHECKING:
     from sjdsl.bench import Task
@@ -81,7 +81,7 @@ def command(
     variant: str | None,
     **training: Any,
 ) -> None:
-    """Measures environment steps a second under random actions: all bundled games, or the GAMEs named.
+    """Measures environment steps a second under random actions: the games of games/ itself, or the GAMEs named.
 
     Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a machine
     varies over time; the ratio to the yardstick, taken round by round, does not.
@@ -106,9 +106,9 @@ def command(
     seen = flat(observations) or (OBSERVATIONS if folder else ("tokens",))
     raced = envs or ((1,) if asked.networks or sweep else RACED)
     _refuse_mixtures(context, games, seen, agents, raced, sweep, asked.networks, plots, folder)
-    tasks, refused = choose_tasks(games or bundled(), variant, seen, agents)
+    tasks, refused = choose_tasks(games or main_games(), variant, seen, agents)
     if folder:
-        measure_all(games or bundled(), tasks, envs, repeats, minutes, Path(folder), said)
+        measure_all(games or main_games(), tasks, envs, repeats, minutes, Path(folder), said)
         return
     if asked.networks:
         what, measured = plan_training(asked, tasks, envs[0] if envs else None, steps, repeats, keep)

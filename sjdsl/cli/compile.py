@@ -15,7 +15,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.emit.standalone import standalone
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 
 FOLDER = Path("generated")
 
@@ -35,7 +35,7 @@ class Module:
 
 @click.command("compile")
 @click.argument("files", nargs=-1, metavar="FILE...")
-@click.option("--all", "everything", is_flag=True, help="All bundled games.")
+@click.option("--all", "everything", is_flag=True, help="The games of games/ itself, without those of its folders.")
 @click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date.")
 @click.option("--standalone", "alone", is_flag=True, help="One file that needs only jax and numpy: NAME_standalone.py.")
@@ -60,7 +60,7 @@ def command(
         raise click.UsageError("--check writes nothing: leave out -o", click.get_current_context())
     if alone and only_check:
         raise click.UsageError("--check looks at the modules in generated/ only: leave out --standalone", click.get_current_context())
-    names = bundled() if everything else files
+    names = main_games() if everything else files
     modules = compile_games(names, variant, map_file, output, alone)
     _refuse_clashes(modules)
     if only_check:

@@ -1,4 +1,4 @@
-"""`sjdsl doc`: prints the rules of a game in plain English, and writes the page of all bundled games."""
+"""`sjdsl doc`: prints the rules of a game in plain English, and writes the pages of all bundled games."""
 
 from pathlib import Path
 
@@ -6,15 +6,23 @@ import click
 
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
-from sjdsl.cli.games_page import PAGE, make_page, page_problems, write_text
+from sjdsl.cli.games_page import PAGE, make_page, page_problems
+from sjdsl.cli.melting_pot_page import PAGE as MELTING_POT_PAGE
+from sjdsl.cli.melting_pot_page import make_melting_pot_page, melting_pot_problems
+from sjdsl.cli.page_text import write_text
 from sjdsl.doc import read_written, rule_sheet
 
 
 @click.command("doc")
 @click.argument("game", required=False)
 @variant_option
-@click.option("-o", "output", metavar="FILE", help="Where to write, instead of printing; with --all, instead of docs/games.md.")
-@click.option("--all", "everything", is_flag=True, help="The page of all bundled games, with pictures and figures.")
+@click.option(
+    "-o",
+    "output",
+    metavar="FILE",
+    help="Where to write, instead of printing; with --all, instead of docs/games.md and docs/meltingpot.md: the page of the games alone.",
+)
+@click.option("--all", "everything", is_flag=True, help="The pages of all bundled games, with pictures and figures.")
 @click.option("--fresh", is_flag=True, help="With --all: measure and draw again, also if the rules have not changed.")
 @click.option("--check", "only_check", is_flag=True, help="With --all: write nothing; exit with 1 if the page is not up to date.")
 def command(game: str | None, variant: str | None, output: str | None, everything: bool, fresh: bool, only_check: bool) -> int:
@@ -22,7 +30,7 @@ def command(game: str | None, variant: str | None, output: str | None, everythin
     if everything == (game is not None) or (everything and variant) or ((fresh or only_check) and not everything):
         raise click.UsageError("name one game, perhaps with a variant, or say --all", click.get_current_context())
     if everything:
-        return _page(Path(output or PAGE), fresh, only_check)
+        return _pages(output, fresh, only_check)
 
     if output is not None:
         require_folder_of(Path(output))
@@ -35,12 +43,17 @@ def command(game: str | None, variant: str | None, output: str | None, everythin
     return 0
 
 
-def _page(path: Path, fresh: bool, only_check: bool) -> int:
+def _pages(output: str | None, fresh: bool, only_check: bool) -> int:
+    """Writes or checks the page of the games and, unless that goes elsewhere, the page of Melting Pot's substrates."""
+    path = Path(output or PAGE)
     if not only_check:
         make_page(path, fresh)
+        if output is None:
+            make_melting_pot_page(MELTING_POT_PAGE, fresh)
         return 0
-    problems = page_problems(path)
+    problems = [*page_problems(path), *(melting_pot_problems(MELTING_POT_PAGE) if output is None else [])]
     for problem in problems:
         click.echo(problem)
-    click.echo(f"`sjdsl doc --all -o {path}` brings it up to date" if problems else f"{path} is up to date")
+    again = "sjdsl doc --all" if output is None else f"sjdsl doc --all -o {path}"
+    click.echo(f"`{again}` brings everything up to date" if problems else f"{path} is up to date")
     return int(bool(problems))

@@ -1,16 +1,16 @@
-"""Writes the page of all bundled games: its text, figures and pictures."""
+"""Writes the page of the games of `games/` itself: its text, figures and pictures."""
 
-import os
 from pathlib import Path
 
 import click
 
 from sjdsl.cli.game_file import open_game
+from sjdsl.cli.page_text import write_text
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.doc import read_written
 from sjdsl.doc.catalogue import PICTURES, Entry, catalogue
 from sjdsl.doc.figures import draw_picture, figures_text, is_picture_of, measure, read_figures
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 
 PAGE = Path("docs/games.md")
 
@@ -20,7 +20,7 @@ def make_page(path: Path, fresh: bool) -> None:
 
     kept = {} if fresh else read_figures(path.with_suffix(".json"))
     entries = []
-    for name in bundled():
+    for name in main_games():
         written = read_written(open_game(name))
         picture = path.parent / PICTURES / f"{name}.png"
         figures = kept.get(name)
@@ -41,7 +41,7 @@ def page_problems(path: Path) -> list[str]:
     """Returns what is not up to date: the text, figures of other rules, pictures that are missing or belong to no game."""
 
     kept = read_figures(path.with_suffix(".json"))
-    entries = [Entry(name, read_written(open_game(name)), kept.get(name)) for name in bundled()]
+    entries = [Entry(name, read_written(open_game(name)), kept.get(name)) for name in main_games()]
     found = []
     for entry in entries:
         if entry.figures is None:
@@ -58,11 +58,3 @@ def page_problems(path: Path) -> list[str]:
     if not path.is_file() or path.read_text(encoding="utf-8") != catalogue(entries):
         found.append(f"{path}: not what the games say")
     return found
-
-
-def write_text(path: Path, text: str) -> None:
-    """Writes a text whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}")
-    unfinished.write_text(text, encoding="utf-8", newline="\n")
-    os.replace(unfinished, path)

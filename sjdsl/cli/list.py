@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from sjdsl.cli.describe import describe, outline
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import bundled, main_games, melting_pot_games
 
 
 @click.command("list")
@@ -20,9 +20,16 @@ def command(games: tuple[str, ...], as_json: bool) -> None:
     elif games:
         click.echo("\n\n".join(page(describe(name)) for name in games))
     else:
-        for line in align([("game", "title", "agents", "map", "actions", "variants"), *map(_row, map(outline, bundled()))]):
+        for line in _groups():
             click.echo(line)
         click.echo("\n`sjdsl list GAME` shows actions, parameters, sizes, metrics and kinds")
+
+
+def _groups() -> list[str]:
+    """Returns the table of all bundled games: those of `games/` itself, and under a line of its own the further families of Melting Pot."""
+    own, further = main_games(), melting_pot_games()
+    head, *rows = align([("game", "title", "agents", "map", "actions", "variants"), *(_row(outline(name)) for name in (*own, *further))])
+    return [head, *rows[: len(own)], *(["", "further families of Melting Pot", *rows[len(own) :]] if further else [])]
 
 
 def _row(game: dict[str, Any]) -> tuple[str, ...]:

@@ -8,12 +8,15 @@ import jax
 import numpy as np
 
 from sjdsl.factory import make
+from sjdsl.games_folder import bundled
 from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot
 from sjdsl.render.board import Tiles, draw_board
 from sjdsl.render.look import make_look
 from sjdsl.render.windows import draw_windows
 from sjdsl.runtime.actions import BUILT_IN
+from sjdsl.runtime.env import Environment
+from sjdsl.substrates import substrates
 
 with needs("dm_env"):
     import dm_env
@@ -37,11 +40,13 @@ class Substrate(dm_env.Environment):
         """Makes the environment.
 
         Args:
-          game, arguments: of `sjdsl.make`.
+          game: of `sjdsl.make`, or the name of a substrate of Melting Pot, such as `territory__rooms`.
+          arguments: of `sjdsl.make`; a variant is added to that of the substrate.
           seed: of all episodes; another one each time by default.
           tile: pixels of a cell's side.
+        Raises ValueError for a substrate that is not there yet.
         """
-        self.env = make(game, **arguments)
+        self.env = _make(game, arguments)
         number = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         self._key = jax.random.key(number)
         self._look = replace(make_look(self.env), tile=tile)
@@ -142,24 +147,54 @@ class Config:
 
 
 def get_config(game: str, **arguments: Any) -> Config:
-    """Returns the configuration of a game; every player has the role `default`."""
+    """Returns the configuration of a game or a substrate; every player has the role `default` where Melting Pot gives no other."""
     made = Substrate(game, **arguments)
     names = tuple(name for name in made.observation_spec()[0] if name != "WORLD.RGB")
-    return Config((ROLE,) * made.env.num_agents, frozenset({ROLE}), made.action_names, names, ("WORLD.RGB",))
+    roles = _roles(game, made.env.num_agents)
+    return Config(roles, frozenset(roles), made.action_names, names, ("WORLD.RGB",))
 
 
 def build(game: str, roles: Sequence[str], seed: int | None = None, tile: int = TILE, **arguments: Any) -> Substrate:
-    """Returns the game with one player for each role.
+    """Returns the game or substrate with one player for each role.
 
     Raises:
-      ValueError: a role that is not `default`, or a number of players that the game does not allow.
+      ValueError: a role that the game does not have, roles that are not those of its players in their order, or a number of players
+        that the game does not allow.
     """
-    unknown = sorted(set(roles) - {ROLE})
-    if unknown:
+    number = _make(game, arguments).num_agents
+    usual = _roles(game, number)
+    unknown = sorted(set(roles) - set(usual))
+    if unknown and set(usual) == {ROLE}:
         raise ValueError(f"there is no role `{unknown[0]}`; every player has the role `{ROLE}`")
-    if len(roles) != make(game, **arguments).num_agents:  # a game whose number of agents is fixed takes no other
+    if unknown:
+        raise ValueError(f"there is no role `{unknown[0]}`; the roles are {', '.join(dict.fromkeys(usual))}")
+    if len(set(usual)) > 1 and tuple(roles) != usual:
+        raise ValueError(f"the rules of `{game}` give the roles: {', '.join(usual)}; take them in this order")
+    if len(roles) != number:  # a game whose number of agents is fixed takes no other
         arguments["num_agents"] = len(roles)
     return Substrate(game, seed, tile, **arguments)
+
+
+def _make(game: str, arguments: Mapping[str, Any]) -> Environment:
+    """Returns the environment of a substrate by its name there, or of any game.
+
+    `clean_up` names both: it is the substrate, and with the argument `variant` (None: the game as it is) the game.
+    Raises ValueError for a substrate that is not there yet.
+    """
+    entry = substrates().get(game)
+    if entry is None or (game in bundled() and ("variant" in arguments or not entry.game)):
+        return make(game, **arguments)
+    if not entry.game:
+        raise ValueError(f"the substrate `{game}` has not been written yet; docs/meltingpot.md has those that are there")
+    variant = "+".join(name for name in (entry.variant, arguments.get("variant")) if name)
+    return make(entry.game, **{**arguments, "variant": variant or None})
+
+
+def _roles(game: str, number: int) -> tuple[str, ...]:
+    """Returns the roles of so many players: Melting Pot's, where it names them and the number is that of the substrate."""
+    entry = substrates().get(game)
+    named = entry.roles if entry is not None else ()
+    return named if len(named) == number else (ROLE,) * number
 
 
 def _events(counts: Mapping[str, Any]) -> Any:

@@ -8,8 +8,10 @@ import jax
 import numpy as np
 
 from sjdsl.compiler.ir.names import param_attribute
+from sjdsl.compiler.ir.queries import counts_of
+from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import World
-from sjdsl.interpreter.step import step
+from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Recorded, Threefry
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.differences import outcome_differences, state_differences
@@ -67,7 +69,7 @@ def interpreter_params(env: Environment, params: Any) -> dict[str, Any]:
 
 @dataclass
 class Stepped:
-    """What both engines made of a step, as plain numbers of the compiled step; seen: observation and allowed actions."""
+    """What a step came to, as plain numbers: those of the compiled step where both engines took it; seen: observation, allowed actions."""
 
     state: Any
     world: World
@@ -109,3 +111,27 @@ def look_at(compiled: Compiled, state: Any, world: World, params: Any) -> tuple[
     if differences:
         raise AssertionError("the compiled game and the interpreter differ:\n  " + "\n  ".join(differences))
     return np.asarray(seen[0]), np.asarray(seen[1])
+
+
+def interpret_step(env: Environment, world: World, actions: Sequence[int], numbers: Numbers, seed: int) -> Stepped:
+    """Takes a step on the interpreter alone, with the draws that `take_step` would have; there is no compiled state."""
+    world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_words(seed)))
+    events: dict[str, Any] = {}
+    for event in env.game.events:
+        counts = np.asarray(outcome.events[event.name])
+        events |= {n: (counts if word is None else counts[..., i]).tolist() for i, (word, n) in enumerate(counts_of(event))}
+    return Stepped(
+        None,
+        world,
+        interpret_look(env, world),
+        reward=[float(reward) for reward in outcome.reward],
+        events=events,
+        metrics={name: float(np.float32(value)) for name, value in outcome.measures.items()},
+        terminated=outcome.terminated,
+        truncated=outcome.truncated and not outcome.terminated,
+    )
+
+
+def interpret_look(env: Environment, world: World) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the observation of a state and the allowed actions, as the interpreter has them."""
+    return observe(env.game, world), np.asarray(action_mask(env.game, world))

@@ -11,7 +11,7 @@ from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import HEADINGS, World
 from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.engines import Compiled, Numbers, look_at, take_step
+from sjdsl.testing.engines import Compiled, Numbers, interpret_look, interpret_step, look_at, take_step
 from sjdsl.testing.paths import by_owner, find_field, owners_of, read_field
 from sjdsl.testing.pictures import Row, compare_pictures, draw_cells, draw_picture, read_picture
 from sjdsl.testing.signs import Signs
@@ -30,15 +30,19 @@ class Setting(Protocol):
     def compiled(self) -> Compiled: ...
     @property
     def board(self) -> Board: ...
+    @property
+    def interpreted(self) -> bool: ...
     def numbers(self, params: Mapping[str, Any]) -> Numbers: ...
 
 
 class Scene:
     """A state of a game. Every step is taken twice and must come out alike in every field, reward, event, metric and observation.
 
+    On a stage that is `interpreted` the interpreter takes it alone.
+
     Attributes:
       reward: `[N]` of the last step; events, metrics: by name, of the last step, as `info` has them; terminated, truncated: bool.
-      state, params: of the compiled game; world: of the interpreter.
+      state, params: of the compiled game (no state on a stage that is `interpreted`); world: of the interpreter.
     """
 
     def __init__(self, stage: Setting, world: World, params: Mapping[str, Any], seed: int):
@@ -46,7 +50,7 @@ class Scene:
         self.seed, self._past = seed, ""
         self._seen: tuple[np.ndarray, np.ndarray] | None = None
         self._set_params(params)
-        self.state = compiled_state(stage.env, stage.compiled.blank, world)
+        self.state = None if stage.interpreted else compiled_state(stage.env, stage.compiled.blank, world)
         self.reward: list[float] = []
         self.events: dict[str, Any] = {}
         self.metrics: dict[str, float] = {}
@@ -63,6 +67,8 @@ class Scene:
         return self._looked()[1]
 
     def _looked(self) -> tuple[np.ndarray, np.ndarray]:
+        if self._seen is None and self.stage.interpreted:
+            self._seen = interpret_look(self.env, self.world)
         if self._seen is None:
             self._seen = look_at(self.stage.compiled, self.state, self.world, self.params)
         return self._seen
@@ -85,7 +91,10 @@ class Scene:
         __tracebackhide__ = True
         chosen = self._chosen(actions)
         for _ in range(times):
-            stepped = take_step(self.stage.compiled, self.state, self.world, chosen, self._numbers, self.seed)
+            if self.stage.interpreted:
+                stepped = interpret_step(self.env, self.world, chosen, self._numbers, self.seed)
+            else:
+                stepped = take_step(self.stage.compiled, self.state, self.world, chosen, self._numbers, self.seed)
             self.state, self.world, self._seen = stepped.state, stepped.world, stepped.seen
             self.reward, self.events, self.metrics = stepped.reward, stepped.events, stepped.metrics
             self.terminated, self.truncated = stepped.terminated, stepped.truncated

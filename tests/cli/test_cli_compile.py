@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 
 
 def test_it_writes_a_module_and_says_so(sjdsl: Sjdsl, folder: Path) -> None:
@@ -57,7 +57,7 @@ def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> N
 
 def test_check_of_all_games_finds_strays(sjdsl: Sjdsl, folder: Path) -> None:
     assert sjdsl("compile", "--all").status == 0
-    assert sorted(p.stem for p in (folder / "generated").iterdir()) == bundled()
+    assert sorted(p.stem for p in (folder / "generated").iterdir()) == main_games()
     (folder / "generated/old_game.py").touch()
     shown = sjdsl("compile", "--all", "--check")
     assert shown.status == 1

@@ -14,7 +14,7 @@ import pytest
 
 import sjdsl
 from sjdsl.cli import run
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 
 STEPS = 6
 USUAL = ("coins", "gift_refinement", "pd_arena")  # the others only with all tests
@@ -43,7 +43,7 @@ def trajectory(env: Any, state: Any, actions: list[list[int]]) -> list[Any]:
     return jax.tree.map(np.asarray, seen)
 
 
-@pytest.mark.parametrize("game", [name if name in USUAL else pytest.param(name, marks=pytest.mark.slow) for name in bundled()])
+@pytest.mark.parametrize("game", [name if name in USUAL else pytest.param(name, marks=pytest.mark.slow) for name in main_games()])
 @pytest.mark.parametrize("observation", ["tokens", pytest.param("onehot", marks=pytest.mark.slow)])
 def test_it_plays_as_the_environment_does(game: str, observation: str, tmp_path: Path) -> None:
     """Also across the end of an episode: it begins shortly before it."""

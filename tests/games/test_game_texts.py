@@ -10,7 +10,7 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled, find_game
+from sjdsl.games_folder import find_game, main_games
 
 MOST_LINES = 80  # a game is read aloud: non-blank lines of the rules, without comments, each of at most WIDTH columns
 APART = (ast.Map, ast.Checks, ast.Variant, ast.Look, ast.ScriptedPolicy, ast.Scenario)  # what is no rule
@@ -93,17 +93,17 @@ def without_source(source: Source) -> list[str]:
     return [name for name, rows in numbers_of(source) if not any(SOURCE.search(comments[row]) for row in rows)]
 
 
-@pytest.mark.parametrize("game", bundled())
+@pytest.mark.parametrize("game", main_games())
 def test_a_game_is_short(game: str) -> None:
     assert counted_lines(read_source(find_game(game))) <= MOST_LINES
 
 
-@pytest.mark.parametrize("game", bundled())
+@pytest.mark.parametrize("game", main_games())
 def test_lines_are_not_wide(game: str) -> None:
     assert [n for n, line in enumerate(find_game(game).read_text().split("\n"), 1) if len(line) > WIDTH] == []
 
 
-@pytest.mark.parametrize("game", bundled())
+@pytest.mark.parametrize("game", main_games())
 def test_each_number_says_where_it_is_from(game: str) -> None:
     assert without_source(read_source(find_game(game))) == []
 

@@ -6,7 +6,7 @@ import pytest
 
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled, find_game
+from sjdsl.games_folder import find_game, main_games
 
 PAPERS = ("paradigm", "long_term_impact", "multi_task", "difficulty")
 # SocialJax (ICLR 2026): the classical types of its Schelling diagrams, and its table of characteristics
@@ -28,7 +28,7 @@ def said(game: str, *variants: str) -> dict[str, str]:
     return dict(build(read_source(find_game(game)), variants).game.about)
 
 
-@pytest.mark.parametrize("game", bundled())
+@pytest.mark.parametrize("game", main_games())
 def test_the_papers_tables_and_nothing_else_under_their_names(game: str) -> None:
     """A game that is not in the paper says nothing under the paper's names, also if it is built on one that is."""
     found = said(game)
@@ -41,7 +41,7 @@ def test_a_map_of_harvest_is_the_same_as_a_variant(form: str) -> None:
     assert both[0] == both[1]
 
 
-@pytest.mark.parametrize("game", bundled())
+@pytest.mark.parametrize("game", main_games())
 def test_each_line_says_whose_it_is(game: str) -> None:
     lines = [line for line in find_game(game).read_text(encoding="utf-8").split("\n") if re.match(r" *about (?!summary)", line)]
     found = [LINE.match(line) for line in lines]

@@ -14,7 +14,7 @@ import pytest
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled, find_game, games_folder
+from sjdsl.games_folder import find_game, games_folder, main_games
 from sjdsl.properties import Effort, GameFamily, verify_properties
 
 from .mutations import MUTATIONS, Mutation
@@ -79,7 +79,7 @@ def number_of(family: GameFamily, check_text: str) -> int:
     return found[0]
 
 
-@pytest.mark.parametrize("game", bundled())
+@pytest.mark.parametrize("game", main_games())
 def test_checks_pass(game: str) -> None:
     family = GameFamily(read_source(find_game(game)))
     played = [i for i, check in enumerate(family.own.checks) if check.sort != "expect"]
@@ -114,7 +114,7 @@ def test_a_fault_fails_its_check(mutation: Mutation, tmp_path: Path, request: py
 
 def test_every_check_of_every_game_has_a_fault() -> None:
     listed = {(m.game, m.check) for m in MUTATIONS}
-    for game in bundled():
+    for game in main_games():
         family = GameFamily(read_source(find_game(game)))
         for check in family.own.checks:
             assert check.origin is not None

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sjdsl
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 from sjdsl.render.colours import AGENTS
 from sjdsl.render.drawings import BARS, Drawing, cell_keys, draw_cell
 from sjdsl.render.look import KindLook, Look, make_look
@@ -39,7 +39,7 @@ def unlike_words(look: Look) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
                 yield f"{kind.name}: {first} and {second}", draw_tile(one, SIZE), draw_tile(other, SIZE)
 
 
-@pytest.mark.parametrize("name", bundled())
+@pytest.mark.parametrize("name", main_games())
 def test_words_of_one_field_are_told_apart(name: str) -> None:
     look = make_look(sjdsl.make(name))
     for what, first, second in unlike_words(look):
@@ -48,7 +48,7 @@ def test_words_of_one_field_are_told_apart(name: str) -> None:
             assert seen >= PART, f"{what}: {seen:.3f} of the tile differs with {vision}"
 
 
-@pytest.mark.parametrize("name", bundled())
+@pytest.mark.parametrize("name", main_games())
 def test_objects_stand_out_more_than_starting_places(name: str) -> None:
     """Of all kinds: whatever can be taken or stands there differs more from its ground than the mark where agents appear."""
     look = make_look(sjdsl.make(name))

@@ -10,7 +10,7 @@ from rich.text import Text
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 from sjdsl.render.colours import Colour
 from sjdsl.screen.board import ARROWS, board_text, hexadecimal
 from sjdsl.screen.looks import OWN, make_screen_looks
@@ -26,7 +26,7 @@ def in_256(colour: Colour) -> int:
     return number
 
 
-@pytest.mark.parametrize("game", [*bundled(), "harvest_open crowd"])
+@pytest.mark.parametrize("game", [*main_games(), "harvest_open crowd"])
 def test_what_differs_on_the_map_differs_in_256_colours(game: str) -> None:
     name, *variant = game.split()
     looks = make_screen_looks(build(open_game(name), tuple(variant)).game)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from sjdsl.compiler.ir.queries import all_fields
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import main_games
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
@@ -15,7 +15,7 @@ from sjdsl.testing import Stage
 from sjdsl.testing.paths import find_field, read_field
 
 HERE = Path(__file__).parent
-GAMES = [*bundled(), HERE / "camp.sj", *sorted((HERE.parent / "differential" / "games").glob("*.sj"))]
+GAMES = [*main_games(), HERE / "camp.sj", *sorted((HERE.parent / "differential" / "games").glob("*.sj"))]
 
 
 def path_of(declared: Any) -> str:

@@ -1,0 +1,97 @@
+"""The page of Melting Pot's substrates: for each the game and variant it is here, what differs, and what cannot be said."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from sjdsl.compiler import ir
+from sjdsl.doc.figures import SHOWN, picture_digest
+from sjdsl.doc.wording import code, plain, table
+from sjdsl.interpreter.threefry import Threefry
+from sjdsl.substrates import Substrate
+
+PICTURES = "pictures/meltingpot"
+STEPS = 20  # of random play before the picture
+SEED = 0
+INTRODUCTION = """Each substrate of Melting Pot 2 is a bundled game in one of its variants. Families that are also among
+[the games of sjdsl](games.md) are variants there. All others are files of [games/meltingpot/](../games/meltingpot).
+This page is generated from [games/meltingpot.toml](../games/meltingpot.toml) by `sjdsl doc --all`. The code that
+`sjdsl compile --all` writes, and the page of the games, are those of the games in `games/` itself."""
+USE = """`sjdsl.make("GAME", variant="VARIANT")` makes one, and `sjdsl.interop.dm_env` takes the substrate's own name:
+
+```python
+from sjdsl.interop.dm_env import build, get_config
+
+config = get_config("territory__rooms")
+env = build("territory__rooms", config.default_player_roles)
+```"""
+EVERYWHERE = (
+    "Observations are planes of tokens, not pictures of 8 × 8 pixels; `sjdsl.interop.dm_env` gives pictures.",
+    "Random numbers are others.",
+    "All agents act at once on the state before the step; there, they act in a random order within it.",
+)
+
+
+def melting_pot_page(entries: Sequence[Substrate], rules: Mapping[str, ir.Game]) -> str:
+    """Returns the page as Markdown.
+
+    Args:
+      entries: all substrates.
+      rules: the rules of those that have been written, by the substrate's name.
+    """
+    written = [e for e in entries if e.name in rules]
+    missing = [e for e in entries if e.name not in rules]
+    lines = ["# Melting Pot", "", INTRODUCTION, "", USE, "", "What differs everywhere:", "", *(f"* {text}" for text in EVERYWHERE), ""]
+    head = (
+        "substrate",
+        "game",
+        "variant",
+        "agents",
+        "map",
+        "what differs, and why",
+        "what cannot be said, and the construct it would want",
+    )
+    lines += [*table(head, [_row(e, rules[e.name]) for e in written]), ""]
+    if missing:
+        lines += ["Not written yet:", "", *(f"* {code(e.name)}" for e in missing), ""]
+    lines += ["## Pictures", "", f"Each shows a game after {STEPS} steps of random play, drawn by `sjdsl doc --all`.", ""]
+    for e in written:
+        lines += [f"### {code(e.name)}", "", f"![{plain(rules[e.name].title)}]({PICTURES}/{e.name}.png)", ""]
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _row(e: Substrate, game: ir.Game) -> tuple[str, ...]:
+    size = f"{len(game.rows)} × {len(game.rows[0])}"
+    return (
+        code(e.name),
+        code(e.game),
+        code(e.variant) if e.variant else "",
+        str(game.agents.number),
+        size,
+        " ".join(e.differs),
+        " ".join(e.wanting),
+    )
+
+
+def draw_start(e: Substrate, path: Path) -> None:
+    """Writes a picture of a substrate after some steps of random play, taken by the interpreter, which needs no compilation by XLA."""
+    import jax
+    import numpy as np
+
+    from sjdsl.factory import make
+    from sjdsl.interpreter.state import default_params
+    from sjdsl.interpreter.step import reset, step
+    from sjdsl.render import make_painter, save_png, take_snapshot
+    from sjdsl.testing.states import compiled_state
+
+    env = make(e.game, variant=e.variant or None)
+    chosen = np.random.default_rng(SEED)
+    params = default_params(env.game)
+    world = reset(env.game, params, Threefry(SEED, 0))
+    returns = np.zeros(env.num_agents)
+    for number in range(1, STEPS + 1):
+        actions = chosen.integers(env.num_actions, size=env.num_agents).tolist()
+        world, outcome = step(env.game, world, actions, params, Threefry(SEED, number))
+        returns = returns + np.asarray(outcome.reward)
+    state = compiled_state(env, jax.device_get(env.module.initial_state()), world)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save_png(make_painter(env).draw(take_snapshot(env, state, returns)), path, {SHOWN: picture_digest(env.game)})

@@ -1,0 +1,53 @@
+"""Reads `games/meltingpot.toml`, the table of Melting Pot's substrates: which bundled game and variant each of them is here."""
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from sjdsl.games_folder import games_folder
+from sjdsl.near_names import meant
+
+FILE = "meltingpot.toml"
+KEYS = {"game", "variant", "roles", "differs", "wanting"}
+
+
+@dataclass(frozen=True)
+class Substrate:
+    """A substrate of Melting Pot 2.
+
+    Attributes:
+      name: Melting Pot's.
+      game: the bundled game it is; empty if it has not been written.
+      variant: of that game; empty for the game as it is.
+      roles: the players' roles there, in the order of our agents; empty where all are `default`.
+      differs: what is not as there, and why; one sentence each.
+      wanting: what cannot be said, and the construct that it would want; one sentence each.
+    """
+
+    name: str
+    game: str = ""
+    variant: str = ""
+    roles: tuple[str, ...] = ()
+    differs: tuple[str, ...] = ()
+    wanting: tuple[str, ...] = ()
+
+
+@cache
+def substrates() -> dict[str, Substrate]:
+    """Returns all substrates by name, those that have not been written among them. Raises ValueError for a key that means nothing."""
+    table = tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
+    return {name: _substrate(name, entry) for name, entry in table.items()}
+
+
+def _substrate(name: str, entry: dict[str, Any]) -> Substrate:
+    for key in entry.keys() - KEYS:
+        raise ValueError(f"{FILE}: `{name}` has no key `{key}`{meant(key, sorted(KEYS))}")
+    lists = {key: tuple(entry.get(key, ())) for key in ("differs", "wanting")}
+    roles = tuple(role for role, number in entry.get("roles", {}).items() for _ in range(number))
+    return Substrate(name, entry.get("game", ""), entry.get("variant", ""), roles, **lists)
+
+
+def written_substrates() -> list[Substrate]:
+    """Returns the substrates that have been written."""
+    return [substrate for substrate in substrates().values() if substrate.game]
