@@ -46,4 +46,8 @@ def next_steps(game: Path, tests: Path) -> list[tuple[str, str]]:
         (f"  sjdsl test {game}", "test its checks"),
         (f"  pytest {tests}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
         (f"  sjdsl train {game} --preset two_cores", "agents that learn in it; takes minutes on two cores"),
+        (
+            f"  sjdsl schelling {game} --cooperators cooperator --defectors defector -o schelling",
+            "is it a dilemma for the file's own policies?",
+        ),
     ]

@@ -38,6 +38,7 @@ game meadow "The frame of the cases" {{
   checks {{
 {checks}
   }}
+{policies}
 }}
 """
 PARTS = {
@@ -47,7 +48,7 @@ PARTS = {
     "start": "each agent { send agent to grass facing north }",
     "schedule": "schedule walk -> rule -> shoot",
     "window": "window ahead 2, behind 1, left 1, right 1",
-} | dict.fromkeys(("numbers", "world", "agents", "rule", "phases", "observe", "metrics", "checks"), "")
+} | dict.fromkeys(("numbers", "world", "agents", "rule", "phases", "observe", "metrics", "checks", "policies"), "")
 
 
 @dataclass(frozen=True)

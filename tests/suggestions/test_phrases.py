@@ -29,6 +29,10 @@ PLACES = (
     "phase p {{ each {} {{ give 1 to all }} }}",
     "phase p {{ each tree {} {{ give 1 to all }} }}",
     'kind stone "s" {{ {} }}',
+    "policy p {{ {} }}",
+    "policy p {{ seek tree {} }}",
+    "policy p {{ when step > 3 choose stay {} }}",
+    "scenario s {{ {} }}",
 )
 
 

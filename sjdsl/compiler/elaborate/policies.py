@@ -3,6 +3,7 @@
 policy greedy { seek tree where tree.fruit is ripe }   ->   ScriptedPolicy(name="greedy", rules=(Go(...),))
 """
 
+from collections.abc import Sequence
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
@@ -13,6 +14,8 @@ from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.lookup import action_number
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.statements import check_possible, why_impossible
+from sjdsl.compiler.ir.implications import conjuncts
 
 WITHOUT_RULES = ("random", "stay")  # policies that every game has
 OF_EXPECT = ("never", "seek")
@@ -26,10 +29,32 @@ def policies(game: Composition, static: Static, problems: Problems) -> tuple[ir.
         with problems.survive():
             if policy.name.text in (*WITHOUT_RULES, *OF_EXPECT):
                 raise problems.fail(errors.NameTaken(policy.name.span, name=policy.name.text, what="a policy of the language"))
-            rules = tuple(_rule(rule, scope) for rule in policy.rules)
+            rules = _rules(policy.rules, scope)
             title = "" if policy.title is None else policy.title.text
             found.append(ir.ScriptedPolicy(name=policy.name.text, title=title, rules=rules, origin=policy.name.span))
     return tuple(found)
+
+
+def _rules(written: Sequence[ast.Act | ast.Go | ast.Aim], scope: Scope) -> tuple[ir.PolicyRule, ...]:
+    """Each rule is read where no `when` above it holds; one that is never reached is warned of."""
+    found: list[ir.PolicyRule] = []
+    ended = ""
+    for rule in written:
+        if ended:
+            scope.problems.add(errors.NeverHappens(rule.span, problem=f"the rule above always applies ({ended})"))
+            ended = ""
+        found.append(_rule(rule, scope))
+        if isinstance(found[-1], ir.Act):
+            condition = found[-1].condition
+            check_possible(condition, scope)
+            ended = _why_certain(condition, scope)
+            scope = scope.knowing([ir.Not(value=condition)])
+    return tuple(found)
+
+
+def _why_certain(condition: ir.Expr, scope: Scope) -> str:
+    """Returns why a condition always holds, empty if it may not."""
+    return next((why for part in conjuncts(ir.Not(value=condition)) if (why := why_impossible(part, scope))), "")
 
 
 def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:

@@ -257,26 +257,30 @@ def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
 def check_possible(test: ir.Expr, scope: Scope) -> None:
     """Warns if a condition contradicts what is known here, or the numbers it compares."""
     for part in conjuncts(test):
-        clash = next((f for f in scope.facts if contradict(Fact(part), f)), None)
-        if clash is not None:
-            scope.problems.add(errors.NeverHappens(part.origin or test.span, problem=f"{text(clash.condition)} holds here"))
-            continue
-        match part:
-            case ir.Compare(fn=fn, left=left, right=right):
-                low, high = narrowed(left, scope.facts)
-                never = {
-                    "<": low >= right.type.high,
-                    "<=": low > right.type.high,
-                    ">": high <= right.type.low,
-                    ">=": high < right.type.low,
-                    "==": low > right.type.high or high < right.type.low,
-                    "!=": False,
-                }[fn]
-                if never:
-                    reach = interval_text(left.type.model_copy(update={"low": low, "high": high}))
-                    scope.problems.add(errors.NeverHappens(part.origin or test.span, problem=f"{text(left)} is {reach}"))
-            case _:
-                pass
+        why = why_impossible(part, scope)
+        if why:
+            scope.problems.add(errors.NeverHappens(part.origin or test.span, problem=why))
+
+
+def why_impossible(part: ir.Expr, scope: Scope) -> str:
+    """Returns why a condition without `and` never holds here, empty if it may hold."""
+    clash = next((f for f in scope.facts if contradict(Fact(part), f)), None)
+    if clash is not None:
+        return f"{text(clash.condition)} holds here"
+    match part:
+        case ir.Compare(fn=fn, left=left, right=right):
+            low, high = narrowed(left, scope.facts)
+            never = {
+                "<": low >= right.type.high,
+                "<=": low > right.type.high,
+                ">": high <= right.type.low,
+                ">=": high < right.type.low,
+                "==": low > right.type.high or high < right.type.low,
+                "!=": False,
+            }[fn]
+            return f"{text(left)} is {interval_text(left.type.model_copy(update={'low': low, 'high': high}))}" if never else ""
+        case _:
+            return ""
 
 
 def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:

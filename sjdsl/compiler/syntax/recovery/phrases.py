@@ -209,4 +209,43 @@ def _checks() -> Iterator[tuple[str, ...]]:
     yield "eventually EXPR", "expect {1} with random over 30 episodes"
 
 
-PHRASES = tuple(_phrase(*row) for table in (_writes, _places, _expressions, _declarations, _checks) for row in table())
+def _policies() -> Iterator[tuple[str, ...]]:
+    """Rules of policies, and slots of scenarios."""
+    for word in (
+        "go to",
+        "goto",
+        "go towards",
+        "go toward",
+        "walk to",
+        "move to",
+        "head to",
+        "approach",
+        "chase",
+        "follow",
+        "find",
+        "seek a",
+    ):
+        yield f"{word} DOMAIN", "seek {1}"
+    for word in ("avoid", "but avoid", "not", "without", "except"):
+        yield f"{word} DOMAIN", "avoiding {1}", "what is avoided stands behind what is sought: `seek … avoiding {1}`"
+    always = "a choice has its condition, `when … choose {1}`; one that holds always is `when step >= 0 choose {1}`"
+    for word in ("do", "act", "choose", "play", "take", "use"):
+        if word != "choose":
+            yield f"when EXPR {word} NAME", "when {1} choose {2}"
+            yield f"aim NAME at DOMAIN {word} NAME", "aim {1} at {2} choose {3}"
+        yield f"{word} NAME", "when step >= 0 choose {1}", always
+        for at in ("at", "to"):
+            yield f"{word} NAME {at} DOMAIN", "aim line(1) at {2} choose {1}", "say in which shape: `aim line(3) at {2} choose {1}`"
+    yield "aim NAME at DOMAIN with NAME", "aim {1} at {2} choose {3}"
+    yield "aim at DOMAIN with NAME", "aim line(3) at {1} choose {2}", "say in which shape: `aim line(3) at {1} choose {2}`"
+    yield "aim at DOMAIN choose NAME", "aim line(3) at {1} choose {2}", "say in which shape: `aim line(3) at {1} choose {2}`"
+    yield "otherwise seek DOMAIN", "seek {1}", "rules are tried in their order, and the first that applies acts: leave out `otherwise`"
+    yield "otherwise NAME", "when step >= 0 choose {1}", "rules are tried in their order: as the last write `when step >= 0 choose {1}`"
+    yield "slots EXPR NAME", "slots {1} policy {2}"
+    yield "slots EXPR of NAME", "slots {1} policy {2}"
+    yield "slots EXPR with NAME", "slots {1} policy {2}"
+    yield "slots focal EXPR", "slots {1} focal"
+    yield "slots NAME EXPR", "slots {2} policy {1}"
+
+
+PHRASES = tuple(_phrase(*row) for table in (_writes, _places, _policies, _expressions, _declarations, _checks) for row in table())
