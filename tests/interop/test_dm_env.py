@@ -106,3 +106,15 @@ def test_wrong_actions_are_refused() -> None:
         env.step([0])
     with pytest.raises(ValueError, match=r"9 is no action of player 1: 0 \.\. 6"):
         env.step([0, 9])
+
+
+def test_substrates_are_taken_by_their_names() -> None:
+    config = get_config("bach_or_stravinsky_in_the_matrix__repeated")
+    assert config.default_player_roles == ("bach_fan", "stravinsky_fan")
+    env = build("bach_or_stravinsky_in_the_matrix__repeated", config.default_player_roles, seed=0)
+    assert env.env.num_agents == 2
+    assert env.observation_spec()[0]["RGB"].shape == (40, 40, 3)  # Melting Pot's
+    with pytest.raises(ValueError, match="take them in this order"):
+        build("bach_or_stravinsky_in_the_matrix__repeated", ["stravinsky_fan", "bach_fan"])
+    with pytest.raises(ValueError, match="the roles are bach_fan, stravinsky_fan"):
+        build("bach_or_stravinsky_in_the_matrix__repeated", ["default"] * 2)
