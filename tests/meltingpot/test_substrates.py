@@ -49,7 +49,6 @@ NOT_WRITTEN = {  # families of which a substrate has not been written yet; take 
     "chemistry",
     "clean_up",
     "coins",
-    "collaborative_cooking",
     "commons_harvest",
     "coop_mining",
     "daycare",
