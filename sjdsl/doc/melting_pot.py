@@ -41,16 +41,9 @@ def melting_pot_page(entries: Sequence[Substrate], rules: Mapping[str, ir.Game])
     written = [e for e in entries if e.name in rules]
     missing = [e for e in entries if e.name not in rules]
     lines = ["# Melting Pot", "", INTRODUCTION, "", USE, "", "What differs everywhere:", "", *(f"* {text}" for text in EVERYWHERE), ""]
-    head = (
-        "substrate",
-        "game",
-        "variant",
-        "agents",
-        "map",
-        "what differs, and why",
-        "what cannot be said, and the construct it would want",
-    )
-    lines += [*table(head, [_row(e, rules[e.name]) for e in written]), ""]
+    lines += [*table(("substrate", "game", "variant", "agents", "map"), [_row(e, rules[e.name]) for e in written]), ""]
+    lines += ["## What differs", "", "Without a substrate named, a sentence is about all of the game's.", ""]
+    lines += [*table(("game", "what differs, and why", "what cannot be said, and the construct it would want"), _by_game(written)), ""]
     if missing:
         lines += ["Not written yet:", "", *(f"* {code(e.name)}" for e in missing), ""]
     lines += ["## Pictures", "", f"Each shows a game after {STEPS} steps of random play, drawn by `sjdsl doc --all`.", ""]
@@ -61,15 +54,24 @@ def melting_pot_page(entries: Sequence[Substrate], rules: Mapping[str, ir.Game])
 
 def _row(e: Substrate, game: ir.Game) -> tuple[str, ...]:
     size = f"{len(game.rows)} × {len(game.rows[0])}"
-    return (
-        code(e.name),
-        code(e.game),
-        code(e.variant) if e.variant else "",
-        str(game.agents.number),
-        size,
-        " ".join(e.differs),
-        " ".join(e.wanting),
-    )
+    return (code(e.name), code(e.game), code(e.variant) if e.variant else "", str(game.agents.number), size)
+
+
+def _by_game(written: Sequence[Substrate]) -> list[tuple[str, ...]]:
+    """Returns for each game what is said of its substrates: once what is said of all, else with the names."""
+    games = dict.fromkeys(e.game for e in written)
+    members = {game: [e for e in written if e.game == game] for game in games}
+    told = [(code(game), _told({e.name: e.differs for e in m}), _told({e.name: e.wanting for e in m})) for game, m in members.items()]
+    return [row for row in told if row[1] or row[2]]
+
+
+def _told(texts: Mapping[str, tuple[str, ...]]) -> str:
+    """Returns the sentences in the order in which they first appear. texts: by substrate."""
+    found = []
+    for text in dict.fromkeys(text for several in texts.values() for text in several):
+        names = [name for name, several in texts.items() if text in several]
+        found.append(text if len(names) == len(texts) else f"{', '.join(map(code, names))}: {text}")
+    return " ".join(found)
 
 
 def draw_start(e: Substrate, path: Path) -> None:

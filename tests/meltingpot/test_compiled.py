@@ -14,7 +14,7 @@ STEPS = 3
 
 @pytest.mark.slow
 @pytest.mark.parametrize("entry", written_substrates(), ids=lambda entry: entry.name)
-def test_steps_are_those_of_the_interpreter(entry: Substrate, strict_jax: None) -> None:
+def test_steps_are_those_of_the_interpreter(entry: Substrate) -> None:
     stage = Stage(entry.game, variant=entry.variant or None)
     scene, chosen = stage.start(seed=1), np.random.default_rng(0)
     for _ in range(STEPS):
