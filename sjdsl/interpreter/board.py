@@ -14,7 +14,7 @@ class Board:
     """A game with its map read.
 
     kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
-    pools: the first `send` written for each pool of sends, start first, then in the order of the schedule.
+    pools: a `send` of each pool of sends, the first one with `after` if there is one; start first, then in the order of the schedule.
     moving: the phases in which agents move, by their identity.
     closed: whether an expression names nothing around it, as far as asked, by its identity.
     read: what an observable reads, as far as asked, by its identity.
@@ -84,6 +84,8 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
             if isinstance(node, ir.Send):
                 pool = Pool(phase.name, node.pool)
                 first = pools.setdefault(pool, node)
+                if first.after is None and node.after is not None:  # the one that those who come back were sent by
+                    pools[pool] = node
                 assert printer.domain(first.domain) == printer.domain(node.domain), f"{pool} is split"
                 assert first.order_stream == node.order_stream, f"{pool} is split"
                 assert first.heading_stream == node.heading_stream, f"{pool} is split"

@@ -5,6 +5,7 @@ from typing import assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter import chances, members
 from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of, nearest_members
@@ -133,7 +134,7 @@ def _tally(statement: ir.Tally, here: Instance, writes: Writes) -> None:
 def _send(statement: ir.Send, here: Instance, writes: Writes) -> None:
     ticks = 0 if statement.after is None else evaluate(statement.after, here)
     for agent in agents_in(evaluate(statement.who, here)):
-        sending = Sending(agent, statement, ticks)
+        sending = Sending(agent, statement, ticks, here.names)
         others = [s for s in writes.sends if s.agent == agent]
         assert all(_is_same(sending, s) for s in others), f"agent {agent} is sent to two places"
         if not others:
@@ -141,7 +142,8 @@ def _send(statement: ir.Send, here: Instance, writes: Writes) -> None:
 
 
 def _is_same(a: Sending, b: Sending) -> bool:
-    return (a.ticks, a.send.pool, a.send.facing, a.send.stay) == (b.ticks, b.send.pool, b.send.facing, b.send.stay)
+    said = [(s.ticks, s.send.pool, s.send.facing, s.send.stay, [s.names[v.name] for v in variables_around(s.send.domain)]) for s in (a, b)]
+    return said[0] == said[1]
 
 
 def _move(statement: ir.Move, here: Instance, writes: Writes) -> None:

@@ -1,31 +1,48 @@
 """Interprets `send` and `remove`: a random free cell, a delay away from the map, and the respawn of agents at a `tick`."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, World
+from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, Value, World
 from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Sending
 
 
 def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None:
     """Changes the places of `world`, which holds the snapshot's: pool by pool, in each pool in id order. `phase`: its name."""
+    entered: set[Cell] = set()  # pools may share cells: what an earlier one filled is not free any more
     for pool in sorted({s.send.pool for s in sends}):
         together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: s.agent)
         order = together[0].send.order_stream
         # who may have to stay does not make room for others
         leaving = set() if _may_stay(order, here.board) else {s.agent for s in together}
-        free = free_cells(together[0].send.domain, leaving, here)
-        for agent, statement, ticks in together:
+        free = [c for c in free_cells(together[0].send.domain, leaving, here) if c not in entered]
+        own = _is_own(order, here.board)
+        free = free if own else _fitting(together[0].send.domain, free, {}, here)
+        for agent, statement, ticks, names in together:
+            fitting = _fitting(statement.domain, free, names, here) if own else free
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), statement.facing), world)
-            elif free:
-                _enter(agent, here.take(order, agent, free)[0], statement.facing, statement.heading_stream, here, world)
+            elif fitting:
+                cell = here.take(order, agent, fitting)[0]
+                if own:
+                    free.remove(cell)
+                entered.add(cell)
+                _enter(agent, cell, statement.facing, statement.heading_stream, here, world)
             else:
                 assert statement.stay, f"no free cell for agent {agent}"
+
+
+@lru_cache(maxsize=256)
+def _is_own(order_stream: int, board: Board) -> bool:
+    """Returns whether the cells that fit differ from one agent sent to this pool to another."""
+    sends = (n for n in ir.walk(board.game) if isinstance(n, ir.Send))
+    return any(variables_around(s.domain) for s in sends if s.order_stream == order_stream)
 
 
 @lru_cache(maxsize=256)
@@ -50,23 +67,31 @@ def bring_back(here: Instance, world: World) -> None:
             world.away[agent] = away._replace(ticks=away.ticks - 1)
     for pool in (p for p in here.board.pools if p in due):
         statement = here.board.pools[pool]
-        # Two pools may share cells: what an earlier one filled is not free any more.
         filled = {cell for cell in world.position if cell is not None}
         free = [c for c in free_cells(statement.domain, set(), here) if c not in filled]
         order = return_stream(statement.order_stream)
         for agent in due[pool]:
             away = here.world.away[agent]
-            if free and away is not None:
-                _enter(agent, here.take(order, agent, free)[0], away.facing, return_stream(statement.heading_stream), here, world)
+            names = {variable.name: agent for variable in variables_around(statement.domain)}  # the one agent it may name
+            fitting = _fitting(statement.domain, free, names, here)
+            if fitting and away is not None:
+                cell = here.take(order, agent, fitting)[0]
+                free.remove(cell)
+                _enter(agent, cell, away.facing, return_stream(statement.heading_stream), here, world)
 
 
 def free_cells(domain: ir.Domain, leaving: set[int], here: Instance) -> list[Cell]:
-    """Returns the destination's free cells in reading order. The cells of `leaving` agents are free."""
+    """Returns the free cells of the destination's kinds in reading order. The cells of `leaving` agents are free."""
     assert domain.restriction is None, "a destination is not around anything"
     covered = {cell for agent, cell in enumerate(here.world.position) if agent not in leaving}
-    cells = cells_of(here.board, domain.var.kinds)
-    wanted = [c for c in cells if domain.where is None or evaluate(domain.where, here.only({domain.var.name: c}))]
-    return [c for c in wanted if c not in covered]
+    return [cell for cell in cells_of(here.board, domain.var.kinds) if cell not in covered]
+
+
+def _fitting(domain: ir.Domain, free: list[Cell], names: Mapping[str, Value], here: Instance) -> list[Cell]:
+    """Returns those of the free cells that a destination's `where` leaves an agent, in whose instance `names` are known."""
+    if domain.where is None:
+        return list(free)
+    return [cell for cell in free if evaluate(domain.where, here.only({**names, domain.var.name: cell}))]
 
 
 def _enter(agent: int, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World) -> None:

@@ -1,5 +1,6 @@
 """The writes of a phase: collected while it runs, applied together at its end, with write conflicts asserted to be absent."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -23,11 +24,12 @@ class Slot(NamedTuple):
 
 
 class Sending(NamedTuple):
-    """An agent on its way by this statement, `ticks` from now (0: at once)."""
+    """An agent on its way by this statement, `ticks` from now (0: at once). `names`: the variables around, which its destination may name."""
 
     agent: int
     send: ir.Send
     ticks: int
+    names: Mapping[str, Value]
 
 
 class Counted(NamedTuple):

@@ -10,6 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
+from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.queries import blocks_always, glyphs_of, kinds_by_glyph, phases_of
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
@@ -100,7 +101,7 @@ class GameFamily:
         game = self.own
         here = Instance(board_of(game), declared_world(board_of(game), default_params(game)))
         glyphs = tuple(glyphs_of(game, domain.var.kinds))
-        if domain.where is None:
+        if domain.where is None or variables_around(domain):
             return glyphs
         fitting = []
         for cell, kind in here.board.kind_of.items():

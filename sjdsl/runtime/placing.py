@@ -140,6 +140,37 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
     return lax.while_loop(waiting, place_one, start)[2:]
 
 
+@jax.jit  # as above
+def place_fitting(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """Returns the places after sending agents as `place` does, each to one of the free cells that fit it.
+
+    Args:
+      own: `[N, S]` bool, which cells fit each agent; cells, free, words, position, sent: as in `place`.
+    Returns:
+      as `place`: an agent for whom no fitting cell is left was not placed.
+    """
+    if cells.shape[0] == 0:
+        return position, jnp.zeros_like(sent)
+    index = jnp.arange(position.shape[0], dtype=jnp.int32)
+    fitting = bits.pack(own)
+
+    def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
+        return jnp.any(state[0])
+
+    def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        left, free, position, placed = state
+        who = jnp.argmax(left).astype(jnp.int32)
+        among = free & fitting[who]
+        number = bits.count(among)
+        cell = bits.nth(among, below(words[who], number))
+        there = (index == who) & left & (number > 0)
+        free = jnp.where(number > 0, bits.without(free, cell), free)
+        return left & (index != who), free, jnp.where(there, cells[cell], position), placed | there
+
+    start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
+    return lax.while_loop(waiting, place_one, start)[2:]
+
+
 def pair(ranks: Array, alike: bool) -> Array:
     """Returns each left member's partner when pairs are taken in the order of their ranks.
 

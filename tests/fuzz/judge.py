@@ -54,7 +54,6 @@ FORESEEN = {
     "SJ402": "set and add",
     "SJ403": "two destinations",
     "SJ404": "a destination that may be full",
-    "SJ406": "destinations that overlap",
     "SJ511": "a variant changes the number of agents",
     "SJ502": "a variant adds a timer, and no tick",
     "SJ508": "a define that asks for a place, used in `phase start`",

@@ -8,7 +8,7 @@ from tests.fuzz.declared import Lines
 from tests.fuzz.members import domain, shape_for, where
 from tests.fuzz.quantities import fitted, integer, real
 from tests.fuzz.reading import Frame, Scope, Typed, Variable
-from tests.fuzz.writing import BOLD, Written, is_own, write
+from tests.fuzz.writing import BOLD, Written, is_own, of_target_alone, write
 
 NESTED = 3  # quantifiers and branches inside one another
 
@@ -238,21 +238,24 @@ def tally(scope: Scope, _phase: Phase) -> Lines:
 
 
 def send(scope: Scope, phase: Phase) -> Lines:
-    """Returns a `send` of somebody to a place no other destination of the phase shares."""
+    """Returns a `send` of somebody; few phases have several."""
     w, r = scope.world, scope.world.random
-    if scope.sort == "start" or (phase.written.places and not w.is_now(BOLD)):
+    if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
         return []
-    agents = [v.name for v in scope.agents() if is_own(v, scope) or w.is_now(0.5)]
+    agents = [v for v in scope.agents() if is_own(v, scope) or w.is_now(0.5)]
     if not agents:
         return []
+    who = r.choice(agents)
     kind = r.choice([n for n in (*w.kinds, *w.groups) if w.num_cells(w.kinds_of(n)) or w.is_now(0.1)])
-    text = destination(scope, kind)
+    later = w.is_now(0.4)
+    named = scope if is_own(who, scope) and not later else of_target_alone(scope, who)
+    text = destination(replace(named, sort="start") if later else named, kind)
     certain = " where " not in text and w.num_cells(w.kinds_of(kind)) >= w.agents
     phase.written.places += 1
-    delay = f" after {r.choice(('1', '2', '3', '0', _delay(scope)))}" if w.is_now(0.4) else ""
+    delay = f" after {r.choice(('1', '2', '3', _delay(scope)))}" if later else ""
     facing = f" facing {r.choice(('north', 'east', 'south', 'west', 'same'))}" if w.is_now(0.5) else ""
     stay = " otherwise stay" if not certain or w.is_now(0.3) else ""
-    return [f"send {r.choice(agents)} to {text}{delay}{facing}{stay}"]
+    return [f"send {who.name} to {text}{delay}{facing}{stay}"]
 
 
 def _delay(scope: Scope) -> str:
@@ -261,13 +264,13 @@ def _delay(scope: Scope) -> str:
 
 
 def destination(scope: Scope, kind: str) -> str:
-    """Returns kind and condition of a destination; it knows nothing of who is sent."""
+    """Returns kind and condition of a destination, which may name what is known in the scope."""
     w = scope.world
     name = kind if not w.is_now(0.4) else w.variable()
     text = kind if name == kind else f"{kind} as {name}"
     if w.is_now(0.45):
-        alone = Scope(w, "destination").having(Variable(name, w.kinds_of(kind)))
-        text += f" where {condition(alone, 2)}"
+        around = replace(scope, variables=tuple(v for v in scope.variables if v.name != name))
+        text += f" where {condition(around.having(Variable(name, w.kinds_of(kind))), 2)}"
     return text
 
 

@@ -66,7 +66,7 @@ def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field,
         return _add(scope, written, keys, own, bold, f, text, depth)
     if not bold and not written.allows(keys, "set"):
         return []
-    inner = scope if own or bold else _of_target_alone(scope, owner)
+    inner = scope if own or bold else of_target_alone(scope, owner)
     made = value(inner, f, depth)
     if made is None:
         return []
@@ -81,7 +81,7 @@ def _keys(owner: Variable | None, f: Field) -> list[tuple[str, str, str]]:
     return [("agent", "", f.name)] if owner.is_agent else [("cell", k, f.name) for k in owner.kinds]
 
 
-def _of_target_alone(scope: Scope, owner: Variable | None) -> Scope:
+def of_target_alone(scope: Scope, owner: Variable | None) -> Scope:
     """Returns a scope in which only the target is known: what it gives is the same for all who reach it."""
     held = owner is not None and "." in owner.name
     variables = () if owner is None or held else (owner,)

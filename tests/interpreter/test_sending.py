@@ -93,6 +93,38 @@ def test_two_pools_have_words_each():
     assert world.position == [(2, 2), (2, 1), (1, 0)]
 
 
+def test_agents_take_cells_that_fit_them_in_id_order():
+    """Agent 0 fits rows above 0, agent 1 rows above 1: of three cells 0 takes the first of its two, 1 the last."""
+    den = ir.Attribute(type=g.INT, owner=g.cell("den"), name="row")
+    lower = g.cells("den", where=g.compare(den, ">", g.index()))
+    fire = g.phase(g.each(ZAPPED, g.send(lower, stay=True)), name="fire")
+    draws = Recorded(g.Table({(1000, 0): g.turn(0, 2), (1000, 1): g.turn(0, 1)}))
+    assert run(den_game(fire), [(0, 0), (0, 1), (1, 0)], draws=draws).position == [(1, 2), (2, 2), (1, 0)]
+    assert [chosen.left for chosen in draws.chosen] == [((1, 2), (2, 2)), ((2, 2),)]
+    draws = g.Table({(1000, 0): g.turn(1, 2)})  # 0 takes the only cell of 1, who stays
+    assert run(den_game(fire), [(0, 0), (0, 1), (1, 0)], draws=draws).position == [(2, 2), (0, 1), (1, 0)]
+
+
+def test_a_destination_that_an_agent_comes_back_to_may_depend_on_it():
+    den = ir.Attribute(type=g.INT, owner=g.cell("den"), name="row")
+    own = g.cells("den", where=g.compare(den, "==", g.index()))
+    fire = g.phase(g.each(ZAPPED, g.send(own, after=g.number(1), stay=True)), name="fire")
+    game = den_game(fire, ir.Tick())
+    assert run(game, [(0, 0), (0, 1), (1, 0)]).position == [(0, 2), (1, 2), (2, 2)]
+
+
+def test_pools_that_share_cells_are_filled_one_after_the_other():
+    fire = g.phase(
+        g.each(g.agents(where=g.is_agent(1)), g.send(g.cells("den"))),
+        g.each(g.agents(where=g.is_agent(0)), g.send(g.cells("den"), pool=1, stay=True)),
+        name="fire",
+    )
+    draws = Recorded(g.Table({(1000, 1): g.turn(1, 3), (1001, 0): g.turn(1, 2)}))
+    world = run(den_game(fire), [(0, 0), (0, 1), (1, 0)], [g.ZAP] * 3, draws)
+    assert world.position == [(2, 2), (1, 2), (1, 0)]
+    assert [len(chosen.left) for chosen in draws.chosen] == [3, 2]
+
+
 def test_without_room_an_agent_stays_where_it_was_and_keeps_its_heading():
     game = den_game(home(stay=True), rows=("...", "..Q"))
     world = run(game, [(0, 0), (0, 1), (1, 0)], headings=(1, 1, 1))

@@ -6,6 +6,7 @@ Which number that takes depends on the order in which there was to choose: cells
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter.threefry import Chosen, Recorded, return_stream
 from tests.laws.streams import Stream, other_digit, renumbered, streams
 from tests.laws.symmetry import Symmetry
@@ -43,7 +44,7 @@ def other_draws(game: ir.Game, changed: ir.Game, drawn: Recorded, s: Symmetry) -
             index, size = _picked(chosen, about, game, changed, s)
             words[chosen.stream, renumbered(chosen.number, about.digits, game, changed, s)] = choosing(index, size)
     for stream, turns in sends.items():
-        if len(turns[-1].left) == 1 and s.order != tuple(sorted(s.order)) and _may_stay(game, stream):
+        if s.order != tuple(sorted(s.order)) and (_is_own(game, stream) or (len(turns[-1].left) == 1 and _may_stay(game, stream))):
             raise RunsOut
         words |= {(stream, agent): word for agent, word in _sent(turns, s)}
     return Table(words)
@@ -62,6 +63,9 @@ def _picked(chosen: Chosen, about: Stream, game: ir.Game, changed: ir.Game, s: S
 
 def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
     """Returns the word of each agent, by its new number, with which all of them get the cells they got."""
+    if list(s.order) == sorted(s.order):  # each agent has its turn as before, with cells of its own perhaps
+        found = [(turn, sorted(s.cell(cell) for cell in turn.left)) for turn in turns]
+        return [(turn.number, choosing(free.index(s.cell(turn.left[turn.taken])), len(free))) for turn, free in found]
     free = sorted(s.cell(cell) for cell in turns[0].left)
     goes = {s.order[turn.number]: s.cell(turn.left[turn.taken]) for turn in turns}
     words = []
@@ -75,3 +79,9 @@ def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
 def _may_stay(game: ir.Game, stream: int) -> bool:
     sends = [n for n in ir.walk(game) if isinstance(n, ir.Send)]
     return any(n.stay for n in sends if stream in (n.order_stream, return_stream(n.order_stream)))
+
+
+def _is_own(game: ir.Game, stream: int) -> bool:
+    """Returns whether the cells that fit differ from one agent to another: then who comes first decides what is left for the rest."""
+    sends = [n for n in ir.walk(game) if isinstance(n, ir.Send)]
+    return any(variables_around(n.domain) for n in sends if stream in (n.order_stream, return_stream(n.order_stream)))

@@ -5,12 +5,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, pick_of_sets, place
+from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, pick_of_sets, place, place_fitting
 from sjdsl.runtime.random_bits import random_bits
 
 from . import references
 
 PLACE = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0, 0)))
+PLACE_FITTING = jax.jit(jax.vmap(place_fitting, in_axes=(None, 0, 0, 0, 0, 0)))
 CHOOSE = jax.jit(jax.vmap(choose))
 
 
@@ -38,6 +39,32 @@ def test_place(cells: int, agents: int) -> None:
         assert (found[case].tolist(), placed[case].tolist()) == expected
         new = np.asarray(found[case])[np.asarray(placed[case])]
         assert len(set(new.tolist())) == len(new) <= free[case].sum()
+
+
+@pytest.mark.parametrize(("cells", "agents"), [(1, 3), (3, 5), (60, 7)])
+def test_place_fitting(cells: int, agents: int) -> None:
+    """As `place`, but each agent chooses among the free cells that fit it; if all fit all, the two are one."""
+    random = np.random.default_rng(100 * cells + agents)
+    cases = 60
+    site = np.arange(cells) + 1
+    free = random.random((cases, cells)) < 0.7
+    own = random.random((cases, agents, cells)) < random.choice([0.1, 0.5, 1], (cases, 1, 1))
+    word = random.integers(0, 2**32, (cases, agents))
+    position = random.integers(500, 600, (cases, agents))
+    sent = random.random((cases, agents)) < 0.7
+    arrays = [jnp.asarray(x) for x in (free, own, word.astype(np.uint32), position.astype(np.int32), sent)]
+    found, placed = PLACE_FITTING(jnp.asarray(site, jnp.int32), *arrays)
+    for case in range(cases):
+        left, expected, done = free[case].copy(), position[case].tolist(), [False] * agents
+        for agent in np.flatnonzero(sent[case]):
+            fitting = np.flatnonzero(left & own[case, agent]).tolist()
+            if fitting:
+                cell = references.turn_of(int(word[case, agent]), fitting)
+                left[cell], expected[agent], done[agent] = False, int(site[cell]), True
+        assert (found[case].tolist(), placed[case].tolist()) == (expected, done)
+    everything = jnp.ones_like(arrays[1])
+    same = PLACE_FITTING(jnp.asarray(site, jnp.int32), arrays[0], everything, *arrays[2:])
+    assert all((x == y).all() for x, y in zip(same, PLACE(jnp.asarray(site, jnp.int32), arrays[0], *arrays[2:]), strict=True))
 
 
 def test_place_by_hand() -> None:

@@ -5,12 +5,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.checks.start_values import Place, holds_at_start, places
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import domain as domain_text
-from sjdsl.compiler.ir.queries import phases_of, starts_of
+from sjdsl.compiler.ir.queries import phases_of
 
 
 @dataclass
@@ -20,9 +22,13 @@ class Pool:
     sends: list[ir.Send] = field(default_factory=list)
     agents: set[int] = field(default_factory=set)
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        return self.sends[0].domain.var.kinds
+
 
 def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
-    """Reports agents without a place at the start, sends without enough cells, and destinations that overlap."""
+    """Reports agents without a place at the start, and sends without enough cells."""
     _check_start(game, problems)
     for phase in phases_of(game):
         _check_capacity(phase, game, problems, sources)
@@ -125,23 +131,15 @@ def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems, sources:
             pool.agents.add(agent)
             if send not in pool.sends:
                 pool.sends.append(send)
-    starting = phase is game.start
+    earlier: list[Pool] = []
     for pool in pools.values():
-        needed = len(pool.agents) if starting else game.agents.number
-        cells = _sure_cells(pool.sends[0].domain, game, starting)
         lacking = [s for s in pool.sends if not s.stay]
-        if cells < needed and lacking:
-            domain = pool.sends[0].domain
-            span, place = lacking[0].span, _as_written(domain, sources)
-            if domain.where is None and starting:
-                problems.add(errors.TooFewCells(span, kind=place, cells=cells, agents=needed))
-            elif starting:
-                problems.add(errors.TooFewToStart(span, place=place, cells=cells, agents=needed))
-            elif domain.where is None:
-                problems.add(errors.TooFewFreeCells(span, place=place, cells=cells, agents=needed))
-            else:
-                problems.add(errors.NoFreeCell(span, place=place))
-    _check_overlap(pools, problems)
+        sharing = [p for p in earlier if set(p.kinds) & set(pool.kinds)]
+        if lacking and phase is game.start:
+            _check_room_at_start(pool, sharing, lacking[0], game, problems, sources)
+        elif lacking:
+            _check_room(pool, sharing, lacking[0], game, problems, sources)
+        earlier.append(pool)
 
 
 def _as_written(domain: ir.Domain, sources: Mapping[str, Source]) -> str:
@@ -193,39 +191,51 @@ def _when_sends(s: ir.When, agent: int) -> list[ir.Send]:
     return found + _possible_sends(s.otherwise, agent)
 
 
-def _sure_cells(domain: ir.Domain, game: ir.Game, starting: bool) -> int:
-    """Returns how many cells of a destination are certainly there; at the start, the map decides `where` too."""
-    if domain.where is not None and not starting:
-        return 0
-    glyphs = {g.glyph: g for g in game.glyphs}
-    starts = {g.glyph: starts_of(game, g) for g in game.glyphs}
-    count = 0
-    for row in game.rows:
-        for glyph in row:
-            meaning = glyphs[glyph]
-            if meaning.kind in domain.var.kinds:
-                count += domain.where is None or _cell_fits(domain.where, domain.var.name, starts[glyph])
-    return count
+def _check_room(
+    pool: Pool, sharing: list[Pool], lacking: ir.Send, game: ir.Game, problems: Problems, sources: Mapping[str, Source]
+) -> None:
+    """Besides all agents, those may be in the way that were sent to the same cells before: in their new places and in their old ones."""
+    domain, needed = pool.sends[0].domain, game.agents.number + len({agent for p in sharing for agent in p.agents})
+    cells = len(places(game, domain.var.kinds)) if domain.where is None else 0
+    place = _as_written(domain, sources)
+    if domain.where is not None:
+        problems.add(errors.NoFreeCell(lacking.span, place=place))
+    elif cells < needed:
+        problems.add(errors.TooFewFreeCells(lacking.span, place=place, cells=cells, agents=needed))
 
 
-def _cell_fits(test: ir.Expr, name: str, values: Mapping[str, object]) -> bool:
-    """Returns whether a condition on the cell's own fields certainly holds for these values."""
-    match test:
-        case ir.Logic(fn="and"):
-            return all(_cell_fits(a, name, values) for a in test.args)
-        case ir.Same(left=ir.FieldRead(owner=ir.Member(name=owner)) as left, right=ir.Word(value=word)):
-            return owner == name and values[left.name] == word
-        case ir.Not(value=ir.Same(left=ir.FieldRead(owner=ir.Member(name=owner)) as left, right=ir.Word(value=word))):
-            return owner == name and values[left.name] != word
-        case _:
-            return False
+def _check_room_at_start(
+    pool: Pool, sharing: list[Pool], lacking: ir.Send, game: ir.Game, problems: Problems, sources: Mapping[str, Source]
+) -> None:
+    """Agents take cells in the order of their numbers: each needs more cells that fit than others before it may have taken."""
+    domain, span = pool.sends[0].domain, lacking.span
+    own = any(variables_around(s.domain) for s in pool.sends)
+    earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.agents}
+    for agent in sorted(pool.agents):
+        sure, possible = _cells_at_start(pool, agent, game)
+        taken = sum(other != agent and not sure.isdisjoint(cells) for other, cells in earlier.items())
+        earlier[agent] = earlier.get(agent, set()) | possible
+        if len(sure) > taken:
+            continue
+        place, everybody = _as_written(domain, sources), len({*pool.agents, *earlier})
+        if own:
+            problems.add(errors.TooFewForOne(span, place=place, cells=len(sure), agents=taken, agent=agent))
+        elif domain.where is None:
+            problems.add(errors.TooFewCells(span, kind=place, cells=len(sure), agents=everybody))
+        else:
+            problems.add(errors.TooFewToStart(span, place=place, cells=len(sure), agents=everybody))
+        return
 
 
-def _check_overlap(pools: dict[int, Pool], problems: Problems) -> None:
-    """Two different destinations of one phase must not share cells."""
-    first = list(pools.values())
-    for i, a in enumerate(first):
-        for b in first[i + 1 :]:
-            if set(a.sends[0].domain.var.kinds) & set(b.sends[0].domain.var.kinds):
-                span = b.sends[0].origin
-                problems.add(errors.OverlappingSends(span, kind=" | ".join(b.sends[0].domain.var.kinds)))  # type: ignore[arg-type]
+def _cells_at_start(pool: Pool, agent: int, game: ir.Game) -> tuple[set[Place], set[Place]]:
+    """Returns the cells that certainly fit an agent when the episode begins, and those that may."""
+    sure, possible = set(), set()
+    for s in pool.sends:
+        known = {s.who.name: agent} if isinstance(s.who, ir.Member) else {}
+        for place in places(game, s.domain.var.kinds):
+            fits = True if s.domain.where is None else holds_at_start(s.domain.where, {**known, s.domain.var.name: place}, game)
+            if fits is not False:
+                possible.add(place)
+            if fits is True:
+                sure.add(place)
+    return sure, possible

@@ -133,7 +133,7 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                 yield _field_write("add", s, s.target, s.value, around)
             case ir.Send():
                 value = ("send", s.pool, None if s.after is None else form(s.after), s.facing, s.stay)
-                depends = frozenset() if s.after is None else _names(s.after, around)
+                depends = _names(s.domain, around) | (frozenset() if s.after is None else _names(s.after, around))
                 yield _write("place", PLACE, (), s.who, value, depends, s, around)
             case ir.Remove():
                 yield _write("place", PLACE, (), s.who, ("remove",), frozenset(), s, around)
@@ -183,7 +183,7 @@ def _branched(s: ir.When | ir.Chance, around: Around) -> Iterator[Write]:
     yield from _writes(s.otherwise, replace(around, branches=(*around.branches, last), facts=known))
 
 
-def _names(e: ir.Expr, around: Around) -> frozenset[str]:
+def _names(e: ir.Node, around: Around) -> frozenset[str]:
     """Returns the variables a value depends on; those its own quantifiers bind are not outside it."""
     found: set[str] = set()
     inner: set[str] = set()

@@ -6,7 +6,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
-from sjdsl.compiler.elaborate.lookup import as_agent, check_free, kinds_named, unknown
+from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, kinds_named, unknown
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 
@@ -56,12 +56,22 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
     return found
 
 
-def without_variables(scope: Scope, instead: str) -> Scope:
-    """Returns a scope that sees neither agents, cells and values of the statements around nor what is known of them."""
-    fixed: dict[str, ir.Expr | str | None] = {n: v for n, v in scope.variables.items() if not isinstance(v, ir.Member | ir.Local)}
+def without(scope: Scope, name: str) -> Scope:
+    """Returns a scope that does not see a variable around, nor what is known of it: a domain inside has one of the same name."""
+    variables = {n: v for n, v in scope.variables.items() if n != name}
+    facts = tuple(f for f in scope.facts if name not in {v.name for v in free_variables(f.condition)})
+    return replace(scope, variables=variables, facts=facts)
+
+
+def only_one_who(scope: Scope, who: ir.Expr, instead: str) -> Scope:
+    """Returns a scope for what is asked when an agent comes back: of the variables around it sees this agent alone, which has no place.
+
+    What is known now may not hold any more then.
+    """
+    seen = who.name if isinstance(who, ir.Member) else ""
+    kept = {n: v for n, v in scope.variables.items() if n == seen or not isinstance(v, ir.Member | ir.Local)}
     facts = tuple(f for f in scope.facts if not free_variables(f.condition))
-    withheld = {n: instead for n in scope.variables if n not in fixed}
-    return replace(scope, variables=fixed, facts=facts, withheld=withheld)
+    return replace(scope, variables=kept, facts=facts, withheld={n: instead for n in scope.variables if n not in kept}, returning=seen)
 
 
 def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Restriction:
@@ -84,8 +94,8 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
     shape = shapes.used(ref, scope)
     member = _variable(anchor, scope)
-    if member.who == "agent" and scope.part == "start":
-        raise scope.problems.fail(errors.NoPlaceYet(ref.span, what=f"{shape.name} of {anchor.text}"))
+    if member.who == "agent":
+        check_placed(member, ref.span, f"{shape.name} of {anchor.text}", scope)
     if shape.directed and member.who == "cell":
         raise scope.problems.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))
     return ir.Near(shape=shape.name, anchor=member, origin=ref.span)

@@ -3,7 +3,7 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
-from sjdsl.compiler.elaborate.domains import domain, without_variables
+from sjdsl.compiler.elaborate.domains import domain, only_one_who, without
 from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_somebody, not_a_word
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
@@ -12,6 +12,7 @@ from sjdsl.compiler.ir.types import integer
 from sjdsl.runtime.actions import HEADINGS
 
 FACINGS = (*HEADINGS, "same")
+LATER = "who is sent `after` some ticks finds its cell when it comes back: keep what it needs in a field of its own, set before it is sent"
 
 
 def agent(e: ast.Path, scope: Scope) -> ir.Expr:
@@ -76,26 +77,10 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 
 
-def _instead_of_variables(s: ast.Send, scope: Scope) -> str:
-    """Returns what to write where a destination should depend on who is sent."""
-    shared = "all who are sent to one place in a phase draw lots for its cells"
-    if scope.part == "start":
-        return f"{shared}: give the places kinds of their own, and choose between them with `when`"
-    asked = "agent.team is p"
-    place = f"{s.domain.kind.text}.team is p"
-    match s.domain.where:
-        case ast.Binary(op="is" | "==" as op, left=ast.Path() as left, right=ast.Path() as right):
-            own = (s.domain.bind or s.domain.kind).text
-            mine, theirs = (left, right) if left.name.text == own else (right, left)
-            text = scope.static.sources[s.span.file].text
-            asked, place = (f"{text[e.span.start : e.span.end]} {op} p" for e in (theirs, mine))
-    return f"{shared}: write a phase with a parameter p, scheduled once for each value; ask in it `when {asked}`, and send `where {place}`"
-
-
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = agent(s.who, scope)
-    # one set of free cells serves all who are sent: the destination cannot depend on who that is
-    destination, _ = domain(s.domain, without_variables(scope, _instead_of_variables(s, scope)))
+    around = scope if s.after is None else only_one_who(scope, who, LATER)
+    destination, _ = domain(s.domain, without(around, (s.domain.bind or s.domain.kind).text))
     if destination.var.who != "cell" or destination.on is not None or destination.restriction is not None:
         raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
     after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")

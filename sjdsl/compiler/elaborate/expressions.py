@@ -14,7 +14,7 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain, most_members
 from sjdsl.compiler.elaborate.extremes import extreme as over_domain
-from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, kinds_named, not_a_word
+from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, check_placed, kinds_named, not_a_word
 from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed
@@ -148,6 +148,8 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     if scope.part in BETWEEN_STEPS:
         said, what = f"{agent.name} chose {name}", "about what is done in a step"
         raise scope.problems.fail(errors.WrongSort(e.span, name=said, what=what, wanted="something about a state"))
+    if agent.name == scope.returning:
+        check_placed(agent, e.span, f"{agent.name} chose {name}", scope)
     return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
 
 
@@ -169,6 +171,8 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
         raise wrong_type(scope, e.who, "an agent that a statement around has named", agent.type, _by_name(agent))
+    if agent.name == scope.returning:
+        check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)
     return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)
 
 

@@ -28,6 +28,14 @@ def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
         raise scope.problems.fail(errors.CanBeNobody(span, path=text(agent)))
 
 
+def check_placed(agent: ir.Expr, span: Span, what: str, scope: Scope) -> None:
+    """Says so if `what` asks for the place or the choice of an agent that has none: in `phase start`, or when it comes back."""
+    if scope.part == "start":
+        raise scope.problems.fail(errors.NoPlaceYet(span, what=what))
+    if isinstance(agent, ir.Member) and agent.name == scope.returning:
+        raise scope.problems.fail(errors.NoPlaceWhenBack(span, what=what, name=agent.name))
+
+
 def table_words(table: ast.Table, scope: Scope) -> tuple[str, ...]:
     """Returns the words of a table's entries; says so if one stands there twice."""
     names = tuple(entry.key.text for entry in table.entries)
@@ -113,7 +121,7 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     if Declared(name.text) in static.broken:
         return Poisoned()
     if name.text in scope.withheld:
-        what, wanted = "a variable of the statements around", "something that is the same for all who are sent"
+        what, wanted = "a variable of the statements around", "the agent that is sent, or something of the world,"
         return scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]))
     if static.kinds_of(name.text) or name.text == "agent":
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"

@@ -9,6 +9,7 @@ from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
     CELL_ATTRIBUTES,
     check_known_word,
+    check_placed,
     check_somebody,
     no_field,
     not_a_word,
@@ -99,8 +100,8 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     }
     if name.text in ("row", "col") and not isinstance(owner, ir.Member):
         raise _perhaps_away(owner, name.span, "row or column", f"x.{name.text}", scope)
-    if name.text in ("row", "col") and scope.part == "start":
-        raise scope.problems.fail(errors.NoPlaceYet(name.span, what=f"{text(owner)}.{name.text}"))
+    if name.text in ("row", "col"):
+        check_placed(owner, name.span, f"{text(owner)}.{name.text}", scope)
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     if Declared(name.text, "agent") in static.broken:
@@ -123,8 +124,8 @@ def distance(e: ast.Call, scope: Scope) -> ir.Expr:
             raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
         if not isinstance(place, ir.Member):
             raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
-        if place.who == "agent" and scope.part == "start":
-            raise scope.problems.fail(errors.NoPlaceYet(tree.span, what=f"distance({', '.join(map(_written, e.arguments))})"))
+        if place.who == "agent":
+            check_placed(place, tree.span, f"distance({', '.join(map(_written, e.arguments))})", scope)
         found.append(place)
     farthest = max(scope.static.map_rows + scope.static.map_cols - 2, 0)
     return ir.Distance(type=integer(0, farthest, "cells"), left=found[0], right=found[1], origin=e.span)

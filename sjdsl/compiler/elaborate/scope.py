@@ -85,7 +85,7 @@ class Scope(Record):
 
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
     `facts`: conditions that hold here. `part`: of the game; in `start` no agent stands anywhere.
-    `withheld`: variables around that cannot be used here, with what to write instead.
+    `withheld`: variables around that cannot be used here, with what to write instead. `returning`: an agent that is away until now.
     """
 
     static: Static
@@ -96,6 +96,7 @@ class Scope(Record):
     events_readable: bool = False
     defining: tuple[str, ...] = ()
     withheld: Mapping[str, str] = field(default_factory=dict)
+    returning: str = ""
 
     def expression(self, e: ast.Expr) -> ir.Expr:
         """Returns the typed form of any expression."""

@@ -18,6 +18,11 @@ def free_variables(e: ir.Node) -> list[Variable]:
     return list(found.values())
 
 
+def variables_around(domain: ir.Domain) -> list[Variable]:
+    """Returns the variables of the statements around that a domain of cells names in its `where`."""
+    return [] if domain.where is None else [v for v in free_variables(domain.where) if v.name != domain.var.name]
+
+
 def _free(node: ir.Node, bound: frozenset[str]) -> Iterator[Variable]:
     if isinstance(node, ir.Count | ir.Sum | ir.Extreme):
         inner = bound | {m.name for m in (node.domain.var, node.domain.on) if m is not None}

@@ -29,7 +29,7 @@ KERNELS = {
         "values_of",
     ),
     "sjdsl.runtime.movement": ("resolve",),
-    "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place"),
+    "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place", "place_fitting"),
     "sjdsl.runtime.planes": ("TokenPlane",),
     "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp"),
     "sjdsl.runtime.line_of_sight": ("reached",),

@@ -1,11 +1,12 @@
 """Lowers `send` and `remove`: collects who is sent over the phase, then spawns or respawns them on free cells."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, both, iota, literal, reduce, select
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, both, iota, literal, reduce, select, spread, union
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import owner
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
@@ -24,6 +25,18 @@ class Pool(Record):
     send: ir.Send
     phase: str
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        return self.send.domain.var.kinds
+
+
+class Sent(Record):
+    """Who goes at once by one statement. `own`: which cells fit each agent, `[N, S]` bool; None where they are the same for all."""
+
+    send: ir.Send
+    who: array.Expression
+    own: array.Expression | None
+
 
 class Leaving(Record):
     """Who goes away by one statement, and for how many ticks."""
@@ -40,7 +53,7 @@ class Sends:
 
     pools: tuple[Pool, ...]
     away_stored: bool = False
-    now: dict[int, list[tuple[ir.Send, array.Expression]]] = field(default_factory=dict)
+    now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
     removed: list[array.Expression] = field(default_factory=list)
 
@@ -48,13 +61,14 @@ class Sends:
         """Notes who is sent, `[N]` bool."""
         sent = w.keep("sent", _per_agent(s.who, scope, w)).node
         pool = next(p for p in self.pools if p.send.pool == s.pool)
+        own = _own_cells(s, scope, w) if s.after is None or s.after.type.low <= 0 else None
         if s.after is None:
-            self.now.setdefault(pool.number, []).append((s, sent))
+            self.now.setdefault(pool.number, []).append(Sent(s, sent, own))
             return
         delays = _delays(s, as_dtype(w.value(s.after, scope.always()), "i32"), scope, w)
         if s.after.type.low <= 0:
             at_once = w.keep("at_once", Value(array.Binary("&", sent, array.Binary("==", delays, array.Literal(0))), "bool")).node
-            self.now.setdefault(pool.number, []).append((s, at_once))
+            self.now.setdefault(pool.number, []).append(Sent(s, at_once, own))
             sent = w.keep("leaving", Value(array.Binary("&", sent, array.Binary(">", delays, array.Literal(0))), "bool")).node
         self.away.append(Leaving(pool, s, sent, delays))
 
@@ -71,6 +85,34 @@ def _per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         hit = reduce("any", mask, tuple(a for a in scope.axes if a != who.axis))
         return hit if hit.axes else Value(array.call("jnp.full", w.module.agents, hit.node), "bool")
     return Value(_scattered(who, array.Literal(True), "bool", scope, w), "bool")
+
+
+def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression | None:
+    """Returns which cells of the destination fit each agent that the statement sends, `[N, S]` bool; None if that is the same for all."""
+    if not variables_around(s.domain):
+        return None
+    axis = w.axis("destination", w.module.num_cells(s.domain.var.kinds))
+    fits = _fits(s, axis, scope.always(), w)
+    who = owner(s.who, scope, w)
+    assert isinstance(who, AgentVar)
+    if who.axis is not None:
+        gone = tuple(a for a in scope.axes if a != who.axis)
+        if any(a in fits.axes for a in gone):  # of those who send the agent, all say the same: any of them
+            fits = reduce("any", both(scope.mask, fits) or TRUE, gone)
+        return w.keep("fitting", Value(spread(fits, (who.axis, axis)), "bool")).node
+    axes = union(who.index.axes, () if scope.mask is None else scope.mask.axes, tuple(a for a in fits.axes if a != axis))
+    at = w.keep("to_agent", Value(spread(select(scope.mask, who.index, Value(w.module.agents, "i32")), axes), "i32"))
+    rows = spread(fits, (*axes, axis))
+    table = array.call("jnp.zeros", array.Sequence((w.module.agents, axis.extent)), array.Name("bool"))
+    return w.keep("fitting", Value(array.Update(table, (at.node,), "set", rows, drop=True), "bool")).node
+
+
+def _fits(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
+    """Returns where a destination's `where` holds, along the axis of its cells and those of the variables it names."""
+    assert s.domain.where is not None
+    variable = CellVar(iota(axis), s.domain.var.kinds, axis)
+    inner = replace(scope.binding(**{s.domain.var.name: variable}), axes=(*scope.axes, axis))
+    return w.value(s.domain.where, inner)
 
 
 def _scattered(who: AgentVar, value: array.Expression, dtype: str, scope: IterationScope, w: Writer) -> array.Expression:
@@ -116,16 +158,19 @@ def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
 def finish(sends: Sends, w: Writer) -> None:
     """Writes the placing of all who are sent in a phase."""
     can_be_away = any(a.after is not None for p in sends.pools for a in _sends_of(p, w.module)) or sends.away_stored
+    earlier: list[tuple[Pool, array.Expression]] = []
     for pool in sends.pools:
         parts = sends.now.get(pool.number, [])
         if not parts:
             continue
-        w.origin = parts[0][0].origin
-        sent = w.keep("sent", Value(_any_of([who for _, who in parts]), "bool")).node
+        w.origin = parts[0].send.origin
+        sent = w.keep("sent", Value(_any_of([part.who for part in parts]), "bool")).node
         left = None
         if not any(s.stay for s in _sends_of(pool, w.module)):
             left = _any_of([sent, *(leaving.who for leaving in sends.away if leaving.pool is pool)])
-        placed = place(pool, sent, left, w, 0)
+        entered: list[array.Expression] = [who for p, who in earlier if set(p.kinds) & set(pool.kinds)]
+        placed = place(pool, sent, left, _fitting(parts), w, entered=entered)
+        earlier.append((pool, placed))
         _headings(pool, parts, placed, w)
         if can_be_away:
             _put("away", placed, array.Literal(0), w)
@@ -140,6 +185,14 @@ def finish(sends: Sends, w: Writer) -> None:
         _put("position", removed, state_reads.nowhere(w).node, w)
         if sends.away_stored:
             _put("away", removed, array.Literal(0), w)
+
+
+def _fitting(parts: list[Sent]) -> array.Expression | None:
+    """Returns which cells fit each agent that a pool sends, `[N, S]` bool; None if they are the same for all."""
+    if parts[0].own is None or len(parts) == 1:
+        return parts[0].own
+    rows = [array.Binary("&", array.Index(part.who, (array.ALL, array.NEW_AXIS)), part.own) for part in parts if part.own is not None]
+    return _any_of(list(rows))
 
 
 def _put(attribute: str, who: array.Expression, value: array.Expression, w: Writer) -> None:
@@ -172,20 +225,37 @@ def _sends_of(pool: Pool, module: Module) -> list[ir.Send]:
     return [s for s in module.sends if s.order_stream == pool.send.order_stream]
 
 
-def place(pool: Pool, sent: array.Expression, leaving: array.Expression | None, w: Writer, stream_change: int) -> array.Name:
-    """Writes the placing of one pool; returns who found a cell. The cells of those who are `leaving` count as free."""
+def place(
+    pool: Pool,
+    sent: array.Expression,
+    leaving: array.Expression | None,
+    own: array.Expression | None,
+    w: Writer,
+    stream_change: int = 0,
+    entered: list[array.Expression] | None = None,
+) -> array.Name:
+    """Writes the placing of one pool; returns who found a cell. The cells of those who are `leaving` count as free.
+
+    own: the cells that fit each agent, `[N, S]` bool; None where they are the same for all. entered: who has been placed on such cells
+    before in this phase, `[N]` bool each.
+    """
     kinds = pool.send.domain.var.kinds
     extent = w.module.num_cells(kinds)
     axis = w.axis("destination", extent)
     free: Value | None = None
+
+    def without(name: str, sites: array.Expression) -> Value | None:
+        taken = array.call("occupied", w.keep(name, Value(sites, "i32")).node, extent)
+        return both(free, Value(array.Unary("~", taken), "bool", (axis,)))
+
     if pool.phase != "start":
         site, _ = state_reads.site_under(state_reads.everybody(w), kinds, w)
-        others = Value(site.node if leaving is None else array.Where(leaving, extent, site.node), "i32")
-        free = Value(array.Unary("~", array.call("occupied", w.keep("others", others).node, extent)), "bool", (axis,))
-    if pool.send.domain.where is not None:
-        variable = CellVar(iota(axis), kinds, axis)
-        scope = IterationScope(axes=(axis,), variables={pool.send.domain.var.name: variable})
-        free = both(free, w.value(pool.send.domain.where, scope))
+        free = without("others", site.node if leaving is None else array.Where(leaving, extent, site.node))
+    if entered:
+        newly = array.Where(_any_of(entered), w.current("position"), state_reads.nowhere(w).node)
+        free = without("entered", state_reads.site_at(Value(newly, "i32"), kinds, w).node)
+    if pool.send.domain.where is not None and own is None:
+        free = both(free, _fits(pool.send, axis, IterationScope(), w))
     free = TRUE if free is None else free
     free = w.keep("free", free) if free.axes else Value(array.call("jnp.full", extent, free.node), "bool", (axis,))
     placed = array.Name(w.names.fresh("placed"))
@@ -195,7 +265,9 @@ def place(pool: Pool, sent: array.Expression, leaving: array.Expression | None, 
     w.changed["position"] = position
     stream = w.stream(pool.send.order_stream ^ stream_change)
     bits = array.call("random_bits", KEY, stream, w.module.agents)
-    w.unpack((position, placed), array.call("place", state_reads.cells_of(kinds, w), free.node, bits, before, sent))
+    cells = state_reads.cells_of(kinds, w)
+    among = (cells, free.node) if own is None else (cells, free.node, own)
+    w.unpack((position, placed), array.call("place" if own is None else "place_fitting", *among, bits, before, sent))
     return placed
 
 
@@ -205,12 +277,13 @@ def _any_heading(pool: Pool, w: Writer, stream_change: int = 0) -> array.Express
     return array.call("below", array.call("random_bits", KEY, stream, w.module.agents), array.Literal(4))
 
 
-def _headings(pool: Pool, parts: list[tuple[ir.Send, array.Expression]], placed: array.Name, w: Writer) -> None:
-    for s, sent in parts:
-        if s.facing == "same":
+def _headings(pool: Pool, parts: list[Sent], placed: array.Name, w: Writer) -> None:
+    for part in parts:
+        facing = part.send.facing
+        if facing == "same":
             continue
-        who = placed if len(parts) == 1 else array.Binary("&", sent, placed)
-        _put("heading", who, _any_heading(pool, w) if s.facing is None else heading_number(s.facing, w), w)
+        who = placed if len(parts) == 1 else array.Binary("&", part.who, placed)
+        _put("heading", who, _any_heading(pool, w) if facing is None else heading_number(facing, w), w)
 
 
 def bring_back(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
@@ -226,7 +299,7 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
         w.origin = pool.send.origin
         to_pool = array.Binary("==", array.path("state.away_pool"), array.Literal(pool.number))
         back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
-        placed = place(pool, back, None, w, ir.RETURN)
+        placed = place(pool, back, None, _of_those_who_return(pool, w), w, ir.RETURN)
         wanted, heading = array.path("state.away_facing"), array.path("state.heading")
         is_any = array.Binary("==", wanted, w.module.number("any_heading", ANY_HEADING))
         is_same = array.Binary("==", wanted, w.module.number("same_heading", SAME_HEADING))
@@ -238,3 +311,16 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
         w.changed.clear()
     w.forget()
     w.origin = None
+
+
+def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:
+    """Returns which cells fit each agent when it comes back, `[N, S]` bool; None if they are the same for all."""
+    s = next(s for s in _sends_of(pool, w.module) if s.after is not None)
+    named = variables_around(s.domain)
+    if not named:
+        return None
+    agents = w.axis("agent", w.module.agents)
+    axis = w.axis("destination", w.module.num_cells(s.domain.var.kinds))
+    everybody = AgentVar(iota(agents), agents)
+    scope = IterationScope(axes=(agents,), variables={variable.name: everybody for variable in named})
+    return w.keep("fitting", Value(spread(_fits(s, axis, scope, w), (agents, axis)), "bool")).node

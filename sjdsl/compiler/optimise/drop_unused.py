@@ -39,4 +39,8 @@ def _unread(s: ir.Stmt, rest: tuple[ir.Stmt, ...]) -> bool:
 def _drop_shapes(game: ir.Game) -> ir.Game:
     used = {n.shape for n in ir.walk(game) if isinstance(n, ir.Near | ir.Mark)}
     kept = tuple(s for s in game.shapes if s.name in used)
-    return game if len(kept) == len(game.shapes) else game.model_copy(update={"shapes": kept})
+    if len(kept) == len(game.shapes):
+        return game
+    aimed = {n.shape for policy in game.policies for n in ir.walk(policy) if isinstance(n, ir.Aim)}
+    left_to_policies = tuple(s for s in game.shapes if s.name in aimed - used)
+    return game.model_copy(update={"shapes": kept, "policy_shapes": (*game.policy_shapes, *left_to_policies)})

@@ -48,15 +48,15 @@ class TooFewToStart(TooFewFreeCells):
     hints = ("take a map with more such cells, or fewer agents",)
 
 
+class TooFewForOne(TooFewFreeCells):
+    says = "{cells:cell} of the map certainly fit `{place}` for agent {agent}, and {agents:agent} with lower numbers may take them first"
+    hints = ("take a map with more such cells, or a condition that leaves each agent cells of its own",)
+    agent: int
+
+
 class MoveAlone(Diagnostic, code="SJ405", title="Movement shares its phase"):
     says = "`move` stands alone in its phase"
     hints = ("put the other statements into a phase of their own",)
-
-
-class OverlappingSends(Diagnostic, code="SJ406", title="Two destinations that overlap"):
-    says = "two different destinations of one phase share cells of `{kind}`"
-    hints = ("send to one destination, or write two phases",)
-    kind: str
 
 
 class NoStart(Diagnostic, code="SJ501", title="Agents without a place"):
@@ -119,6 +119,12 @@ class NoPlaceYet(Diagnostic, code="SJ508", title="No place yet"):
     says = "in `phase start` no agent has a place yet, so `{what}` means nothing"
     hints = ("do it in a phase of the schedule, at `step == 0`",)
     what: str
+
+
+class NoPlaceWhenBack(NoPlaceYet):
+    says = "`{name}` finds its cell when it comes back; until then it has no place and chooses nothing, so `{what}` means nothing"
+    hints = ("keep what it needs in a field of its own, set before it is sent away",)
+    name: str
 
 
 class NeverCounted(Diagnostic, code="SJ509", title="An event that is never counted", severity="warning"):
