@@ -15,7 +15,6 @@ RETIRED = {  # a private word -> the field's
     r"promises?": "check, property",
     r"courses? of (play|events)|guided courses?|random courses?": "trajectory",
     r"errands?": "goal",
-    r"recipes?": "precondition",
     r"upkeep": "timers, unused names",
     r"luck": "random draw",
     r"random words?|words? of randomness|threefry words?": "random number, random bits",

@@ -8,7 +8,7 @@ from pathlib import Path
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import Written, read_written
-from tests.manual.blocks import examples, frames, manual_blocks
+from tests.manual.blocks import blocks, examples, frames
 
 TESTS = Path(__file__).parent.parent
 GAMES = sorted((TESTS.parent / "games").glob("*.sj"))
@@ -45,7 +45,7 @@ def manual() -> dict[str, Written]:
 
 def _files() -> Iterator[tuple[str, str]]:
     yield from ((f"{name}.sj", text) for name, text in frames().items())
-    yield from ((block.info["file"], block.text) for block in manual_blocks() if "file" in block.info)
+    yield from ((block.info["file"], block.text) for block in blocks() if "file" in block.info)
 
 
 def corpus() -> dict[str, Written]:

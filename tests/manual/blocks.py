@@ -1,4 +1,4 @@
-"""The fenced blocks of the manual: which games it shows, and what it says they do."""
+"""The fenced blocks of the manual and of the pages beside it: which games they show, and what they say these do."""
 
 import re
 from dataclasses import dataclass, field, replace
@@ -6,18 +6,20 @@ from functools import cache
 from pathlib import Path
 
 MANUAL = Path(__file__).parents[2] / "docs" / "language.md"
+BESIDE = (MANUAL.parent / "tour.md", MANUAL.parent / "recipes.md")  # pages whose examples are tested in the same way
 _FENCE = re.compile(r"^```(\w*)[ \t]*([^\n]*)\n(.*?)^```[ \t]*$", re.MULTILINE | re.DOTALL)
 _WRAPPER = 'sj 1\ngame example extends "{frame}.sj" {{\n'
 
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """One fenced block. `line`: of its first line of text, counted in the manual."""
+    """One fenced block. `line`: of its first line of text, counted in its page."""
 
     language: str
     info: dict[str, str]
     text: str
     line: int
+    page: Path
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,44 +41,55 @@ class Example:
         return tuple(b for b in self.expected if b.language == language)
 
 
-def read_blocks(text: str) -> list[Block]:
-    """Returns the fenced blocks of a Markdown text in order."""
-    found = []
+def read_blocks(page: Path) -> list[Block]:
+    """Returns the fenced blocks of a Markdown page in order."""
+    found, text = [], page.read_text(encoding="utf-8")
     for match in _FENCE.finditer(text):
         info = dict(part.split("=", 1) for part in match.group(2).split())
-        found.append(Block(match.group(1), info, match.group(3), text.count("\n", 0, match.start(3)) + 1))
+        found.append(Block(match.group(1), info, match.group(3), text.count("\n", 0, match.start(3)) + 1, page))
     return found
 
 
 @cache
-def manual_blocks() -> tuple[Block, ...]:
-    return tuple(read_blocks(MANUAL.read_text(encoding="utf-8")))
+def blocks(*pages: Path) -> tuple[Block, ...]:
+    """Returns the blocks of pages, of all tested ones if none is given."""
+    return tuple(block for page in pages or (MANUAL, *BESIDE) for block in read_blocks(page))
 
 
 @cache
 def frames() -> dict[str, str]:
-    """Returns the games that short examples extend, by name."""
-    return {b.info["frame"]: b.text for b in manual_blocks() if b.language == "sj" and "frame" in b.info}
+    """Returns the games that short examples extend, by name; one may extend another that stands above it."""
+    found: dict[str, str] = {}
+    for block in blocks():
+        if block.language == "sj" and "frame" in block.info:
+            found[block.info["frame"]] = _source(block, found)[0]
+    return found
 
 
 @cache
-def examples() -> tuple[Example, ...]:
-    """Returns the examples of the manual in order; an expectation belongs to the `sj` block before it."""
+def examples(*pages: Path) -> tuple[Example, ...]:
+    """Returns the examples of pages in order, of all if none is given; an expectation belongs to the `sj` block before it."""
     found: list[Example] = []
-    for block in manual_blocks():
+    for block in blocks(*pages):
         if block.language == "sj":
-            found.append(_example(block))
+            source, offset = _source(block, frames())
+            found.append(Example(_name(block), block, source, offset, block.info.get("in")))
         elif block.language in ("result", "error", "warning"):
-            assert found, f"line {block.line}: nothing to expect from"
+            assert found, f"{block.page.name}, line {block.line}: nothing to expect from"
             found[-1] = replace(found[-1], expected=(*found[-1].expected, block))
     return tuple(found)
 
 
-def _example(block: Block) -> Example:
-    name = block.info.get("name") or block.info.get("frame") or f"line_{block.line}"
+def _name(block: Block) -> str:
+    where = f"line_{block.line}" if block.page == MANUAL else f"{block.page.stem}_line_{block.line}"
+    return block.info.get("name") or block.info.get("frame") or where
+
+
+def _source(block: Block, frames: dict[str, str]) -> tuple[str, int]:
+    """Returns the file that a block stands for, and how many lines of it stand before the block's own."""
     frame = block.info.get("in")
     if frame is None:
-        return Example(name, block, block.text, 0, None)
-    assert frame in frames(), f"line {block.line}: there is no frame `{frame}`"
+        return block.text, 0
+    assert frame in frames, f"{block.page.name}, line {block.line}: there is no frame `{frame}`"
     wrapper = _WRAPPER.format(frame=frame)
-    return Example(name, block, f"{wrapper}{block.text}}}\n", wrapper.count("\n"), frame)
+    return f"{wrapper}{block.text}}}\n", wrapper.count("\n")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from .blocks import frames, manual_blocks
+from .blocks import blocks, frames
 
 
 @pytest.fixture(scope="session")
@@ -13,7 +13,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("manual")
     for name, text in frames().items():
         (path / f"{name}.sj").write_text(text, encoding="utf-8")
-    for block in manual_blocks():
+    for block in blocks():
         if "file" in block.info:
             (path / block.info["file"]).write_text(block.text, encoding="utf-8")
     return path

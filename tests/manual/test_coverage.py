@@ -21,9 +21,9 @@ from sjdsl.compiler.syntax.soft_words import SOFT
 from sjdsl.interpreter.state import Facing
 from sjdsl.runtime import actions
 
-from .blocks import MANUAL, examples, frames
+from .blocks import MANUAL, examples
 
-EXECUTED = [e for e in examples() if e.said("result")]
+EXECUTED = [e for e in examples(MANUAL) if e.said("result")]
 WORDS_OF_RULES = {
     "units": UNITS,
     "functions": ("min", "max", "ramp", "distance", *expressions.ROW_FUNCTIONS, *expressions.MATRIX_CLASSES),
@@ -72,7 +72,7 @@ def tokens() -> frozenset[str]:
     """Returns the texts of all tokens of the executed examples; parsing them fills the recording parser's set."""
     parser, _ = recording_parser()
     found: set[str] = set()
-    for source in [e.source for e in EXECUTED] + list(frames().values()):
+    for source in [e.source for e in EXECUTED] + [e.source for e in examples(MANUAL) if "frame" in e.block.info]:
         reader, (read, _) = parser.parse_interactive(""), read_tree(Source("example.sj", source))
         for token in read:
             reader.feed_token(token)

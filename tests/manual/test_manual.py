@@ -18,7 +18,7 @@ from sjdsl.compiler.diagnostics.report import render
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 
-from .blocks import Example, examples, manual_blocks
+from .blocks import Example, blocks, examples
 from .plays import Compiled, Interpreted, Play, View
 from .scripts import given_params, perform, read_script
 
@@ -74,7 +74,7 @@ def test_example_is_refused(example, folder):
 
 
 def test_errors_look_as_the_manual_shows_them(folder):
-    shown = [b for b in manual_blocks() if "shown" in b.info]
+    shown = [b for b in blocks() if "shown" in b.info]
     assert shown
     for block in shown:
         example = next(e for e in examples() if e.name == block.info["shown"])
@@ -84,7 +84,7 @@ def test_errors_look_as_the_manual_shows_them(folder):
 
 def test_the_python_of_the_manual_runs(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
-    for block in (b for b in manual_blocks() if b.language == "python"):
+    for block in (b for b in blocks() if b.language == "python"):
         exec(compile(block.text, f"line {block.line}", "exec"), {})
     assert "turn_left" in capsys.readouterr().out
 
