@@ -122,23 +122,38 @@ CROWD = {"numbers": {"players": 20}}  # paper: its speed table
 ROOMS_CROWD = {**CROWD, "rows": "_crowd"}
 COMPASS = {"relative": False}
 THROUGH_WALLS = {**COMPASS, "walls_stop": frozen("agents")}
-OPEN_BEAM = {"numbers": {"respawn_delay": 4, "regrow_1": 0.0025}, "shape": lanes(3), "timers": frozen("cooling")}  # MP
-ROOM_BEAM = {"numbers": {"respawn_delay": 100}, "shape": lanes(4), "timers": frozen("cooling")}  # MP
+COOLING = {"seen": frozen("cooling"), "timers": frozen("cooling")}  # MP: who may use its beam knows it
+BY_CHANCE = {"length": 5000, "least": 1000, "interval": 100}  # MP: episodes end after 1000 steps or more, by chance
+HARVEST = {"schedule": "regrow tick walk eat fire finish", **COOLING}
+OPEN_BEAM = {**HARVEST, "numbers": {"respawn_delay": 4, "regrow_1": 0.0025, **BY_CHANCE, "ending": 0.15}, "shape": lanes(3)}  # MP
+ROOM_BEAM = {**HARVEST, "numbers": {"respawn_delay": 100, **BY_CHANCE, "ending": 0.15}, "shape": lanes(4), "rows": "_crowd"}  # MP
 # everything a variant changes of the above
 CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("coins", "socialjax"): COMPASS,
-    ("coins", "meltingpot"): {"numbers": {"spawn": 0.00025}},  # MP: 0.0005 for both colours together
+    ("coins", "meltingpot"): {
+        "numbers": {"spawn": 0.00025, **BY_CHANCE, "least": 300, "ending": 0.05},  # MP: 0.0005 for both colours together
+        "schedule": "grow walk take finish",
+        "rows": "_meltingpot",
+    },
     **{(game, "socialjax"): THROUGH_WALLS for game in ("harvest_open", "harvest_closed", "harvest_partnership")},
     ("clean_up", "socialjax"): {**THROUGH_WALLS, "schedule": "sample grow pollute tick walk eat scrub rinse fire"},
     ("harvest_open", "meltingpot"): OPEN_BEAM,
     ("harvest_closed", "meltingpot"): ROOM_BEAM,
     ("harvest_partnership", "meltingpot"): ROOM_BEAM,
-    ("clean_up", "meltingpot"): {"numbers": {"respawn_delay": 50}, "shape": lanes(3), "timers": frozen("zap_pause", "clean_pause")},
+    ("clean_up", "meltingpot"): {
+        "numbers": {"respawn_delay": 50, **BY_CHANCE, "ending": 0.2},
+        "shape": lanes(3),
+        "schedule": "grow pollute tick walk eat scrub rinse fire finish",
+        "seen": frozen("zap_pause", "clean_pause"),
+        "timers": frozen("zap_pause", "clean_pause"),
+        "rows": "_meltingpot",
+    },
     ("coop_mining", "socialjax"): {**COMPASS, "numbers": {"spawn_iron": 0.0002, "spawn_gold": 0.00008}},
     ("coop_mining", "meltingpot"): {
-        "numbers": {"spawn_iron": 0.0002, "spawn_gold": 0.00008},
-        "schedule": "walk mine settle tick cool close grow",
-        "timers": frozen("cooling"),
+        **COOLING,
+        "numbers": {"spawn_iron": 0.0002, "spawn_gold": 0.00008, "most": 2, **BY_CHANCE, "ending": 0.2},
+        "schedule": "walk mine settle tick cool close grow finish",
+        "rows": "_meltingpot",
     },
     ("gift_refinement", "socialjax"): {
         **COMPASS,
@@ -146,10 +161,12 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
         "seen": frozenset(),
     },
     ("gift_refinement", "meltingpot"): {
-        "numbers": {"players": 6, "reach": 5, "yields": (5, 5, 1)},
+        "numbers": {"players": 6, "reach": 5, "yields": (5, 5, 1), **BY_CHANCE, "ending": 0.2},
         "shape": {(ahead, 0) for ahead in range(1, 6)},
-        "schedule": "grow tick walk collect consume offer receive(cut) receive(fine) cool",
+        "schedule": "grow tick walk collect consume offer receive(cut) receive(fine) cool finish",
+        "seen": frozen("bag", "cooling"),
         "timers": frozen("cooling"),
+        "rows": "_meltingpot",
     },
     ("mushrooms", "socialjax"): {
         **COMPASS,
@@ -161,7 +178,16 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
             "digestion": (0, 9, 14, 14),  # MP: 0, 10, 15, 15 with the step of the meal
             "crowd": (65536,) * 4,
             "spores": ((3, 0, 0, 0), (3, 3, 0, 0), (3, 3, 3, 0), (0, 0, 0, 1)),
-        }
+            "keeps": (200, 100, 75, 0), "poison": 0.25, "respawn_delay": 50,  # MP
+            "cooling": 3, "frozen": 24, "recovery": 50,  # MP: 25 with the step of the hit
+            **BY_CHANCE, "ending": 0.2,
+        },
+        "shape": lanes(3),
+        "schedule": "tick spoil walk eat die sprout(red) sprout(green) sprout(blue) sprout(orange) fire judge finish",
+        "seen": frozen("digesting", "hot", "stunned"),
+        "of_others": frozen("hits"),
+        "timers": frozen("digesting", "hot", "stunned", "recovering"),
+        "rows": "_meltingpot",
     },
     ("pd_arena", "socialjax"): {
         **COMPASS,
@@ -183,6 +209,8 @@ def game_of(name: str, variant: str = "") -> ir.Game:
 
 def facts_of(game: ir.Game, plain: ir.Game) -> Facts:
     """Returns what a game says. `rows`: what is added to the name of the map of the plain game, empty for the same map."""
+    maps = {suffix: find_game(plain.name).parent / "maps" / f"{plain.name}{suffix}.txt" for suffix in ("_crowd", "_meltingpot")}
+    others = [suffix for suffix, path in maps.items() if path.is_file() and tuple(path.read_text().split()) == game.rows]
     turns = [turn.label if isinstance(turn, ir.Phase) else "tick" for turn in game.schedule]
     cells = {cell for shape in game.shapes if shape.directed for lane in shape.lanes for cell in lane}
     return Facts(
@@ -195,7 +223,7 @@ def facts_of(game: ir.Game, plain: ir.Game) -> Facts:
         of_others=frozenset(s.field for s in game.observables if s.what in ("other", "everyone")),
         timers=frozenset(f.name for f in game.agents.fields if f.timer),
         relative=game.agents.relative,
-        rows="" if game.rows == plain.rows else "_crowd",
+        rows="" if game.rows == plain.rows else others[0],
     )
 
 

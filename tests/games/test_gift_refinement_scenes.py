@@ -183,7 +183,7 @@ def test_the_first_agent_on_the_ray_receives() -> None:
     scene = in_line(FAR, ">TT<T<TT", bags={0: (2, 0, 0)}).step("gift")
     assert bags(scene, 0, 1, 2) == [(1, 0, 0), (0, 5, 0), (0, 0, 0)]
     scene = in_line(FAR, ">TT<T<TT", bags={0: (2, 0, 0), 1: (0, 15, 0)}).step("gift")
-    assert bags(scene, 0, 1, 2) == [(2, 0, 0), (0, 15, 0), (0, 0, 0)]
+    assert bags(scene, 0, 1, 2) == [(1, 0, 0), (0, 15, 0), (0, 0, 0)], "what a full bag cannot hold is lost. Source: Melting Pot"
 
 
 def test_walls_stop_the_ray() -> None:

@@ -11,6 +11,8 @@ CROWDED = Stage("harvest_open", OPEN, 5, variant="meltingpot")
 ROOM = Stage("harvest_closed", (".......", *OPEN), 2, variant="meltingpot")
 RIVER = Stage("clean_up", ("HHHHH", "HHHHH", "HHHHH", "SSSSS", "BPPPP"), 2, variant="meltingpot")
 MINE = Stage("coop_mining", ("OOOOOO", "PPPPPP"), 2, variant="meltingpot", looks={"i": "rock ore=iron"})
+FOREST = Stage("mushrooms", ("........", "........", "........"), 3, variant="meltingpot", interpreted=True)
+NEVER = dict.fromkeys(("red", "green", "blue", "orange"), 0)
 GIFT = Stage("gift_refinement", ("TTTTTTT", "PPPPPPP"), 3, variant="meltingpot")
 
 
@@ -97,3 +99,48 @@ def test_gifts_reach_five_cells_and_are_of_the_finest_level() -> None:
     scene.step("gift").has({"allowed gift": [False, True, False], "agent.bag[cut]": [1, 5, 0]})
     scene.step().has({"allowed gift": [True, True, True]})
     scene.step("gift").has({"agent.bag[cut]": [0, 5, 0], "agent.bag[fine]": [0, 6, 0]})
+
+
+def test_mushrooms_spoil_each_after_its_time() -> None:
+    """Red ones after 200 steps, green after 100, blue after 75, orange never; so do those that have grown in the meantime."""
+    scene = FOREST.put("R.G.B.O.", "........", "vvv.....", fields={"ground.fresh": {(0, 0): 200, (0, 2): 100, (0, 4): 75}}).step(times=74)
+    scene.shows("R.G.B.O.", "........", "vvv.....").step().shows("R.G...O.", "........", "vvv.....").step(times=25)
+    scene.shows("R.....O.", "........", "vvv.....").step(times=99).shows("R.....O.", "........", "vvv.....").step()
+    scene.shows("......O.", "........", "vvv.....").step(times=200).shows("......O.", "........", "vvv.....")
+    sown = FOREST.put("R.......", "^.......", "vv......  12", fields={"ground.fresh": 9}, params={"regrow": dict.fromkeys(NEVER, 1.0)}).step("forward")
+    fresh, grows = sown.value("ground.fresh"), sown.value("ground.grows")
+    assert [left for left, what in zip(fresh, grows, strict=True) if what == "red"] == [200] * 3
+
+
+def test_the_beam_destroys_mushrooms_up_to_the_first_agent() -> None:
+    """Three lanes of three cells; what is behind an agent stays."""
+    scene = FOREST.put("RRRRRR..", ">RvRRR..  01", "RRRRRRv.  2", fields={"ground.fresh": 9}).step("zap")
+    scene.shows("...RRR..", ">.vRRR..", "...RRRv.").has({"event hits": [1, 0, 0], "agent.hits": [0, 1, 0]})
+    assert scene.under(1) == "."
+
+
+def test_a_first_hit_freezes_and_a_second_one_sends_away() -> None:
+    """For 24 steps nothing can be done; the shooter waits for three. After fifty steps without a hit it is forgotten."""
+    scene = FOREST.put(">v......", "........", "......v.").step("zap")
+    scene.has({"allowed zap": [False, False, True], "allowed forward": [True, False, True], "agent.hits": [0, 1, 0]})
+    scene.step("zap, forward", times=3).has({"agent.hits": [0, 1, 0], "allowed zap": {0: True}})
+    gone = FOREST.put(">v......", "........", "......v.", fields={"agent.hits": {1: 1}, "agent.recovering": {1: 9}}).step("zap")
+    gone.has({"agent.away": [False, True, False], "agent.hits": 0}).step(times=49).has({"agent.away": {1: True}})
+    gone.step().has({"agent.away": False})
+    scene.step("zap, forward").has({"agent.away": [False, True, False]})
+    scene = FOREST.put(">v......", "........", "......v.").step("zap").step("turn_left", times=24).has({"allowed forward": True})
+    scene.step("turn_left", times=25).has({"agent.hits": [0, 1, 0]}).step().has({"agent.hits": 0})
+
+
+def test_who_digests_cannot_walk_and_can_zap() -> None:
+    """Nine steps for a green meal, fourteen for blue and orange ones, none for red."""
+    for sign, steps in (("R", 0), ("G", 9), ("B", 14), ("O", 14)):
+        scene = FOREST.put(f"{sign}.......", "^......v", "......v.", fields={"ground.fresh": 9}, params={"regrow": NEVER}).step("forward")
+        scene.has({"agent.digesting": [steps, 0, 0], "allowed zap": True, "allowed forward": {0: steps == 0}})
+
+
+def test_who_is_away_is_not_paid() -> None:
+    """Of three players: green pays two thirds to each who is there, blue three halves to each other one. Source: Melting Pot."""
+    for sign, paid in (("G", [2 / 3, 2 / 3, 0]), ("B", [0, 1.5, 0])):
+        scene = FOREST.put(f"{sign}.......", "^......v", "........", away={2: 9}, fields={"ground.fresh": 9}, params={"regrow": NEVER}).step("forward")
+        assert scene.reward == pytest.approx(paid)

@@ -44,7 +44,8 @@ NAMED = [form for form in forms() if form.game in NINE and form.agents is None]
 
 
 def most_of(form: Form) -> tuple[int, str]:
-    return MOST_OF_A_CROWD.get(form.game, MOST[form.game]) if form.variant == "crowd" else MOST[form.game]
+    crowded = form.variant == "crowd" or form in (Form("harvest_closed", "meltingpot"), Form("harvest_partnership", "meltingpot"))
+    return MOST_OF_A_CROWD.get(form.game, MOST[form.game]) if crowded else MOST[form.game]
 
 
 def refusal(form: Form) -> str:
