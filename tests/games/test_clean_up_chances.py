@@ -152,7 +152,7 @@ def test_who_was_away_comes_to_every_free_gate_alike() -> None:
     """As in Melting Pot, some time after the hit: on two of the 19 gates stand others."""
     env = environment("clean_up", "meltingpot")
     gates = cells_of(env, "gate")
-    places = [(11, 17), (11, 16), (6, 3), (12, 1), (12, 2), (12, 3), (12, 4)]
+    places = [(12, 18), (12, 17), (7, 4), (13, 2), (13, 3), (13, 4), (13, 5)]
     state = state_with(0, places, [3, 0, 0, 0, 0, 0, 0], variant="meltingpot")
     _, state, *_ = env.step_env(jax.random.key(0), state, jnp.array([7, *STAYS[1:]]))
     assert state.away.tolist() == [0, 50, 0, 0, 0, 0, 0]

@@ -65,8 +65,9 @@ def test_iron_and_gold_come_so_often(variant: str | None, rounds: int, within: f
     env, (iron, gold) = environment("coop_mining", variant), RATES[variant]
     run = counted if variant is None else counter(variant)
     seen = run(0, placed(env, cells_of(env, "camp")[:6]), [STAY] * 6, env.params, rounds)
-    trials = ROCK * rounds * BATCH
-    assert seen["iron"].size == ROCK
+    rocks = len(cells_of(env, "rock"))
+    trials = rocks * rounds * BATCH
+    assert seen["iron"].size == rocks
     assert_share(seen["iron"].sum(), trials, iron, within)
     assert_share(seen["gold"].sum(), trials, (1 - iron) * gold, within)
 

@@ -107,7 +107,9 @@ def test_mushrooms_spoil_each_after_its_time() -> None:
     scene.shows("R.G.B.O.", "........", "vvv.....").step().shows("R.G...O.", "........", "vvv.....").step(times=25)
     scene.shows("R.....O.", "........", "vvv.....").step(times=99).shows("R.....O.", "........", "vvv.....").step()
     scene.shows("......O.", "........", "vvv.....").step(times=200).shows("......O.", "........", "vvv.....")
-    sown = FOREST.put("R.......", "^.......", "vv......  12", fields={"ground.fresh": 9}, params={"regrow": dict.fromkeys(NEVER, 1.0)}).step("forward")
+    sown = FOREST.put(
+        "R.......", "^.......", "vv......  12", fields={"ground.fresh": 9}, params={"regrow": dict.fromkeys(NEVER, 1.0)}
+    ).step("forward")
     fresh, grows = sown.value("ground.fresh"), sown.value("ground.grows")
     assert [left for left, what in zip(fresh, grows, strict=True) if what == "red"] == [200] * 3
 
@@ -142,5 +144,7 @@ def test_who_digests_cannot_walk_and_can_zap() -> None:
 def test_who_is_away_is_not_paid() -> None:
     """Of three players: green pays two thirds to each who is there, blue three halves to each other one. Source: Melting Pot."""
     for sign, paid in (("G", [2 / 3, 2 / 3, 0]), ("B", [0, 1.5, 0])):
-        scene = FOREST.put(f"{sign}.......", "^......v", "........", away={2: 9}, fields={"ground.fresh": 9}, params={"regrow": NEVER}).step("forward")
+        scene = FOREST.put(
+            f"{sign}.......", "^......v", "........", away={2: 9}, fields={"ground.fresh": 9}, params={"regrow": NEVER}
+        ).step("forward")
         assert scene.reward == pytest.approx(paid)
