@@ -36,6 +36,8 @@ class Overrides(Record):
 def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tuple[ir.Game | None, Static]:
     """Returns the typed game, None if a part of it is missing, and its declarations; `problems` gets all that is wrong."""
     static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
+    if any(isinstance(problem, errors.WordClash) for problem in problems.found):
+        return None, static  # what the name means decides what else is wrong
     static.phases = tuple(game.phases.values())
     declare_world(game, static, problems)
     rows = _read_map(game, static, overrides, problems)
