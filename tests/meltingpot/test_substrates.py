@@ -53,7 +53,6 @@ NOT_WRITTEN = {  # families of which a substrate has not been written yet; take 
     "hidden_agenda",
     "paintball",
     "predator_prey",
-    "territory",
 }
 
 
