@@ -52,7 +52,6 @@ NOT_WRITTEN = {  # families of which a substrate has not been written yet; take 
     "fruit_market",
     "hidden_agenda",
     "paintball",
-    "predator_prey",
 }
 
 
