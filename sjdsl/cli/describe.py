@@ -39,7 +39,8 @@ def describe(name: str) -> dict[str, Any]:
         "cites": list(game.cites),
         "about": dict(game.about),
         "episode": expression(game.episode),
-        "window": game.window.model_dump(exclude={"origin"}),
+        "window": game.window.model_dump(exclude={"origin", "views"}),
+        **({"windows": list(map(_view, game.window.views))} if game.window.views else {}),
         "kinds": [{"name": k.name, "fields": {f.name: _values(f.type) for f in k.fields}} for k in game.kinds],
         "params": [_number(p.name, p.type, p.value, (p.type.low, p.type.high)) for p in game.params],
         "sizes": [_number(s.name, s.type, s.value, _limits(agents, composed, s.name)) for s in game.sizes],
@@ -48,6 +49,11 @@ def describe(name: str) -> dict[str, Any]:
         "policies": [{"name": p.name, "title": p.title} for p in game.policies],
         "scenarios": [{"name": s.name, "title": s.title, "slots": list(map(_slots, s.slots))} for s in game.scenarios],
     }
+
+
+def _view(view: ir.View) -> dict[str, Any]:
+    """Returns how far some agents see, and which agents: None for all others."""
+    return view.model_dump(exclude={"origin", "condition"}) | {"when": None if view.condition is None else expression(view.condition)}
 
 
 def _slots(slots: ir.Slots) -> dict[str, Any]:

@@ -41,10 +41,14 @@ def _map(game: dict[str, Any]) -> str:
     return f"{game['map']['rows']} x {game['map']['columns']}"
 
 
+def _window(window: dict[str, Any]) -> str:
+    sides = f"{window['ahead']} ahead, {window['behind']} behind, {window['left']} left, {window['right']} right"
+    return sides + (f" when {window['when']}" if window.get("when") else "")
+
+
 def page(game: dict[str, Any]) -> str:
     """Returns all about one game, as a person reads it."""
-    window = game["window"]
-    view = f"{window['ahead']} ahead, {window['behind']} behind, {window['left']} left, {window['right']} right"
+    view = "; ".join(map(_window, game.get("windows", [game["window"]])))
     facts = [
         ("file", game["file"]),
         ("agents", str(game["agents"])),

@@ -47,7 +47,7 @@ class Composition:
     defines: dict[str, ast.Define] = field(default_factory=dict)
     schedule: ast.Schedule | None = None
     phases: dict[str, ast.Phase] = field(default_factory=dict)
-    window: ast.Window | None = None
+    windows: tuple[ast.Window, ...] = ()
     observables: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
     looks: dict[str, tuple[ast.Look, ...]] = field(default_factory=dict)  # by what they are of
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
@@ -284,13 +284,20 @@ def _apply_agents(game: Composition, agents: ast.Agents) -> None:
 
 
 def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
-    return [(_observable_key(s), s) for s in observe.observables]
+    """Returns what a block says, by its key. The windows are one entry together, so that they are replaced together."""
+    entries: list[tuple[str, ast.Window | ast.Show | ast.Hide]] = []
+    windows = [s for s in observe.observables if isinstance(s, ast.Window)]
+    plain = [w for w in windows if w.condition is None] or windows[:1]
+    if plain:
+        together = (
+            replace(plain[0].span, start=windows[0].span.start, end=windows[-1].span.end) if len(windows) > len(plain) else plain[0].span
+        )
+        entries += [("window", replace(plain[0], span=together)), *(("window", w) for w in plain[1:])]
+    return entries + [(_observable_key(s), s) for s in observe.observables if not isinstance(s, ast.Window)]
 
 
-def _observable_key(observable: ast.Window | ast.Show | ast.Hide) -> str:
+def _observable_key(observable: ast.Show | ast.Hide) -> str:
     match observable:
-        case ast.Window():
-            return "window"
         case ast.Hide(on=ast.Name() as on):
             return f"{path_text(observable.what)} on {on.text}"
         case _:
@@ -298,11 +305,10 @@ def _observable_key(observable: ast.Window | ast.Show | ast.Hide) -> str:
 
 
 def _apply_observe(game: Composition, observe: ast.Observe) -> None:
-    for key, observable in _observable_entries(observe):
-        if isinstance(observable, ast.Window):
-            game.window = observable
-        else:
-            game.observables[key] = observable
+    game.windows = tuple(s for s in observe.observables if isinstance(s, ast.Window)) or game.windows
+    for observable in observe.observables:
+        if not isinstance(observable, ast.Window):
+            game.observables[_observable_key(observable)] = observable
 
 
 def path_text(path: ast.Path) -> str:

@@ -68,18 +68,23 @@ def _game(e: Entry) -> list[str]:
 
 def _facts(e: Entry) -> list[str]:
     game = e.written.game
-    window = game.window
     rows = [
         ("agents", str(game.agents.number)),
         ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells"),
         ("actions", codes(game.agents.actions)),
-        ("window", f"{window.ahead} ahead, {window.behind} behind, {window.left} left, {window.right} right"),
+        ("window", _window(game.window)),
         *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),
         ("sources", "; ".join(map(plain, game.cites))),
         ("all the rules", code(f"sjdsl doc {e.name}")),
     ]
     rows += [(f"variant {code(name)}", plain(title)) for name, title in e.written.variants]
     return table(("", ""), [row for row in rows if row[1]])
+
+
+def _window(window: ir.Window) -> str:
+    """Returns how far agents see; of several windows each, the usual one first."""
+    sides = [f"{x.ahead} ahead, {x.behind} behind, {x.left} left, {x.right} right" for x in (window.views or (window,))[::-1]]
+    return sides[0] + "".join(f"; of some agents {other}" for other in sides[1:])
 
 
 def _figures(f: Figures) -> list[str]:

@@ -9,7 +9,7 @@ from sjdsl.doc.checks import check_line, episode, event_line, measure_line
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import blocking, field_line, forbidden, starts
 from sjdsl.doc.numbers import limits_of, unit_of
-from sjdsl.doc.observation import seen, unseen_fields
+from sjdsl.doc.observation import seen, unseen_fields, views
 from sjdsl.doc.order import schedule_changes
 from sjdsl.doc.pictures import picture_lines
 from sjdsl.doc.policies import policy_lines, scenario_line
@@ -166,7 +166,8 @@ def _turn(turn: ir.Turn, v: Vocabulary) -> tuple[Line, ...]:
 def _observation(a: Vocabulary, b: Vocabulary) -> list[Change]:
     sides = [{f"window {side}": getattr(v.game.window, side) for side in ("ahead", "behind", "left", "right")} for v in (a, b)]
     unseen = [[Line(text) for text in unseen_fields(v.game)] for v in (a, b)]
-    return [*by_name(sides, unit="cells"), *texts("seen", seen(a), seen(b)), *texts("not seen", *unseen)]
+    own = [[Line(text) for text in views(v)] for v in (a, b)]
+    return [*by_name(sides, unit="cells"), *texts("own window", *own), *texts("seen", seen(a), seen(b)), *texts("not seen", *unseen)]
 
 
 def _metrics(v: Vocabulary) -> list[Line]:

@@ -4,9 +4,12 @@ from collections.abc import Iterator
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
+from sjdsl.compiler.lower.cell_appearance import shown_words
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
+
+OTHER = ' ("the agent" is the observer, agent *other* the one that is seen)'
 
 
 def observation(v: Vocabulary) -> list[str]:
@@ -31,19 +34,36 @@ def window(v: Vocabulary) -> str:
     """Returns how far an agent sees."""
     view = v.game.window
     rows, columns = view.ahead + 1 + view.behind, view.left + 1 + view.right
-    sides = f"{view.ahead} ahead, {view.behind} behind, {view.left} to the left, {view.right} to the right"
     size = f"{counted(rows, 'row')} of {counted(columns, 'cell')}"
     away = " An agent that is away sees nothing." if can_be_away(v.game) else ""
-    return f"After each step every agent sees a window of {size} around it ({sides}), turned so that the agent looks up.{away}"
+    seen = f"After each step every agent sees a window of {size} around it ({_sides(view)}), turned so that the agent looks up.{away}"
+    if not view.views:
+        return seen
+    own = "Of these cells it sees those of its own window, and all others as if they were outside the map."
+    return f"{seen} {own} The window goes {'; '.join(views(v))}."
+
+
+def views(v: Vocabulary) -> list[str]:
+    """Returns how far the own windows of agents go, the first that applies first."""
+    return [f"{_sides(x)} {'otherwise' if x.condition is None else f'if {condition(x.condition, v)}'}" for x in v.game.window.views]
+
+
+def _sides(view: ir.View | ir.Window) -> str:
+    return f"{view.ahead} ahead, {view.behind} behind, {view.left} to the left, {view.right} to the right"
 
 
 def _agents(v: Vocabulary) -> Line:
     heading = heading_observable(v.game)
     who = "whether no agent, it itself or another agent stands there"
+    others = [hidden for hidden in v.game.hidden if hidden.what == "others"]
+    if any(hidden.when is None for hidden in others):
+        return Line("whether it itself stands there; other agents are not seen")
+    unseen = "".join(f"; no other agent if {condition(h.when, v)}{OTHER}" for h in others if h.when is not None)
     if heading is None:
-        return Line(f"{who}; not which way others look")
+        return Line(f"{who}; not which way others look{unseen}")
     text = f"{who}, and which way another agent looks, as seen by the observer (same direction, right, opposite, left)"
-    return Line(text if heading.hidden_when is None else f"{text}, unless {condition(heading.hidden_when, v)}{_readers(heading)}")
+    text = text if heading.hidden_when is None else f"{text}, unless {condition(heading.hidden_when, v)}{_readers(heading)}"
+    return Line(text + unseen)
 
 
 def _covered(game: ir.Game) -> str:
@@ -84,12 +104,16 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
         "world": "the world",
     }[s.what]
     entry = f"the {code(s.word)} entry of the" if s.word is not None else "the"
+    entry = "the number of the agent in the" if s.type.words[:1] == ("nobody",) and not s.labels else entry
     text = f"{entry} {code(s.field)} of {whose}" + (", the same everywhere in the window" if s.what in ("everyone", "own", "world") else "")
     if s.labels:
         text += f", shown as the first of these that applies: {_labels(s.labels, v)}"
     if s.hidden_when is not None:
         text += f", unless {condition(s.hidden_when, v)}"
-    return Line(text + (_readers(s) if s.labels or s.hidden_when is not None else ""))
+    if s.shown_when is not None:
+        text += f", if {condition(s.shown_when, v)}; otherwise {code('hidden') if shown_words(s) else 0}"
+    conditional = s.hidden_when is not None or s.shown_when is not None
+    return Line(text + (_readers(s) if s.labels or conditional else ""))
 
 
 def _readers(s: ir.Observable) -> str:

@@ -13,7 +13,8 @@ from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot
 from sjdsl.render.board import Tiles, draw_board
 from sjdsl.render.look import make_look
-from sjdsl.render.windows import draw_windows
+from sjdsl.render.snapshot import Snapshot
+from sjdsl.render.windows import NONE, OUTSIDE, draw_windows, where_seen
 from sjdsl.runtime.actions import BUILT_IN
 from sjdsl.runtime.env import Environment
 from sjdsl.substrates import substrates
@@ -50,6 +51,7 @@ class Substrate(dm_env.Environment):
         number = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         self._key = jax.random.key(number)
         self._look = replace(make_look(self.env), tile=tile)
+        self._sees = jax.jit(self.env.module.observe)
         self._tiles: Tiles = {}
         self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN]
         self._state: Any = None
@@ -123,7 +125,7 @@ class Substrate(dm_env.Environment):
     def _observe(self, rewards: np.ndarray) -> list[Observation]:
         snapshot = take_snapshot(self.env, self._state, rewards)
         board = draw_board(self._look, snapshot, self._tiles)
-        windows = draw_windows(board, snapshot, self.env.game.window, self._look.tile)
+        windows = self._windows(board, snapshot)
         ready = np.all(np.asarray(self.env.allowed_actions(self._state))[:, self._own_actions], axis=1)
         collective = np.array(rewards.sum())
         observations = []
@@ -133,6 +135,18 @@ class Substrate(dm_env.Environment):
                 seen["READY_TO_SHOOT"] = np.array(float(ready[player]))
             observations.append(seen)
         return observations
+
+    def _windows(self, board: np.ndarray, snapshot: Snapshot) -> np.ndarray:
+        """Returns what each player sees of the board: nothing beyond its own window, and no agent that is hidden from it."""
+        game = self.env.game
+        windows = draw_windows(board, snapshot, game.window, self._look.tile)
+        if not game.window.views and all(hidden.what != "others" for hidden in game.hidden):
+            return windows
+        content, agents = np.asarray(self._sees(self._state, self.env.params))[:, :2].swapaxes(0, 1)
+        nowhere = np.full_like(snapshot.row, -1)
+        empty = draw_board(self._look, replace(snapshot, row=nowhere, col=nowhere), self._tiles)
+        windows = where_seen(agents != NONE, windows, draw_windows(empty, snapshot, game.window, self._look.tile))
+        return where_seen(content != OUTSIDE, windows, np.zeros_like(windows)) if game.window.views else windows
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import marking_phases
+from sjdsl.compiler.ir.queries import marking_phases, shows_attribute
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.evaluate import evaluate
@@ -16,6 +16,7 @@ from sjdsl.interpreter.shapes import cell_at
 from sjdsl.interpreter.state import Cell, World
 
 _OTHER_HIDDEN = 6
+_NOWHERE = Cell(-1, -1)  # no cell of any map
 
 
 def observe(game: ir.Game, world: World) -> np.ndarray:
@@ -28,6 +29,7 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
         if place is None:
             continue
         here = Instance(board, world, names={"agent": agent})
+        view = _view(window, here)
         for number, plane in enumerate(all_planes):
             if plane.what in ("everyone", "own", "world"):  # the same in the whole window
                 inside = here if plane.agent is None else here.binding({"everyone": plane.agent})
@@ -35,20 +37,33 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
                 continue
             for row in range(rows):
                 for column in range(columns):
-                    cell = cell_at(place, world.heading[agent], window.ahead - row, column - window.left)
+                    ahead, right = window.ahead - row, column - window.left
+                    cell = cell_at(place, world.heading[agent], ahead, right) if _is_in(view, ahead, right) else _NOWHERE
                     picture[agent, number, row, column] = _value(plane, cell, agent, here)
     return picture
+
+
+def _view(window: ir.Window, here: Instance) -> ir.Window | ir.View:
+    """Returns how far the observer sees."""
+    for view in window.views:
+        if view.condition is None or evaluate(view.condition, here):
+            return view
+    return window
+
+
+def _is_in(view: ir.Window | ir.View, ahead: int, right: int) -> bool:
+    return -view.behind <= ahead <= view.ahead and -view.left <= right <= view.right
 
 
 def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
     """Returns what one plane shows at one cell, on the map or off it."""
     match plane.what:
         case "content":
-            return _content(cell, here)
+            return _content(cell, agent, here)
         case "agent":
             return _agent(cell, agent, here)
         case "marks":
-            if _hides_marks(cell, here):
+            if _hides_marks(cell, agent, here):
                 return 0
             names = _marking_names(here.board)
             return sum(1 << bit for bit, name in enumerate(names) if (name, *cell) in here.world.marks)
@@ -61,11 +76,11 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
             assert_never(plane.what)
 
 
-def _content(cell: Cell, here: Instance) -> int:
+def _content(cell: Cell, agent: int, here: Instance) -> int:
     kind = here.board.kind_of.get(cell)
     if kind is None:
         return 0
-    if agent_on(cell, here.world) is not None and any(hidden.what == "content" for hidden in here.board.game.hidden):
+    if _somebody(cell, agent, here) and any(hidden.what == "content" for hidden in here.board.game.hidden):
         return _content_labels(here.board).index(planes.COVERED)
     whole = planes.look_of(here.board.game, kind)
     if whole is not None:
@@ -78,10 +93,15 @@ def _content(cell: Cell, here: Instance) -> int:
     return _content_codes(here.board)[label]
 
 
-def _hides_marks(cell: Cell, here: Instance) -> bool:
+def _somebody(cell: Cell, agent: int, here: Instance) -> bool:
+    """Returns whether an agent is seen on a cell: the observer itself, or another that is not hidden from it."""
+    return cell == here.world.position[agent] or _other(cell, agent, here) is not None
+
+
+def _hides_marks(cell: Cell, agent: int, here: Instance) -> bool:
     """Returns whether no marks are seen of a cell."""
     for hidden in here.board.game.hidden:
-        if hidden.what == "marks" and hidden.on == "agents" and agent_on(cell, here.world) is not None:
+        if hidden.what == "marks" and hidden.on == "agents" and _somebody(cell, agent, here):
             return True
         if hidden.on == "cells" and here.board.kind_of.get(cell) in hidden.kinds:
             if hidden.when is None or evaluate(hidden.when, here.binding({hidden.name: cell})):
@@ -124,11 +144,14 @@ def _agent(cell: Cell, agent: int, here: Instance) -> int:
 
 
 def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
-    """Returns the index of the observable's word, counted from `first`, or its number; 0 if it is hidden."""
+    """Returns the index of the observable's word, counted from `first`, or its number; 0 if it is hidden, or not there."""
+    words = planes.observable_words(observable)
     if _is_hidden(observable, here):
+        return first + words.index(planes.HIDDEN) if words and observable.shown_when is not None else 0
+    if words:
+        return first + words.index(_word(observable, here))
+    if observable.field in ("row", "col") and _is_away(observable, here):
         return 0
-    if planes.observable_words(observable):
-        return first + planes.observable_words(observable).index(_word(observable, here))
     value = evaluate(_read(observable, here.board), here)
     return min(max(int(value), 0), 255)
 
@@ -137,10 +160,20 @@ def _word(observable: ir.Observable, here: Instance) -> str:
     for label in observable.labels:
         if label.condition is None or evaluate(label.condition, here):
             return label.name
-    return str(evaluate(_read(observable, here.board), here))
+    value = evaluate(_read(observable, here.board), here)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "nobody" if value is None else str(value)
+
+
+def _is_away(observable: ir.Observable, here: Instance) -> bool:
+    """Returns whether the agent whose place is shown is away; the others of a window and the observer are not."""
+    return observable.what == "everyone" and not is_here(here.names["everyone"], here.world)
 
 
 def _is_hidden(observable: ir.Observable, here: Instance) -> bool:
+    if observable.shown_when is not None and not evaluate(observable.shown_when, here):
+        return True
     return observable.hidden_when is not None and evaluate(observable.hidden_when, here)
 
 
@@ -161,6 +194,9 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
             )
         case "own" | "other" | "everyone":
             name = "agent" if observable.what == "own" else observable.what
+            if shows_attribute(observable):
+                type_ = ir.CONDITION if observable.field in ("moved", "away") else observable.type
+                return ir.Attribute(type=type_, owner=ir.Member(name=name, who="agent"), name=observable.field)
             owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[observable.field]
         case "world":
             owner, declared = None, board.world_fields[observable.field]
@@ -182,7 +218,11 @@ def _at_cell(cell: Cell, here: Instance) -> Instance:
 
 def _other(cell: Cell, agent: int, here: Instance) -> int | None:
     other = agent_on(cell, here.world)
-    return None if other is None or other == agent or not is_here(other, here.world) else other
+    if other is None or other == agent or not is_here(other, here.world):
+        return None
+    inside = here.binding({"other": other})
+    hides = (hidden for hidden in here.board.game.hidden if hidden.what == "others")
+    return None if any(hidden.when is None or evaluate(hidden.when, inside) for hidden in hides) else other
 
 
 def _observable(plane: planes.Plane) -> ir.Observable:

@@ -45,7 +45,8 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
 
 def observable_words(observable: ir.Observable) -> tuple[str, ...]:
     """Returns the words an observable can show: its labels if it has some, else the field's; none for a number."""
-    return tuple(dict.fromkeys(label.name for label in observable.labels)) or observable.type.words
+    words = tuple(dict.fromkeys(label.name for label in observable.labels)) or observable.type.words
+    return (*words, HIDDEN) if words and observable.shown_when is not None else words
 
 
 def content_observables(game: ir.Game, kind: str) -> tuple[ir.Observable, ...]:
@@ -93,6 +94,8 @@ def field_name(observable: ir.Observable) -> str:
 
 def _agent_labels(game: ir.Game) -> tuple[str, ...]:
     headings = heading_observable(game)
+    if any(hidden.what == "others" and hidden.when is None for hidden in game.hidden):
+        return ("none", "self")
     if headings is None:
         return ("none", "self", "other")
     return AGENT_WORDS if headings.hidden_when is None else (*AGENT_WORDS, "other")

@@ -7,6 +7,7 @@ from sjdsl.render.snapshot import Snapshot
 from sjdsl.runtime.actions import DIRECTIONS
 
 STEPS = np.array(DIRECTIONS)
+OUTSIDE = NONE = 0  # in an observation: the look of what is off the map, and that no agent is seen on a cell
 
 
 def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile: int) -> np.ndarray:
@@ -29,3 +30,15 @@ def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile:
         seen = np.rot90(tiles[rows, cols], int(heading), axes=(2, 3))
         pictures.append(seen.swapaxes(1, 2).reshape(ahead.size * tile, right.size * tile, 3))
     return np.stack(pictures)
+
+
+def where_seen(seen: np.ndarray, windows: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Returns the cells of `windows` that are seen, elsewhere those of `others`.
+
+    Args:
+      seen: `[N, rows, cols]` bool.
+      windows, others: `[N, rows * tile, cols * tile, 3]` uint8.
+    """
+    number, rows, cols = seen.shape
+    cells = (number, rows, windows.shape[1] // rows, cols, windows.shape[2] // cols, 3)
+    return np.where(seen[:, :, None, :, None, None], windows.reshape(cells), others.reshape(cells)).reshape(windows.shape)

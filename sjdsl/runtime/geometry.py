@@ -147,6 +147,27 @@ def near_masks(around: np.ndarray, size: int) -> np.ndarray:
     return masks
 
 
+def view_offsets(rows: Rows, pad: int, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
+    """Returns what to add to an agent's cell for each heading and cell of its window, row by row: `[4, V]` int32."""
+    return shape_offsets(rows, pad, _view(ahead, behind, left, right))
+
+
+def view_steps(ahead: int, behind: int, left: int, right: int) -> np.ndarray:
+    """Returns how many steps each cell of a window is from the agent: `[V]` int32."""
+    return np.array([abs(a) + abs(c) for a, c in _view(ahead, behind, left, right)], np.int32)
+
+
+def view_cells(ahead: int, behind: int, left: int, right: int, *own: int) -> np.ndarray:
+    """Returns which cells of a window are in one with other sides (`own`: ahead, behind, left, right): `[V]` bool."""
+    view = _view(ahead, behind, left, right)
+    return np.array([-own[1] <= a <= own[0] and -own[2] <= c <= own[3] for a, c in view])
+
+
+def _view(ahead: int, behind: int, left: int, right: int) -> list[tuple[int, int]]:
+    """Returns (ahead, right) of each cell of a window, row by row."""
+    return [(a, c) for a in range(ahead, -behind - 1, -1) for c in range(-left, right + 1)]
+
+
 def own_cell(rows: int, columns: int, row: int, column: int) -> np.ndarray:
     """Returns which cell of its window is the observer's own: `[rows * columns]` bool."""
     result: np.ndarray = np.arange(rows * columns) == row * columns + column

@@ -213,7 +213,7 @@ def test_statements(text: str, tree: str) -> None:
         ("phase p(a) { }", "Phase(p, [a], Block([]))"),
         (
             "observe { window ahead 2, left 1  show a  show b as { c where d, e }  hide f when g  hide m on agents when h }",
-            "Observe([Window([[ahead, 2], [left, 1]]), Show(a, []), Show(b, [Relabel(c, d), Relabel(e, -)]), Hide(f, -, g), Hide(m, agents, h)])",
+            "Observe([Window([[ahead, 2], [left, 1]], -), Show(a, [], -), Show(b, [Relabel(c, d), Relabel(e, -)], -), Hide(f, -, g), Hide(m, agents, h)])",
         ),
         (
             "metrics { event a by { b }  mean c = 1  final d = 2 }",

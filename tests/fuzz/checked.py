@@ -9,6 +9,7 @@ from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Variable
 from tests.fuzz.statements import braces
 
+ATTRIBUTES = ("index", "heading", "moved", "row", "col")
 LABELS = ("near_by", "far_off", "mine", "theirs")
 
 
@@ -47,61 +48,89 @@ def checks(w: World) -> list[Lines]:
 
 
 def observe(w: World) -> list[Lines]:
-    """Says what is seen: a window, fields shown as they are or as labels, things hidden."""
+    """Says what is seen: windows, fields shown as they are or as labels, things hidden."""
     if w.is_now(0.05):
         return []
     r = w.random
-    sides = {s: r.randint(0, 3) for s in r.sample(("ahead", "behind", "left", "right"), r.choice((1, 3, 4, 4)))}
-    lines = [f"window {', '.join(f'{s} {n}' for s, n in sides.items())}"] if w.is_now(0.97) else []
-    shown: set[str] = set()
+    lines = _windows(w)
     for owner, fields in (("agent", w.agent_fields), ("other", w.agent_fields), ("everyone", w.agent_fields), ("", w.fields)):
         for f in fields:
             text = f"{owner}.{f.name}" if owner else f.name
             made = _observable(w, owner, f, text) if w.is_now(0.15 if owner == "everyone" else 0.35) else ""
-            if made:
-                lines.append(made)
-                shown.add(text)
+            lines += [made] if made else []
+    for owner in ("agent", "other", "everyone"):
+        names = r.sample(ATTRIBUTES, 2) if w.is_now(0.3) else []
+        lines += [_perhaps_when(w, owner, f"show {owner}.{name}") for name in names if name != "heading" or owner != "other"]
+    lines += [_perhaps_when(w, "everyone", "show everyone.away")] if w.is_now(0.1) else []
     whole = [name for name in w.kinds if w.is_now(0.15)]
     looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]
     for name in whole:
         lines.append(f"show {name} as {{ {_labels(w, name, (*LABELS, 'outside', *looks))} }}")
-    for kind in (kind for name, kind in w.kinds.items() if name not in whole):
+    together = {name: kinds for name, kinds in w.groups.items() if w.is_now(0.3) and not set(kinds) & set(whole)}
+    for name, kinds in together.items():
+        for f in w.cell_fields(kinds):
+            made = _observable(w, name, f, f"{name}.{f.name}")
+            lines += [made] if made else []
+    alone = set(w.kinds) - set(whole) - {kind for kinds in together.values() for kind in kinds}
+    for kind in (kind for name, kind in w.kinds.items() if name in alone):
         for f in kind.fields:
             made = _observable(w, kind.name, f, f"{kind.name}.{f.name}") if w.is_now(0.3) else ""
             lines += [made] if made else []
-    if w.is_now(0.2):
-        test = condition(_observable_scope(w, "other"), 1)
-        lines.append("hide other.heading" + (f" when {test}" if w.is_now(0.7) else ""))
+    if w.is_now(0.3):
+        what = r.choice(("hide other.heading", "hide other", "show other.heading"))
+        lines.append(f"{what} when {_test(w, 'other')}" if w.is_now(0.7) or what.startswith("show") else what)
     lines += [f"hide {what}" for what in ("marks", "marks on agents", "content on agents") if w.is_now(0.1)]
     for name in w.kinds:
         if w.is_now(0.15):
-            test = condition(_observable_scope(w, name), 1)
-            lines.append(f"hide marks on {name}" + (f" when {test}" if w.is_now(0.7) else ""))
+            lines.append(f"hide marks on {name}" + (f" when {_test(w, name)}" if w.is_now(0.7) else ""))
     return [braces("observe", lines)] if lines or w.is_now(0.2) else []
+
+
+def _windows(w: World) -> Lines:
+    """Says how far agents see, perhaps some of them otherwise."""
+    lines = [f"window {_sides(w, (1, 3, 4, 4))}"] if w.is_now(0.97) else []
+    return lines + [f"window {_sides(w, (1, 2))} when {_test(w, '')}" for _ in range(w.random.choice((0, 0, 0, 1, 2)))]
+
+
+def _sides(w: World, numbers: Sequence[int]) -> str:
+    r = w.random
+    return ", ".join(f"{side} {r.randint(0, 3)}" for side in r.sample(("ahead", "behind", "left", "right"), r.choice(numbers)))
 
 
 def _observable_scope(w: World, owner: str) -> Scope:
     scope = Scope(w, "observable", (Variable("agent"),))
     if owner in ("other", "everyone"):
         return scope.having(Variable(owner))
-    return scope.having(Variable(owner, (owner,))) if owner in w.kinds else scope
+    if owner in w.kinds or owner in w.groups:
+        return scope.having(Variable(owner, w.kinds_of(owner)))
+    return scope
+
+
+def _test(w: World, owner: str) -> str:
+    """Returns a condition; of an agent of `everyone`, who may be away, that it is here as well."""
+    test = condition(_observable_scope(w, owner), 1)
+    return f"not everyone.away and ({test})" if owner == "everyone" else test
+
+
+def _perhaps_when(w: World, owner: str, shown: str) -> str:
+    return f"{shown} when {_test(w, owner)}" if w.is_now(0.25) else shown
 
 
 def _observable(w: World, owner: str, f: Field, text: str) -> str:
-    scope = _observable_scope(w, owner)
-    cell = owner in w.kinds
+    cell = owner in w.kinds or owner in w.groups
     if cell and w.is_now(0.4) and f.type.kind == "word":
-        return f"hide {text}" + (f" when {condition(scope, 1)}" if w.is_now(0.7) else "")
+        return f"hide {text}" + (f" when {_test(w, owner)}" if w.is_now(0.7) else "")
     small = f.type.kind == "word" or (f.type.kind == "int" and f.type.low >= 0 and f.type.high <= 255 and not cell)
     if small and w.is_now(0.5) and not (cell and f.type.by):
-        return f"show {text}"
+        return _perhaps_when(w, owner, f"show {text}")
+    if f.type.kind == "agent" and not f.type.by and w.is_now(0.6):
+        return _perhaps_when(w, owner, f"show {text}{w.random.choice(('', '.index'))}")
     if f.type.by or f.timer:
         return f"show {text}" if f.timer and not cell else ""
-    return f"show {text} as {{ {_labels(w, owner, LABELS)} }}"
+    return _perhaps_when(w, owner, f"show {text} as {{ {_labels(w, owner, LABELS)} }}")
 
 
 def _labels(w: World, owner: str, known: Sequence[str]) -> str:
     """Returns some labels with conditions, the last without one."""
     labels = w.random.sample(known, w.random.randint(1, 3))
-    tests = [f"{label} where {condition(_observable_scope(w, owner), 1)}" for label in labels[:-1]]
-    return ", ".join([*tests, labels[-1]])
+    return ", ".join([*(f"{label} where {_test(w, owner)}" for label in labels[:-1]), labels[-1]])

@@ -78,11 +78,11 @@ def whereabouts(scope: Scope, _depth: int) -> str:
     found = []
     for v in scope.agents():
         found += [f"{v.name}.moved", f"{v.name}.away"]
-        if scope.counts:
+        if scope.counts or scope.sort == "observable":
             found.append(f"{v.name} on {r.choice([*w.kinds, *w.groups])}")
         if scope.sort == "phase":
             found += [f"{v.name} chose {r.choice(w.actions)}"] * 2
-    if scope.counts:
+    if scope.counts or scope.sort == "observable":
         found += [f"nobody on {v.name}" for v in scope.cells()]
     return r.choice(found) if found else ""
 

@@ -269,7 +269,7 @@ def over(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
 def apart(scope: Scope) -> Typed | None:
     """Returns the distance between two that have a place."""
     w = scope.world
-    placed = [] if scope.sort in ("forbid", "sight") else [v.name for v in scope.variables if scope.sort != "start" or not v.is_agent]
+    placed = [] if scope.sort == "forbid" else [v.name for v in scope.variables if scope.sort != "start" or not v.is_agent]
     if not placed:
         return None
     names = [w.random.choice(placed) for _ in "ab"]

@@ -105,7 +105,7 @@ class Scope:
     def _of_cell(self, v: Variable) -> list[Typed]:
         fields = self.world.cell_fields(v.kinds)
         if self.sort == "observable":
-            return [(f"{v.name}.{f.name}", f.type) for f in fields if is_painted(f)]
+            return [(f"{v.name}.{f.name}", f.type) for f in fields if is_painted(f)] + self._place(v)
         return [(f"{v.name}.{f.name}", f.type) for f in fields] + self._place(v)
 
     def _place(self, v: Variable) -> list[Typed]:

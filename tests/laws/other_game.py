@@ -30,7 +30,7 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
                 "shapes": tuple(_shape(shape, s) for shape in game.shapes),
                 "start": _start(game.start, s),
                 "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
-                "window": window.model_copy(update={"left": window.right, "right": window.left}) if s.mirror else window,
+                "window": _mirrored(rewrite(window, rule)) if s.mirror else rewrite(window, rule),
                 "observables": tuple(rewrite(observable, rule) for observable in game.observables),
                 "hidden": tuple(rewrite(hidden, rule) for hidden in game.hidden),
                 "measures": tuple(rewrite(measure, rule) for measure in game.measures),
@@ -38,6 +38,12 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
             }
         )
     )
+
+
+def _mirrored(window: ir.Window) -> ir.Window:
+    """Returns windows with left and right exchanged."""
+    views = tuple(view.model_copy(update={"left": view.right, "right": view.left}) for view in window.views)
+    return window.model_copy(update={"left": window.right, "right": window.left, "views": views})
 
 
 def _rule(s: Symmetry, headings: bool = True) -> Callable[[Any], Any]:

@@ -147,10 +147,11 @@ class Phase(Node):
 
 
 class Window(Node):
-    """`window ahead 9, behind 1, left 5, right 5`"""
+    """`window ahead 9, behind 1, left 5, right 5`; with a condition, the window of those for whom it holds"""
 
     span: Span
     sides: tuple[tuple[Name, Expr], ...]
+    condition: Expr | None
 
 
 class Relabel(Node):
@@ -163,6 +164,7 @@ class Show(Node):
     span: Span
     what: Path
     labels: tuple[Relabel, ...]
+    condition: Expr | None
 
 
 class Hide(Node):

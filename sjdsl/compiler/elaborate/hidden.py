@@ -9,15 +9,21 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.seen_conditions import observer_scope
 
 PLANES = ("marks", "content")
 FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide content on agents`"
 
 
+def hides_others(hide: ast.Hide) -> bool:
+    """Returns whether a `hide` is about other agents as a whole."""
+    return hide.what.name.text == "other" and not hide.what.steps and hide.on is None
+
+
 def is_of_a_plane(hide: ast.Hide, static: Static) -> bool:
-    """Returns whether a `hide` is about marks or content, and not about a field."""
+    """Returns whether a `hide` is about marks, content or other agents, and not about a field."""
     name = hide.what.name.text
-    return hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
+    return hides_others(hide) or hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
 
 
 def unseen(game: Composition, static: Static, problems: Problems) -> tuple[ir.Hidden, ...]:
@@ -32,6 +38,10 @@ def unseen(game: Composition, static: Static, problems: Problems) -> tuple[ir.Hi
 
 def _hidden(hide: ast.Hide, static: Static, problems: Problems) -> ir.Hidden:
     what, on = hide.what.name.text, hide.on
+    if hides_others(hide):
+        seen = observer_scope("other", "", "", static, problems)
+        test = None if hide.condition is None else seen.condition(hide.condition)
+        return ir.Hidden(what="others", on="agents", when=test, origin=hide.span)
     if hide.what.steps or what not in PLANES:
         raise problems.fail(errors.WrongType(hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}"))
     if what == "content" and (on is None or on.text != "agents"):

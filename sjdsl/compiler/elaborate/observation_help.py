@@ -7,7 +7,6 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.scope import Static
-from sjdsl.runtime.actions import HEADINGS
 
 OWNERS = {"agent": "the observer itself", "other": "the other agents", "everyone": "all agents"}
 
@@ -50,52 +49,16 @@ def _not_a_field(name: ast.Name, what: str, help_: str, problems: Problems) -> P
     return problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted="a field", help=help_))
 
 
-def no_agent_field(owner: str, name: ast.Name, static: Static, problems: Problems) -> Poisoned:
-    """Reports `agent.f`, where f is no declared field: what every agent has of itself must be copied to be shown."""
-    if name.text not in AGENT_ATTRIBUTES:
-        return no_field(name, "an agent", static.agent_fields, guesses.AGENT_FIELDS | guesses.PLACES, problems)
-    help_ = "an agent that is away sees nothing, and is not seen" if name.text == "away" else _copy(owner, name.text, static)
-    return problems.fail(
-        errors.WrongSort(
-            name.span,
-            name=f"{owner}.{name.text}",
-            what="what every agent has of itself",
-            wanted="a field that the game declares",
-            help=help_,
-        )
-    )
+def no_agent_field(name: ast.Name, static: Static, problems: Problems) -> Poisoned:
+    """Reports `agent.f`, where f is no declared field."""
+    return no_field(name, "an agent", [*static.agent_fields, *AGENT_ATTRIBUTES], guesses.AGENT_FIELDS | guesses.PLACES, problems)
 
 
-def _copy(owner: str, attribute: str, static: Static) -> str:
-    """Returns how to keep, in a field that can be shown, what agents have of themselves."""
-    value = f"agent.{attribute}"
-    match attribute:
-        case "row" | "col":
-            far = (static.map_rows if attribute == "row" else static.map_cols) - 1
-            size, type_ = f"`size far : cells = {far}`, ", "0 .. far = 0"
-        case "index":
-            size, type_ = "", f"0 .. {static.num_agents - 1} = 0"
-        case "heading":
-            size, type_ = "", f"{{ {', '.join(HEADINGS)} }} = north"
-        case _:
-            size, type_, value = "", "{ rested, went } = rested", f"case {value} {{ yes: went, no: rested }}"
-    field = f"my_{attribute}"
-    steps = f"{size}`field {field} : {type_}` in `agents`, `each agent {{ set agent.{field} = {value} }}`, `show {owner}.{field}`"
-    return f"copy it in a last phase into a field of your own: {steps}"
-
-
-def of_group(observable: ast.Show | ast.Hide, name: ast.Name, static: Static, problems: Problems) -> Poisoned:
-    """Reports `show GROUP.f`: each kind is shown by itself."""
-    verb, group = "show" if isinstance(observable, ast.Show) else "hide", observable.what.name
-    kinds = [k for k in static.groups[group.text] if name.text in static.kinds[k]]
-    if not kinds:
-        return no_field(name, f"the group `{group.text}`", _fields_of(group.text, static), guesses.PLACES, problems)
-    paths = [f"{kind}.{name.text}" for kind in kinds]
-    more = dict.fromkeys(paths, " as { … }" if isinstance(observable, ast.Show) and observable.labels else "")
-    if verb == "show" and not any(more.values()):
-        more = {path: labels(path, static.kinds[kinds[0]][name.text].type.kind) for path in paths}
-    help_ = "write it for each kind: " + ", ".join(f"`{verb} {path}{more[path]}`" for path in paths)
-    return problems.fail(errors.WrongSort(group.span, name=group.text, what="a group of kinds", wanted="one kind", help=help_))
+def attribute_unseen(owner: str, name: ast.Name, problems: Problems) -> Poisoned:
+    """Reports `agent.away` and `other.away`: an agent that is away sees nothing, and is not seen."""
+    help_ = "an agent that is away sees nothing, and is not seen; `show everyone.away` tells all who is away"
+    what, wanted = "the same whenever it is seen", "something that can change"
+    return problems.fail(errors.WrongSort(name.span, name=f"{owner}.{name.text}", what=what, wanted=wanted, help=help_))
 
 
 def labels(path: str, kind: str) -> str:
@@ -104,10 +67,6 @@ def labels(path: str, kind: str) -> str:
     if kind == "word":
         return ""
     return f" as {{ {examples.get(kind, f'some where {path} > 0, none_left')} }}"
-
-
-def _fields_of(group: str, static: Static) -> list[str]:
-    return [field for kind in static.groups[group] for field in static.kinds[kind]]
 
 
 def no_cell_field(kind: str, name: ast.Name, fields: Mapping[str, ir.VarField], problems: Problems) -> Poisoned:

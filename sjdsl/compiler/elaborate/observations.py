@@ -1,20 +1,23 @@
-"""Elaborates `observe`: the egocentric window of an agent, and the planes in it, in a fixed order."""
+"""Elaborates `observe`: what an agent sees in its window, as planes in a fixed order."""
 
+from dataclasses import replace
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.hidden import is_of_a_plane
+from sjdsl.compiler.elaborate.hidden import hides_others, is_of_a_plane
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, no_field
+from sjdsl.compiler.elaborate.observation_help import attribute_unseen, no_agent_field, no_cell_field, of_a_kind, without_field
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
-from sjdsl.compiler.elaborate.observation_help import no_agent_field, no_cell_field, of_a_kind, of_group, without_field
+from sjdsl.compiler.elaborate.paths import attribute_types
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.elaborate.seen_conditions import check_places, joined, observer_scope
 from sjdsl.compiler.ir.types import element, words
 from sjdsl.runtime.actions import HEADINGS
 
-SIDES = ("ahead", "behind", "left", "right")
 What = Literal["cell", "own", "other", "everyone", "world", "heading"]
 OWNERS: dict[str, What] = {
     "agent": "own",
@@ -22,31 +25,15 @@ OWNERS: dict[str, What] = {
     "everyone": "everyone",
 }  # how a path to a field of agents begins -> what is seen
 Key = tuple[What, str, str]  # what, kind, field
+WHOSE = ("nobody", "self", "other")  # how an agent that a field holds is seen
 
 
-def window(game: Composition, scope: Scope) -> ir.Window:
-    """Returns the window; 9 ahead, 1 behind, 5 to each side unless the game says otherwise."""
-    sides = {"ahead": 9, "behind": 1, "left": 5, "right": 5}
-    if game.window is None:
-        return _window(sides)
-    for i, (name, tree) in enumerate(game.window.sides):
-        if name.text in [n.text for n, _ in game.window.sides[:i]]:
-            scope.problems.add(errors.WrittenTwice(name.span, what=f"`{name.text}`"))
-        if name.text not in SIDES:
-            scope.problems.unknown(name, SIDES, "the sides of a window", guesses.SIDES)
-            continue
-        with scope.problems.survive():
-            value = scope.fixed(tree, "the window")
-            if value != int(value) or not 0 <= value <= limits.MAX_WINDOW:
-                raise scope.problems.fail(
-                    errors.OutOfLimits(tree.span, name=f"the window {name.text}", value=value, low=0, high=limits.MAX_WINDOW)
-                )
-            sides[name.text] = int(value)
-    return _window(sides, game.window.span)
+class Seen(Record):
+    """What a path names: a field (None for cells as a whole, and for headings of others), and which agent of it by number."""
 
-
-def _window(sides: dict[str, int], origin: Span | None = None) -> ir.Window:
-    return ir.Window(ahead=sides["ahead"], behind=sides["behind"], left=sides["left"], right=sides["right"], origin=origin)
+    key: Key
+    field: ir.VarField | None = None
+    numbered: bool = False
 
 
 def observables(game: Composition, static: Static, problems: Problems) -> tuple[ir.Observable, ...]:
@@ -58,24 +45,26 @@ def observables(game: Composition, static: Static, problems: Problems) -> tuple[
                 seen["cell", kind, field.name] = ir.Observable(
                     what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin
                 )
-    seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
+    if not any(isinstance(o, ast.Hide) and hides_others(o) and o.condition is None for o in game.observables.values()):
+        seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
+    shown: set[Key] = set()
     for observable in game.observables.values():
         with problems.survive():
             if isinstance(observable, ast.Show):
-                _show(observable, seen, static, problems)
+                _show(observable, seen, shown, static, problems)
             elif not is_of_a_plane(observable, static):
                 _hide(observable, seen, static, problems)
-    _put_looks(seen, game, problems)
+    _put_looks(seen, game, static, problems)
     order = ("cell", "heading", "other", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
-def _put_looks(seen: dict[Key, ir.Observable], game: Composition, problems: Problems) -> None:
+def _put_looks(seen: dict[Key, ir.Observable], game: Composition, static: Static, problems: Problems) -> None:
     """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
     for observable in game.observables.values():
-        kind = observable.what.name.text
-        if kind in whole and observable.what.steps and not (isinstance(observable, ast.Hide) and observable.condition is None):
+        kind = next((k for k in static.kinds_of(observable.what.name.text) or () if k in whole), "")
+        if kind and observable.what.steps and not (isinstance(observable, ast.Hide) and observable.condition is None):
             problems.add(
                 errors.WrittenTwice(observable.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)")
             )
@@ -98,77 +87,143 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     return [observable.model_copy(update={"type": one, "word": word}) for word in observable.type.by[0]]
 
 
-def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems) -> tuple[Key, ir.VarField | None]:
-    """Returns which observable a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, or a world field."""
+def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems) -> list[Seen]:
+    """Returns what a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, a world field; of a group that of each kind."""
     path = observable.what
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
-    if len(members) != len(path.steps) or len(members) > 1:
+    numbered = len(members) > 1 and members[-1].text == "index" and isinstance(observable, ast.Show) and not observable.labels
+    members = members[:-1] if numbered else members
+    if len(members) + numbered != len(path.steps) or len(members) > 1:
         raise problems.fail(
             errors.WrongType(path.span, wanted="`agent.field`, `other.field`, `everyone.field` or `kind.field`", given="another path")
         )
-    if not members:
-        if head in static.kinds:
-            return ("cell", head, ""), None
-        if head not in static.fields:
-            raise without_field(observable, static, problems)
-        static.used.add(Declared(head))
-        return ("world", "", head), static.fields[head]
-    name = members[0]
-    if Declared(name.text, "agent" if head in OWNERS else head) in static.broken:
+    if numbered or members:
+        return [replace(seen, numbered=numbered) for seen in _of_owner(head, members[0], path, static, problems)]
+    kinds = static.kinds_of(head)
+    if kinds is not None and (head in static.kinds or (isinstance(observable, ast.Show) and observable.labels)):
+        return [Seen(("cell", kind, "")) for kind in kinds]
+    if head not in static.fields:
+        raise without_field(observable, static, problems)
+    static.used.add(Declared(head))
+    return [Seen(("world", "", head), static.fields[head])]
+
+
+def _of_owner(head: str, name: ast.Name, path: ast.Path, static: Static, problems: Problems) -> list[Seen]:
+    """Returns what `head.name` is: of agents, or of the cells of a kind or group."""
+    kinds = static.kinds_of(head)
+    owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
+    if any(Declared(name.text, owner) in static.broken for owner in owners):
         raise Poisoned
+    if head in static.fields and name.text == "index":
+        static.used.add(Declared(head))
+        return [Seen(("world", "", head), static.fields[head])]
     if head in OWNERS:
         if head == "other" and name.text == "heading":
-            return ("heading", "", ""), None
-        if name.text not in static.agent_fields:
-            raise no_agent_field(head, name, static, problems)
-        return (OWNERS[head], "", name.text), static.agent_fields[name.text]
-    if head in static.groups:
-        raise of_group(observable, name, static, problems)
-    if head not in static.kinds:
-        raise problems.unknown(path.name, [*OWNERS, *static.kinds], "what has fields")
-    fields = static.kinds[head]
-    if name.text not in fields:
-        raise no_cell_field(head, name, fields, problems)
-    return ("cell", head, name.text), fields[name.text]
+            return [Seen(("heading", "", ""))]
+        field = static.agent_fields.get(name.text) or _attribute(head, name, static, problems)
+        return [Seen((OWNERS[head], "", name.text), field)]
+    if kinds is None:
+        raise problems.unknown(path.name, [*OWNERS, *static.kinds, *static.groups], "what has fields")
+    for kind in kinds:
+        if name.text not in static.kinds[kind]:
+            if head in static.kinds:
+                raise no_cell_field(head, name, static.kinds[kind], problems)
+            raise no_field(name, f"the kind `{kind}` of the group", static.kinds[kind], guesses.PLACES, problems)
+    return [Seen(("cell", kind, name.text), static.kinds[kind][name.text]) for kind in kinds]
 
 
-def _show(show: ast.Show, seen: dict[Key, ir.Observable], static: Static, problems: Problems) -> None:
-    key, field = _resolve(show, static, problems)
-    what, kind, name = key
-    if what == "cell" and not name:
-        seen[key] = _look(show, kind, static, problems)
-        return
-    if field is None:
-        return
-    static.used.add(Declared(name, "agent" if what in OWNERS.values() else kind))
-    labels = _labels(show, what, kind, static, problems)
-    type_ = field.type
-    if not labels and type_.kind in ("agent", "agents"):
-        told = example_labels(path_text(show.what), type_.kind)
-        raise problems.fail(
-            errors.WrongType(
-                show.span,
-                wanted="a field with labels",
-                given="a field that holds agents, whose numbers mean nothing to an observer",
-                help=f"write `show {path_text(show.what)}{told}`",
+def _attribute(head: str, name: ast.Name, static: Static, problems: Problems) -> ir.VarField:
+    """Returns what every agent has of itself, as if it were a field; conditions are the words `no` and `yes`."""
+    if name.text not in AGENT_ATTRIBUTES:
+        raise no_agent_field(name, static, problems)
+    if name.text == "away" and head != "everyone":
+        raise attribute_unseen(head, name, problems)
+    type_ = attribute_types(static)[name.text]
+    return ir.VarField(name=name.text, held_by="agent", type=words(("no", "yes")) if type_.kind == "condition" else type_)
+
+
+def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], static: Static, problems: Problems) -> None:
+    """`shown`: what was shown before, perhaps under another name."""
+    for found in _resolve(show, static, problems):
+        what, kind, name = found.key
+        if found.key in shown:
+            problems.add(
+                errors.WrittenTwice(show.span, what=f"what is seen of {f'`{kind}.{name}`' if name and kind else f'`{name or kind}`'}")
             )
+        shown.add(found.key)
+        if what == "cell" and not name:
+            seen[found.key] = _look(show, kind, static, problems)
+        elif found.field is not None:
+            static.used.add(Declared(name, "agent" if what in OWNERS.values() else kind))
+            seen[found.key] = _shown(show, found, found.field, static, problems)
+        elif show.condition is not None and found.key in seen:  # headings of others, which are seen anyway
+            shown_when = observer_scope(what, "", "", static, problems).condition(show.condition)
+            seen[found.key] = seen[found.key].model_copy(update={"hidden_when": ir.Not(value=shown_when, origin=show.span)})
+
+
+def _shown(show: ast.Show, found: Seen, field: ir.VarField, static: Static, problems: Problems) -> ir.Observable:
+    """Returns a field as it is seen."""
+    what, kind, name = found.key
+    scope = observer_scope(what, kind, show.what.name.text, static, problems)
+    condition = None if show.condition is None else scope.condition(show.condition)
+    check_places(what, condition, (), static, problems)
+    labels, type_ = _labels(show, what, scope.knowing(() if condition is None else (condition,)), problems), field.type
+    if not labels and type_.kind == "agent" and not type_.by:
+        if found.numbered:
+            type_ = words(("nobody", *map(str, range(static.num_agents))))
+        else:
+            labels = _whose(found.key, field)
+    elif found.numbered:
+        raise problems.fail(errors.WrongType(show.what.span, wanted="a field that holds an agent before `.index`", given="another field"))
+    elif not labels:
+        _check_plain(show, what, type_, problems)
+    observable = ir.Observable(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
+    if condition is None:
+        return observable
+    if what == "cell":
+        return observable.model_copy(update={"hidden_when": ir.Not(value=condition, origin=show.span)})
+    return observable.model_copy(update={"shown_when": condition})
+
+
+def _whose(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
+    """Returns how an agent that a field holds is seen: as nobody, the observer itself, or another agent."""
+    what, kind, name = key
+    owner: ir.Member | None = None
+    if what == "cell":
+        owner = ir.Member(name=kind, who="cell", kinds=(kind,))
+    elif what != "world":
+        owner = ir.Member(name=next(n for n, w in OWNERS.items() if w == what), who="agent")
+    held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, kinds=(kind,) if kind else (), name=name)
+    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", who="agent")), None)
+    return tuple(ir.Label(name=label, condition=test) for label, test in zip(WHOSE, tests, strict=True))
+
+
+def _check_plain(show: ast.Show, what: What, type_: ir.Type, problems: Problems) -> None:
+    """Reports a field that cannot be shown as it is."""
+    told = f"`show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
+    if type_.kind in ("agent", "agents"):
+        wrong = errors.WrongType(
+            show.span,
+            wanted="a field with labels",
+            given="a field that holds agents, whose numbers mean nothing to an observer",
+            help=f"write {told}",
         )
-    if not labels and type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
-        help_ = f"show it with labels, `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
-        raise problems.fail(errors.Unsupported(show.span, what="showing a number that is not a count from 0 to 255", help=help_))
-    if what == "cell" and not labels and type_.kind != "word":
-        help_ = f"write `show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
-        raise problems.fail(errors.Unsupported(show.span, what="showing a number of a cell without labels", help=help_))
-    seen[key] = ir.Observable(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
+        raise problems.fail(wrong)
+    if type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
+        problem = "showing a number that is not a count from 0 to 255"
+        raise problems.fail(errors.Unsupported(show.span, what=problem, help=f"show it with labels, {told}"))
+    if what == "cell" and type_.kind != "word":
+        raise problems.fail(errors.Unsupported(show.span, what="showing a number of a cell without labels", help=f"write {told}"))
 
 
 def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Observable:
     """Returns how cells of a kind look: like the first label whose condition holds."""
-    if not show.labels:
+    if not show.labels or show.condition is not None:
         help = of_a_kind(kind, "show", static)
-        raise problems.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given="a kind without it", help=help))
-    labels = _labels(show, "cell", kind, static, problems)
+        given = "a condition for the whole kind" if show.labels else "a kind without it"
+        raise problems.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given=given, help=help))
+    labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, static, problems), problems)
     names = tuple(dict.fromkeys(label.name for label in labels))
     return ir.Observable(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
 
@@ -178,40 +233,35 @@ def path_text(path: ast.Path) -> str:
     return ".".join([path.name.text, *(s.name.text for s in path.steps if isinstance(s, ast.Member))])
 
 
-def _scope(what: str, kind: str, static: Static, problems: Problems) -> Scope:
-    scope = Scope(static, problems, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
-    if what == "cell":
-        return scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
-    if what in ("other", "heading"):
-        return scope.bind("other", ir.Member(name="other", who="agent"))
-    if what == "everyone":
-        return scope.bind("everyone", ir.Member(name="everyone", who="agent"))
-    return scope
-
-
-def _labels(show: ast.Show, what: str, kind: str, static: Static, problems: Problems) -> tuple[ir.Label, ...]:
-    found = []
+def _labels(show: ast.Show, what: What, scope: Scope, problems: Problems) -> tuple[ir.Label, ...]:
+    found: list[ir.Label] = []
     for i, label in enumerate(show.labels):
         last = i == len(show.labels) - 1
         if last != (label.where is None):
             raise problems.fail(
                 errors.LastLabelConditional(label.span) if last else errors.LabelUnconditional(label.span, name=label.label.text)
             )
-        test = None if label.where is None else _scope(what, kind, static, problems).condition(label.where)
+        test = None if label.where is None else scope.condition(label.where)
+        before = tuple(ir.Not(value=other.condition) for other in found if other.condition is not None)
+        check_places(what, test, scope.knowing(before).facts, scope.static, problems)
         found.append(ir.Label(name=label.label.text, condition=test, origin=label.span))
     return tuple(found)
 
 
 def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], static: Static, problems: Problems) -> None:
-    key, _ = _resolve(hide, static, problems)
-    if key[0] == "cell" and not key[2]:
-        help = of_a_kind(key[1], "hide", static)
-        raise problems.fail(errors.WrongType(hide.what.span, wanted="something that is seen of cells", given="a kind", help=help))
-    if hide.condition is None:
-        seen.pop(key, None)
-        return
-    test = _scope(key[0], key[1], static, problems).condition(hide.condition)
-    if key not in seen:
-        problems.add(errors.NeverHappens(hide.span, problem="it is not seen anyway"))
-        return
-    seen[key] = seen[key].model_copy(update={"hidden_when": test})
+    for found in _resolve(hide, static, problems):
+        what, kind, name = found.key
+        if what == "cell" and not name:
+            help = of_a_kind(kind, "hide", static)
+            raise problems.fail(errors.WrongType(hide.what.span, wanted="something that is seen of cells", given="a kind", help=help))
+        if hide.condition is None:
+            seen.pop(found.key, None)
+            continue
+        shown = seen.get(found.key)
+        test = observer_scope(what, kind, hide.what.name.text, static, problems).condition(hide.condition)
+        check_places(what, test, (), static, problems)
+        if shown is None:
+            problems.add(errors.NeverHappens(hide.span, problem="it is not seen anyway"))
+            continue
+        tests = [test] if shown.hidden_when is None else [shown.hidden_when, test]
+        seen[found.key] = shown.model_copy(update={"hidden_when": joined(tests)})

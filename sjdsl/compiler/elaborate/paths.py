@@ -15,7 +15,7 @@ from sjdsl.compiler.elaborate.lookup import (
     not_a_word,
     unknown,
 )
-from sjdsl.compiler.elaborate.scope import Declared, Scope
+from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, element, integer, words
@@ -90,14 +90,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         static.used.add(Declared(name.text, "agent"))
         type_ = static.agent_fields[name.text].type
         return ir.FieldRead(type=type_, owner=owner, held_by="agent", name=name.text, origin=name.span)
-    types = {
-        "index": integer(0, static.num_agents - 1, "number"),
-        "heading": words(HEADINGS),
-        "moved": ir.CONDITION,
-        "away": ir.CONDITION,
-        "row": integer(0, max(static.map_rows - 1, 0), "cells"),
-        "col": integer(0, max(static.map_cols - 1, 0), "cells"),
-    }
+    types = attribute_types(static)
     if name.text in ("row", "col") and not isinstance(owner, ir.Member):
         raise _perhaps_away(owner, name.span, "row or column", f"x.{name.text}", scope)
     if name.text in ("row", "col"):
@@ -107,6 +100,18 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if Declared(name.text, "agent") in static.broken:
         raise Poisoned
     raise no_field(name, "an agent", [*static.agent_fields, *AGENT_ATTRIBUTES], guesses.AGENT_FIELDS | guesses.PLACES, scope.problems)
+
+
+def attribute_types(static: Static) -> dict[str, ir.Type]:
+    """Returns the type of each thing that every agent has of itself."""
+    return {
+        "index": integer(0, static.num_agents - 1, "number"),
+        "heading": words(HEADINGS),
+        "moved": ir.CONDITION,
+        "away": ir.CONDITION,
+        "row": integer(0, max(static.map_rows - 1, 0), "cells"),
+        "col": integer(0, max(static.map_cols - 1, 0), "cells"),
+    }
 
 
 def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: Scope) -> Poisoned:

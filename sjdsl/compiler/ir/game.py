@@ -120,7 +120,9 @@ class Observable(Node):
     A `cell` without a field is the whole look of the kind: its labels are looks, those of other kinds by their names.
     `everyone`: the field of each agent, one plane an agent in the order of their numbers, the same in the whole window.
     `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
-    observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading.
+    observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading. `shown_when`: where it does
+    not hold, a word is `hidden`, a number 0.
+    A field of agents may be an attribute (`row`, `heading`); one that holds an agent is seen as the words of `type`: `nobody`, `0`, `1`, …
     """
 
     what: Literal["cell", "own", "other", "everyone", "world", "heading"]
@@ -130,6 +132,7 @@ class Observable(Node):
     type: Type
     labels: tuple[Label, ...] = ()
     hidden_when: Expr | None = None
+    shown_when: Expr | None = None
 
 
 class Paint(Node):
@@ -154,23 +157,37 @@ class Look(Node):
 
 
 class Hidden(Node):
-    """What is not seen of some cells: their marks, or what they are (then they look `covered`).
+    """What is not seen of some cells: their marks, what they are (then they look `covered`), or other agents.
 
     `on`: on the whole map, on cells of `kinds` (while `when` holds of agent, the observer, and the cell `name`), or where an agent stands.
+    Other agents are not seen while `when` holds of agent, the observer, and `other`; without a condition never.
     """
 
-    what: Literal["marks", "content"]
+    what: Literal["marks", "content", "others"]
     on: Literal["map", "cells", "agents"]
     name: str = ""
     kinds: tuple[str, ...] = ()
     when: Expr | None = None
 
 
-class Window(Node):
+class View(Node):
+    """The window of the agents for whom the condition over Member `agent` holds; the last of a game has none."""
+
     ahead: int
     behind: int
     left: int
     right: int
+    condition: Expr | None = None
+
+
+class Window(Node):
+    """What an observation covers. `views`: if not all see so far, their windows; the first whose condition holds is an agent's own."""
+
+    ahead: int
+    behind: int
+    left: int
+    right: int
+    views: tuple[View, ...] = ()
 
 
 class Check(Node):

@@ -36,6 +36,14 @@ def written_field(target: Expr) -> FieldRead:
     return target
 
 
+ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")  # what every agent has of itself: no field has such a name
+
+
+def shows_attribute(observable: Observable) -> bool:
+    """Returns whether an observation shows what every agent has of itself, and not a field."""
+    return observable.what in ("own", "other", "everyone") and observable.field in ATTRIBUTES
+
+
 def shown_field(game: Game, observable: Observable) -> VarField:
     """Returns the declaration of the variable, of agents or of the world, that an observation shows."""
     return next(f for f in (game.fields if observable.what == "world" else game.agents.fields) if f.name == observable.field)

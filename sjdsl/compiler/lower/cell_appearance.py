@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.queries import heading_observable, kinds_by_glyph, marking_phases, shown_field
+from sjdsl.compiler.ir.queries import heading_observable, kinds_by_glyph, marking_phases, shown_field, shows_attribute
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.runtime.planes import TokenPlane
@@ -14,6 +14,7 @@ HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "o
 
 COVERED = "covered"  # how a cell looks on which an agent stands, if agents hide what they stand on
 OUTSIDE = "outside"
+HIDDEN = "hidden"
 
 
 class Look(Record):
@@ -54,7 +55,7 @@ class Look(Record):
 def observable_words(observable: ir.Observable) -> tuple[str, ...]:
     """Returns the words or labels a cell observable shows; `hidden` is the last if it can be hidden."""
     words = tuple(dict.fromkeys(label.name for label in observable.labels)) if observable.labels else observable.type.words
-    return (*words, "hidden") if observable.hidden_when is not None else words
+    return (*words, HIDDEN) if observable.hidden_when is not None else words
 
 
 def looks(game: ir.Game) -> tuple[Look, ...]:
@@ -160,8 +161,10 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     """Returns what each plane of a `tokens` observation means, in order."""
     planes = [TokenPlane("content", "word", content_labels(game), len(content_labels(game)) - 1)]
     heading = heading_observable(game)
-    if heading is None:
-        labels: tuple[str, ...] = ("none", "self", "other")
+    if any(hidden.what == "others" and hidden.when is None for hidden in game.hidden):
+        labels: tuple[str, ...] = ("none", "self")
+    elif heading is None:
+        labels = ("none", "self", "other")
     else:
         labels = HEADING_LABELS if heading.hidden_when is None else (*HEADING_LABELS, "other")
     planes.append(TokenPlane("agent", "word", labels, len(labels) - 1))
@@ -178,7 +181,7 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
 
 def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> TokenPlane:
     name = f"{prefix}{observable.field}" + (f"[{observable.word}]" if observable.word else "")
-    words = tuple(dict.fromkeys(x.name for x in observable.labels)) if observable.labels else observable.type.words
+    words = shown_words(observable)
     if words:
         words = ("nobody", *words) if observable.what == "other" else words
         return TokenPlane(name, "word", words, len(words) - 1)
@@ -191,8 +194,16 @@ def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> Token
     return TokenPlane(name, "number", (), int(high))
 
 
+def shown_words(observable: ir.Observable) -> tuple[str, ...]:
+    """Returns the words that a plane of a field shows, none for a number; `hidden` is the last of what is shown under a condition."""
+    words = tuple(dict.fromkeys(x.name for x in observable.labels)) if observable.labels else observable.type.words
+    return (*words, HIDDEN) if words and observable.shown_when is not None else words
+
+
 def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
+    if shows_attribute(observable):
+        return observable.type.high
     field = shown_field(game, observable)
     if not field.timer:
         return field.type.high

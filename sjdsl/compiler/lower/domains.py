@@ -162,6 +162,7 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     if isinstance(anchor, AgentVar):
         at, facing = state_reads.position(anchor, w), state_reads.heading(anchor)
     else:  # a cell has no heading, and the shapes around cells have no direction
+        state_reads.check_placed(anchor)
         at, facing = state_reads.cell(anchor, w), literal(0, "i32")
     if shape.see_through:
         step = Value(Index(name, (Literal(0),)), "i32", (axis,))

@@ -166,6 +166,9 @@ def _in_frame(who: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
 def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
     """Returns the steps between two agents or cells, once for all who ask in this function."""
     a, b = owner(e.left, scope, w), owner(e.right, scope, w)
+    for one, other in ((a, b), (b, a)):
+        if isinstance(one, CellVar) and one.seen and isinstance(other, AgentVar) and other.axis == one.seen[0]:
+            return state_reads.seen_steps(w, one.seen[1])
     sides = [binary("-", _in_frame(a, side, w), _in_frame(b, side, w), "i32") for side in ("row", "col")]
     rows, cols = (replace(side, node=array.call("jnp.abs", side.node)) for side in sides)
     return w.keep("distance", binary("+", rows, cols, "i32"))

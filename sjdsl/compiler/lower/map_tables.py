@@ -10,6 +10,11 @@ from sjdsl.compiler.program.expressions import Expression, Literal, Name, call, 
 MAP = (Name("MAP"), Name("PAD"))
 
 
+def _sides(view: ir.View | ir.Window) -> tuple[Expression, ...]:
+    """Returns how far a window goes ahead, behind, left and right."""
+    return tuple(map(Literal, (view.ahead, view.behind, view.left, view.right)))
+
+
 @dataclass(frozen=True)
 class Layout:
     """The map of one game and every table that follows from it: a call of what `sjdsl.runtime.geometry` has."""
@@ -84,6 +89,24 @@ class Layout:
     def base_table(self, looks: dict[str, int]) -> Expression:
         """The frame painted with one number a kind."""
         return call("painted", *MAP, constant({g.glyph: looks[g.kind] for g in self.game.glyphs}))
+
+    @property
+    def view_table(self) -> Expression:
+        """What to add to an observer's cell for each heading and each cell of its window."""
+        return call("view_offsets", *MAP, *self._view)
+
+    @property
+    def steps_table(self) -> Expression:
+        """The steps from an observer to each cell of its window."""
+        return call("view_steps", *self._view)
+
+    def view_cells_table(self, view: ir.View) -> Expression:
+        """Which cells of what an observation covers are in a window."""
+        return call("view_cells", *self._view, *_sides(view))
+
+    @property
+    def _view(self) -> tuple[Expression, ...]:
+        return _sides(self.game.window)
 
     @property
     def inside_table(self) -> Expression:

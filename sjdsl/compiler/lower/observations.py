@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import heading_observable, shown_field
+from sjdsl.compiler.ir.queries import heading_observable, shown_field, shows_attribute
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, iota, literal, select, spread, taken
-from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks
+from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, invert, iota, literal, select, spread, taken
+from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks, shown_words
 from sjdsl.compiler.lower.expressions import first_of
 from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, paint_planes, parts_of, shift_of
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
@@ -20,13 +20,15 @@ def observe(w: Writer) -> array.Expression:
     """Writes the statements of `observe`; returns the observation."""
     game = w.module.game
     by_id = any(s.what == "other" or (s.what == "heading" and s.hidden_when is not None) for s in game.observables)
+    by_id = by_id or any(hidden.what == "others" and hidden.when is not None for hidden in game.hidden)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
     cells = w.module.number("num_view_cells", view_size(game)[0] * view_size(game)[1], "cells of a window")
     axes = (w.axis("observer", w.module.agents), w.axis("seen", cells))
     w.origin = game.window.origin
-    seen = _cut(painted, w)
+    seen = _own_windows(_cut(painted, w), axes, w)
     planes = {part.name: _part_of(part, parts, seen[part.plane], axes, w) for part in parts}
+    planes["agent"] = _without_hidden_agents(planes["agent"], axes, w)
     columns = [w.keep("content", _content(planes["content"], axes, w)), *_agents(planes["agent"], axes, by_id, w)]
     if any(hidden.what == "content" for hidden in game.hidden):
         columns[0] = select(_somebody(planes, w), literal(content_labels(game).index(COVERED), "u8"), columns[0])
@@ -55,6 +57,53 @@ def _cut(painted: list[array.Name], w: Writer) -> list[array.Name]:
         frame = array.Call(array.Attribute(plane, "reshape"), (array.Name("FRAME"),))
         seen.append(w.bind(f"seen_{number}", array.Call(array.Name("windows"), (frame, POSITION, HEADING), cut)))
     return seen
+
+
+def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> list[array.Name]:
+    """Returns the painted planes as each agent's own window has them: beyond it all is as off the map."""
+    views = w.module.game.window.views
+    if not views:
+        return seen
+    place = IterationScope(axes=axes[:1], variables={"agent": AgentVar(iota(axes[0]), axes[0])})
+    inside: Value | None = None
+    for number, view in reversed(list(enumerate(views))):
+        w.origin = view.origin
+        table = w.module.layout.view_cells_table(view)
+        cells = Value(w.module.constant(f"view_{number}", table, "cells of one of the windows"), "bool", axes[1:])
+        inside = cells if view.condition is None or inside is None else select(_asked(view.condition, place, w), cells, inside)
+    assert inside is not None
+    inside = w.keep("in_window", inside)
+    return [w.bind(name.identifier, select(inside, Value(name, "u8", axes), literal(0, "u8")).node) for name in seen]
+
+
+def _myself(w: Writer) -> array.Expression:
+    """Returns which cell of its window is the observer's own."""
+    window = w.module.game.window
+    own = array.call("own_cell", *map(array.constant, (*view_size(w.module.game), window.ahead, window.left)))
+    myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
+    return array.Index(myself, (array.NEW_AXIS,))
+
+
+def _without_hidden_agents(agent: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
+    """Returns the agents that each observer sees, itself among them."""
+    for hidden in w.module.game.hidden:
+        if hidden.what == "others":
+            w.origin = hidden.origin
+            agent = w.keep("agent", agent)
+            if hidden.when is None:
+                agent = w.keep("agent", select(Value(_myself(w), "bool", axes), agent, literal(0, "u8")))
+                continue
+            _, place = _who(agent, axes, w)
+            unseen = both(Value(array.Unary("~", _myself(w)), "bool", axes), _asked(hidden.when, place, w))
+            agent = w.keep("agent", select(unseen, literal(0, "u8"), agent))
+    return agent
+
+
+def _who(agent: Value, axes: tuple[Axis, ...], w: Writer) -> tuple[AgentVar, IterationScope]:
+    """Returns who stands on each cell (the first agent where nobody does), from a plane of numbers counted from 1, and its scope."""
+    who = array.Binary("-", array.Cast(agent.node, "i32"), array.Literal(1))
+    other = AgentVar(w.keep("who", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes)))
+    return other, IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), "other": other})
 
 
 def _part_of(part: Part, parts: tuple[Part, ...], seen: array.Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
@@ -127,7 +176,7 @@ def _values(look: Look, raw: Value, w: Writer) -> dict[str, Value]:
 
 def _seen_cell(look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]) -> IterationScope:
     """Returns the scope of a condition about the observer and the cell that it sees: known are only the fields that were painted."""
-    cell = CellVar(literal(0, "i32"), (look.kind.name,), None, tuple(values.items()))
+    cell = CellVar(literal(0, "i32"), (look.kind.name,), None, tuple(values.items()), axes)
     return IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), name: cell})
 
 
@@ -152,11 +201,8 @@ def _asked(test: ir.Expr, place: IterationScope, w: Writer) -> Value:
 
 def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> list[Value]:
     """Returns the plane of agents, then one for each thing shown of the others."""
-    game, window = w.module.game, w.module.game.window
-    size = (*view_size(game), window.ahead, window.left)
-    own = array.call("own_cell", *map(array.constant, size))
-    myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
-    self_ = array.Index(myself, (array.NEW_AXIS,))
+    game = w.module.game
+    self_ = _myself(w)
     agent = w.keep("agent", agent)
     heading = heading_observable(game)
     somebody = binary("!=", agent, literal(0, "u8"), "bool").node
@@ -167,10 +213,8 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
             difference = array.Binary("-", array.Binary("-", agent.node, array.Literal(1)), mine)
             other = w.keep("others", Value(_turned(difference), "u8", axes)).node
         return [_agent_plane(self_, somebody, other, axes, w)]
-    who = array.Binary("-", array.Cast(agent.node, "i32"), array.Literal(1))
-    who_value = w.keep("who", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes))
-    other_var = AgentVar(who_value)
-    place = IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), "other": other_var})
+    other_var, place = _who(agent, axes, w)
+    who_value = other_var.index
     facing: Value = literal(OTHER_FACING, "u8")
     if heading is not None:
         turned = array.Binary("-", array.Index(HEADING, (who_value.node,)), array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
@@ -184,11 +228,23 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
             value = _field_observable(observable, other_var, place, w)
             if observable.labels or observable.type.kind == "word":
                 value = binary("+", value, literal(1, "u8"), "u8")
-            value = select(theirs, value, literal(0, "u8"))
-            if observable.hidden_when is not None:
+            value = select(theirs, _shown_where(observable, value, place, w), literal(0, "u8"))
+            if observable.hidden_when is not None and observable.shown_when is None:
                 value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
             columns.append(value)
     return columns
+
+
+def _shown_where(observable: ir.Observable, value: Value, place: IterationScope, w: Writer) -> Value:
+    """Returns what is seen of a field that is shown under a condition: elsewhere it is `hidden`, a number 0."""
+    if observable.shown_when is None:
+        return value
+    words = shown_words(observable)
+    hidden = literal(len(words) - 1 + (observable.what == "other") if words else 0, "u8")
+    shown: Value | None = w.value(observable.shown_when, place)
+    if observable.hidden_when is not None:
+        shown = both(shown, invert(w.value(observable.hidden_when, place)))
+    return select(shown, value, hidden)
 
 
 def _turned(difference: array.Expression) -> array.Expression:
@@ -207,12 +263,16 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     if observable.labels:
         words = tuple(dict.fromkeys(x.name for x in observable.labels))
         return _observable(observable.model_copy(update={"hidden_when": None}), words, {}, place, w)
+    if shows_attribute(observable):
+        return _attribute(observable, place, w)
     declared = shown_field(w.module.game, observable)
     read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, name=observable.field)
     stored = state_reads.field(read, who, w)
     if observable.word is not None:
         by = declared.type.by[0]
         stored = taken(stored, w.module.word(observable.word, by).node)
+    if declared.type.kind == "agent":  # one up, 0 is nobody
+        return as_dtype(binary("+", stored, literal(1, "i32"), "i32"), "u8")
     if stored.dtype == "u8":
         return stored
     if state_reads.storage(declared, w) != "u8":
@@ -220,6 +280,18 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     elif isinstance(stored.node, array.Cast) and stored.node.source == "u8":  # it was widened from the byte that is wanted
         return replace(stored, node=stored.node.value, dtype="u8")
     return replace(stored, node=array.Cast(stored.node, "u8"), dtype="u8")
+
+
+def _attribute(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
+    """Returns what an agent has of itself as a byte; of one that is away the row and column are 0."""
+    name = "agent" if observable.what == "own" else observable.what
+    owner = ir.Member(name=name, who="agent")
+    value = w.value(ir.Attribute(type=observable.type, owner=owner, name=observable.field), place)  # type: ignore[arg-type]
+    if observable.field in ("row", "col"):
+        agent = place.variables[name]
+        assert isinstance(agent, AgentVar)
+        value = select(state_reads.present(agent, w), value, literal(0, "i32"))
+    return as_dtype(value, "u8")
 
 
 def _marks(marks: list[Part], planes: dict[str, Value], seen: list[array.Name], w: Writer) -> Value:
@@ -277,7 +349,10 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     for observable in w.module.game.observables:
         if observable.what == "everyone":
             w.origin = observable.origin
-            value = w.keep(f"everyone_{observable.field}", _field_observable(observable, who, place, w))
+            value = _shown_where(observable, _field_observable(observable, who, place, w), place, w)
+            if observable.hidden_when is not None and observable.shown_when is None:
+                value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
+            value = w.keep(f"everyone_{observable.field}", value)
             planes = _full(value, (*pair, axes[1]))
             columns.append(Value(array.Call(array.Attribute(planes, "reshape"), (axes[0].extent, array.Literal(-1))), "u8", axes))
     return columns
@@ -293,7 +368,8 @@ def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
             if observable.what == what:
                 w.origin = observable.origin
                 value = _field_observable(observable, observer if what == "own" else None, place, w)
-                if observable.hidden_when is not None:
+                value = _shown_where(observable, value, place, w)
+                if observable.hidden_when is not None and observable.shown_when is None:
                     value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
                 columns.append(w.keep(f"shown_{observable.field}", value))
     return columns

@@ -31,13 +31,14 @@ class AgentVar(Record):
 class CellVar(Record):
     """A cell of `kinds`: its number along `axis` (each cell once), or computed numbers `site` (S for none).
 
-    `painted`: of a cell of a window only these fields are known, by their names.
+    `painted`: of a cell of a window only these fields are known, by their names; its axes are those of `seen`, the observer and the cell.
     """
 
     site: Value
     kinds: tuple[str, ...]
     axis: Axis | None = None
     painted: tuple[tuple[str, Value], ...] | None = None
+    seen: tuple[Axis, ...] = ()
 
     @property
     def number(self) -> Value:

@@ -115,8 +115,23 @@ def everybody(w: Writer) -> AgentVar:
 
 def cell(owner: CellVar, w: Writer) -> Value:
     """Returns the cells of a cell variable in the frame."""
-    check_placed(owner)
+    if owner.painted is not None:
+        return _seen_cell(owner, w)
     return _of(owner, Value(cells_of(owner.kinds, w), "i32"))
+
+
+def _seen_cell(owner: CellVar, w: Writer) -> Value:
+    """Returns where each cell of each window is, in the frame; of one who is away cells that mean nothing."""
+    observer, cells = owner.seen
+    table = w.module.constant("view_offsets", w.module.layout.view_table, "cells of a window from the observer's cell, for each heading")
+    steps = Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
+    return w.keep("seen_cells", binary("+", Value(path("state.position"), "i32", (observer,)), steps, "i32"))
+
+
+def seen_steps(w: Writer, cells: Axis) -> Value:
+    """Returns how many steps each cell of a window is from the observer."""
+    table = w.module.constant("view_steps", w.module.layout.steps_table, "steps from the observer to each cell of its window")
+    return Value(table, "i32", (cells,))
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
@@ -125,9 +140,9 @@ def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
 
 
 def check_placed(owner: CellVar) -> None:
-    """A cell of a window is known by its looks alone: where it is, and what is around it, cannot be asked."""
+    """A cell of a window is known by its looks and its place: what is around it cannot be asked."""
     if owner.painted is not None:
-        what = "a label or `hide` that depends on where a cell is, on who is on it, or on what is around it"
+        what = "a label or `hide` that depends on what is around a cell"
         raise NotSupported(what, None, "keep what it asks for in a field of the kind: labels read the cell's own fields and the observer's")
 
 

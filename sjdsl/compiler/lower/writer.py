@@ -7,7 +7,7 @@ from functools import cached_property
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
-from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, shape_named
+from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, shape_named, shows_attribute
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.scope import IterationScope, Variable
@@ -120,8 +120,9 @@ class Module:
 
     @cached_property
     def stores_moved(self) -> bool:
-        """Whether any rule reads `moved`."""
-        return any(isinstance(n, ir.Attribute) and n.name == "moved" for n in self.nodes)
+        """Whether any rule reads `moved`, or it is seen."""
+        shown = any(shows_attribute(s) and s.field == "moved" for s in self.game.observables)
+        return shown or any(isinstance(n, ir.Attribute) and n.name == "moved" for n in self.nodes)
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:

@@ -110,7 +110,7 @@ RULES: dict[str, node_builders.Build] = {
     "members": node_builders.several(ast.Members),
     "observe": node_builders.several(ast.Observe),
     "window": node_builders.window,
-    "show": node_builders.several(ast.Show, 1),
+    "show": node_builders.show,
     "relabel": node_builders.with_clauses(ast.Relabel, "where"),
     "look": node_builders.with_clauses(ast.Look, "where", "body", "badge"),
     "paint": node_builders.several(ast.Paint),

@@ -118,7 +118,13 @@ def shape(span: Span, name: ast.Name, content: ast.Call | tuple[ast.String, ...]
 
 
 def window(span: Span, *items: Any) -> ast.Window:
-    return ast.Window(span, tuple(zip(items[::2], items[1::2], strict=True)))
+    sides = items[: len(items) - len(items) % 2]
+    return ast.Window(span, tuple(zip(sides[::2], sides[1::2], strict=True)), items[-1] if len(items) % 2 else None)
+
+
+def show(span: Span, what: ast.Path, *items: Any) -> ast.Show:
+    labels = tuple(i for i in items if isinstance(i, ast.Relabel))
+    return ast.Show(span, what, labels, items[-1] if len(items) > len(labels) else None)
 
 
 def checks(span: Span, *items: Any) -> ast.Checks:

@@ -190,9 +190,6 @@ def _declarations() -> Iterator[tuple[str, ...]]:
     whole = "a field of whole numbers is written with its range: `field {1} : 0 .. 100 = 0`"
     yield "field NAME : count = EXPR", "field {1} : 0 .. 100 = {2}", whole
     yield "field NAME : count", "field {1} : 0 .. 100 = 0", whole
-    opposite = "what is seen by itself is hidden under the opposite condition, `hide {1} when not {all2}`"
-    labels = "of all else a label says it, `show {1} as {{ known where {2}, unknown }}`"
-    yield "show PATH when EXPR", "hide {1} when not {all2}", f"{opposite}; {labels}"
 
 
 def _checks() -> Iterator[tuple[str, ...]]:
