@@ -12,7 +12,7 @@ from sjdsl.doc.figures import SEED, Figure, Figures, figures_text, measure, read
 from .corpus import TESTS, small
 
 GOLDEN = TESTS / "golden" / "doc"
-SHEETS = ("beams", "chances", "everyone", "looking", "looks", "matching", "pictures", "policies", "rows", "sending", "timers")
+SHEETS = ("beams", "chances", "everyone", "looking", "looks", "matching", "pictures", "policies", "rows", "sending", "sight", "timers")
 PAGE = TESTS.parent / "docs" / "games.md"
 
 

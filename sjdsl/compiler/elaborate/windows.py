@@ -3,6 +3,7 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Scope
 
 SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # how far an agent sees unless the game says otherwise
@@ -19,11 +20,21 @@ def window(game: Composition, scope: Scope) -> ir.Window:
         if tree.condition is not None:
             with scope.problems.survive():
                 sides = _sides(tree, usual, scope)
-                views.append(ir.View(**sides, condition=observer.condition(tree.condition), origin=tree.span))
+                views.append(_view(sides, observer.condition(tree.condition), tree.span))
     if not views:
-        return ir.Window(**usual, origin=origin)
-    views.append(ir.View(**usual, origin=plain.span if plain is not None else origin))
-    return ir.Window(**{side: max(getattr(view, side) for view in views) for side in SIDES}, views=tuple(views), origin=origin)
+        return _covering([], usual, origin)
+    views.append(_view(usual, None, plain.span if plain is not None else origin))
+    return _covering(views, {side: max(getattr(view, side) for view in views) for side in SIDES}, origin)
+
+
+def _view(sides: dict[str, int], condition: ir.Expr | None, origin: Span | None) -> ir.View:
+    ahead, behind, left, right = (sides[side] for side in SIDES)
+    return ir.View(ahead=ahead, behind=behind, left=left, right=right, condition=condition, origin=origin)
+
+
+def _covering(views: list[ir.View], sides: dict[str, int], origin: Span | None) -> ir.Window:
+    ahead, behind, left, right = (sides[side] for side in SIDES)
+    return ir.Window(ahead=ahead, behind=behind, left=left, right=right, views=tuple(views), origin=origin)
 
 
 def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, int]:
