@@ -24,7 +24,7 @@ SILENT = {
 # Tuples whose order numbers things for observations and draws, and means nothing else.
 ORDERLESS = {
     ("Forbid", "actions"),
-    *(("Game", name) for name in ("kinds", "glyphs", "about", "observables", "policies")),
+    *(("Game", name) for name in ("kinds", "glyphs", "about", "observables", "hidden", "policies")),
     ("Shape", "lanes"),
 }
 
@@ -88,6 +88,8 @@ def _matters(path: Path, node: ir.Node, name: str, game: ir.Game) -> bool:
             return path[-1][0] != "start"
         case ir.Member(), "kinds" | "who":
             return path[-1][0] in ("var", "on")  # elsewhere they follow from the name
+        case ir.Hidden(), "on":
+            return node.what == "marks"  # what else is hidden is where an agent stands
         case ir.Check(), "episodes":
             return node.sort == "expect"
         case _:

@@ -21,7 +21,7 @@ from tests.fuzz.together import OnNumPy, on_numpy, runs_away
 from tests.laws.corpus import begun, biased_draws, crowded, some_actions
 from tests.laws.numpy_state import numpy_state
 from tests.laws.other_draws import RunsOut, Table, other_draws
-from tests.laws.other_game import other_game
+from tests.laws.other_game import other_game, without_frame
 from tests.laws.other_world import other_outcome, other_view, other_world, outcome_differences, world_differences
 from tests.laws.symmetry import Symmetry
 
@@ -38,6 +38,7 @@ class Tried:
 
 def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: bool) -> Tried:
     """Plays a trajectory and, after each step, the same step under the symmetry. `compiled`: as compiled, too."""
+    game = without_frame(game)
     changed = other_game(game, s)
     env = _environment(changed) if compiled else None
     tried = Tried()

@@ -10,10 +10,21 @@ from collections.abc import Callable
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import shows_attribute
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.verify import verify
 from sjdsl.interpreter.state import HEADINGS
 from tests.laws.symmetry import Symmetry
+
+
+def without_frame(game: ir.Game) -> ir.Game:
+    """Returns the game without what is seen in the frame of the map itself: places, directions and numbers of agents."""
+    kept = [s for s in game.observables if s.labels or not (s.type.words[:1] == ("nobody",) or _in_frame(s))]
+    return game.model_copy(update={"observables": tuple(kept)})
+
+
+def _in_frame(observable: ir.Observable) -> bool:
+    return shows_attribute(observable) and observable.field in ("row", "col", "heading", "index")
 
 
 def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
