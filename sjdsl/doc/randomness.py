@@ -53,6 +53,8 @@ def _draws(s: ir.Stmt, around: tuple[str, ...], v: Vocabulary) -> Found:
             yield around, f"random pairs, each of {paired(s, v)}"
         case ir.Move():
             yield around, "who enters a cell that several agents want: one of them, all equally likely"
+        case ir.Shift():
+            yield around, "who enters a cell that several agents are sent to: one of them, all equally likely"
         case ir.Send():
             yield around, f"which free {members(s.domain, v)} it is sent to: all equally likely"
             if s.facing is None:

@@ -29,6 +29,7 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
     sorts = (
         (ir.Move, "agents move"),
         (ir.Send, "agents are sent elsewhere"),
+        (ir.Shift, "agents are sent some cells away"),
         (ir.Remove, "agents are taken away"),
         (ir.Give, "gives rewards"),
         (ir.Mark, "marks cells"),

@@ -45,6 +45,8 @@ def lines(s: ir.Stmt, v: Vocabulary) -> list[Line]:
             return [Line(_tally(s, v))]
         case ir.Send():
             return [Line(_send(s, v))]
+        case ir.Shift():
+            return [Line(_shift(s, v))]
         case ir.Remove():
             return [Line(f"{value(s.who, v)} is taken away for the rest of the episode")]
         case ir.Move():
@@ -177,6 +179,27 @@ def _send(s: ir.Send, v: Vocabulary) -> str:
         stay = "; while there is no free cell then, it stays away" if s.stay else ""
         return f"{value(s.who, v)} is away for {wait}, then comes back to {goal}{stay}"
     return f"{value(s.who, v)} is sent to {goal}" + ("; if there is no free cell left, it stays where it is" if s.stay else "")
+
+
+TURNED = ("the way it looks", "to its right", "back", "to its left")
+
+
+def _shift(s: ir.Shift, v: Vocabulary) -> str:
+    """Returns whom a `send … by` sends, how far and which way."""
+    match s:
+        case ir.Shift(heading=ir.Attribute(name="heading", owner=owner)) if owner == s.who:
+            way = TURNED[s.quarters]
+        case ir.Shift(heading=ir.Word(value=word)):
+            way = f"to the {word}"
+        case ir.Shift(heading=None):
+            assert s.other is not None
+            way = f"{'away from' if s.quarters else 'toward'} {value(s.other, v)}, along the longer of the two distances"
+        case _:
+            assert s.heading is not None
+            way = f"in the direction {value(s.heading, v)}"
+    far = counted(s.steps.value, "cell") if isinstance(s.steps, ir.Number) else f"{value(s.steps, v)} cells"
+    look = "looking as before" if s.facing == "same" else f"looking {s.facing}"
+    return f"{value(s.who, v)} is sent {far} {way}, {look}; if the way is not free, it stays where it is"
 
 
 def tick_lines(v: Vocabulary) -> list[Line]:

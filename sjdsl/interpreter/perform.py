@@ -11,6 +11,7 @@ from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of, nearest_members
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.overflow import LeavesFloat32
+from sjdsl.interpreter.shifting import shifting
 from sjdsl.interpreter.writes import Counted, Sending, Writes, slots
 
 
@@ -40,7 +41,7 @@ def _performed(statement: ir.Stmt, here: Instance, writes: Writes) -> Instance:
 
 def _statement(
     statement: "ir.Each | ir.Pick | ir.First | ir.Match | ir.When | ir.Chance | ir.Set | ir.Add | ir.Give | ir.Tally"
-    " | ir.Send | ir.Remove | ir.Move | ir.Mark | ir.End",
+    " | ir.Send | ir.Shift | ir.Remove | ir.Move | ir.Mark | ir.End",
     here: Instance,
     writes: Writes,
 ) -> None:
@@ -73,6 +74,8 @@ def _statement(
             _tally(statement, here, writes)
         case ir.Send():
             _send(statement, here, writes)
+        case ir.Shift():
+            _shift(statement, here, writes)
         case ir.Remove():
             writes.removes |= set(agents_in(evaluate(statement.who, here)))
         case ir.Move():
@@ -139,6 +142,17 @@ def _send(statement: ir.Send, here: Instance, writes: Writes) -> None:
         assert all(_is_same(sending, s) for s in others), f"agent {agent} is sent to two places"
         if not others:
             writes.sends.append(sending)
+
+
+def _shift(statement: ir.Shift, here: Instance, writes: Writes) -> None:
+    for agent in agents_in(evaluate(statement.who, here)):
+        sent = shifting(agent, statement, here)
+        others = [s for s in writes.shifts if s.agent == agent]
+        assert all((s.target, s.statement.facing) == (sent.target, statement.facing) for s in others), (
+            f"agent {agent} is sent to two places"
+        )
+        if not others:
+            writes.shifts.append(sent)
 
 
 def _is_same(a: Sending, b: Sending) -> bool:

@@ -15,6 +15,7 @@ from sjdsl.interpreter.movement import move
 from sjdsl.interpreter.overflow import watched
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
+from sjdsl.interpreter.shifting import shift
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
@@ -111,6 +112,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
     for agent in writes.removes:
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"
         remove(agent, world)
+    shift(writes.shifts, here, world)
     world.marks += [(phase.name, *cell) for cell in sorted(writes.marks)]
     with watched(lambda: _adding(phase, ir.Give), here.world.step):
         for agent, value in writes.gives:

@@ -32,6 +32,14 @@ class Sending(NamedTuple):
     names: Mapping[str, Value]
 
 
+class Shifting(NamedTuple):
+    """An agent sent some cells by this statement. `target`: its own cell if the way is not free; None of who has no cell."""
+
+    agent: int
+    statement: ir.Shift
+    target: Cell | None
+
+
 class Counted(NamedTuple):
     """One tally. `word` for an event with words, `agent` None for the game."""
 
@@ -41,8 +49,8 @@ class Counted(NamedTuple):
     amount: int
 
 
-_LISTS = ("sets", "adds", "gives", "tallies", "sends")
-_WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.Move, ir.Mark, ir.End)
+_LISTS = ("sets", "adds", "gives", "tallies", "sends", "shifts")
+_WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Shift, ir.Remove, ir.Move, ir.Mark, ir.End)
 
 
 @dataclass
@@ -57,6 +65,7 @@ class Writes:
     gives: list[tuple[int, np.float32]] = field(default_factory=list)
     tallies: list[Counted] = field(default_factory=list)
     sends: list[Sending] = field(default_factory=list)
+    shifts: list[Shifting] = field(default_factory=list)
     removes: set[int] = field(default_factory=set)
     movers: dict[int, int] | None = None
     marks: set[Cell] = field(default_factory=set)

@@ -62,6 +62,8 @@ def written_by(n: ir.Node) -> Iterator[Part]:
             yield from (PLACE, HEADING)
             if n.after is not None and n.after.type.high > 0:
                 yield AWAY
+        case ir.Shift():
+            yield from (PLACE, HEADING)
         case ir.Remove():
             yield from (PLACE, AWAY)
         case _:

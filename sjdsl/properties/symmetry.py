@@ -11,6 +11,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.traverse import rewrite
+from sjdsl.compiler.ir.types import words
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws
@@ -104,12 +105,23 @@ def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
                 return node.model_copy(update={"actions": tuple(other.get(a, a) for a in node.actions)})
             case ir.Send(facing="east" | "west" as facing):
                 return node.model_copy(update={"facing": MIRRORED[facing]})
+            case ir.Shift():
+                look = MIRRORED.get(node.facing, node.facing)
+                heading = None if node.heading is None else mirrored_heading(node.heading)
+                return node.model_copy(update={"facing": look, "heading": heading, "quarters": -node.quarters % 4})
             case _:
                 return node
 
     changed = _of_rules(game, rule).model_copy(update={"shapes": tuple(rewrite(shape, rule) for shape in game.shapes)})
     if changed != _of_rules(game, lambda node: node):
         yield TransformedGame(changed, "if left and right were swapped")
+
+
+def mirrored_heading(e: ir.Expr) -> ir.Expr:
+    """Returns a direction with east for west."""
+    type_ = words(HEADINGS)
+    arms = [ir.Arm(words=(w,), value=ir.Word(type=type_, value=MIRRORED.get(w, w))) for w in e.type.words]
+    return ir.Case(type=type_, subject=e, arms=tuple(arms), origin=e.origin)
 
 
 def _flipped(shape: ir.Shape) -> tuple[tuple[tuple[int, int], ...], ...]:

@@ -4,11 +4,11 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 
-def resolve(position: Array, target: Array, word: Array) -> Array:
+def resolve(position: Array, target: Array, word: Array, exchange: bool = False) -> Array:
     """Returns the cells after all agents have moved at once.
 
-    Stayers keep their cells; of several movers to one cell the one with the largest rank wins; swaps are blocked; a mover
-    whose target stays occupied stays. Following, and cycles of three or more, work.
+    Stayers keep their cells; of several movers to one cell the one with the largest rank wins; swaps are blocked unless `exchange`; a
+    mover whose target stays occupied stays. Following, and cycles of three or more, work.
 
     Args:
       position: `[N]` int32, different cells (agents that are nowhere share cell 0 and have target 0).
@@ -26,8 +26,7 @@ def resolve(position: Array, target: Array, word: Array) -> Array:
     moving = target != position
     into = (target[:, None] == position[None, :]) & moving[:, None]  # [i, j]: i wants the cell of j
     rival = (target[:, None] == target[None, :]) & moving[None, :] & (rank[None, :] > rank[:, None])
-    swap = into & into.T
-    lost = ~moving | jnp.any(rival | swap, axis=1)
+    lost = ~moving | jnp.any(rival if exchange else rival | (into & into.T), axis=1)
     lost = _spread(into, lost)
     return jnp.where(lost, position, target)
 

@@ -129,6 +129,8 @@ def _senders(account: Account, board: Board, agent: int) -> Iterator[Done]:
                 yield done
             case ir.Send() if agent in {sending.agent for sending in done.written.get("sends", ())}:
                 yield done
+            case ir.Shift() if agent in {sent.agent for sent in done.written.get("shifts", ())}:
+                yield done
             case ir.Remove() if agent in agents_in(evaluate(done.statement.who, _instance(done, account, board))):
                 yield done
             case _:
@@ -138,6 +140,8 @@ def _senders(account: Account, board: Board, agent: int) -> Iterator[Done]:
 def _used(sort: str, agent: int, account: Account, board: Board, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:
     place = account.after.position[agent]
     for statement in (done.statement for done in by):
+        if isinstance(statement, ir.Shift) and sort == "place" and (at := (statement.stream, agent)) in numbers:
+            yield Used("who comes first", *at, numbers[at])
         if isinstance(statement, ir.Move) and sort == "place":
             own = ((stream, n) for stream, n in numbers if stream == statement.stream and n % board.agents == agent)
             yield from (Used("who comes first", *at, numbers[at]) for at in own)

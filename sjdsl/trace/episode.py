@@ -99,7 +99,7 @@ def tell_of(account: Account, board: Board, numbers: Mapping[tuple[int, int], in
     """Returns what there is to tell of one turn. `numbers`: the random numbers taken in it."""
     effects = effects_of(account, board, numbers)
     happened = {id(done.statement) for done in account.done}
-    writing = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Remove, ir.Move, ir.Mark, ir.End)
+    writing = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Shift, ir.Remove, ir.Move, ir.Mark, ir.End)
     return Told(
         label=account.turn.label if isinstance(account.turn, ir.Phase) else "tick",
         effects=tuple(effects),

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
+from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.conditions import condition, probability, somebody, word
 from tests.fuzz.declared import Lines
 from tests.fuzz.members import domain, shape_for, where
@@ -201,7 +202,7 @@ def _weights(scope: Scope, words: list[str]) -> str:
 def effect(scope: Scope, phase: Phase) -> Lines:
     """Returns a statement without others inside."""
     r = scope.world.random
-    makers = [write] * 6 + [give] * 3 + [tally] * 3 + [send] * 2 + [mark] * 2 + [remove, end]
+    makers = [write] * 6 + [give] * 3 + [tally] * 3 + [send] * 2 + [shift] * 2 + [mark] * 2 + [remove, end]
     for make in (r.choice(makers), r.choice(makers)):
         made = make(scope, phase.written, 2) if make is write else make(scope, phase)  # type: ignore[operator]
         if made:
@@ -256,6 +257,25 @@ def send(scope: Scope, phase: Phase) -> Lines:
     facing = f" facing {r.choice(('north', 'east', 'south', 'west', 'same'))}" if w.is_now(0.5) else ""
     stay = " otherwise stay" if not certain or w.is_now(0.3) else ""
     return [f"send {who.name} to {text}{delay}{facing}{stay}"]
+
+
+def shift(scope: Scope, phase: Phase) -> Lines:
+    """Returns a `send … by` of somebody."""
+    w, r = scope.world, scope.world.random
+    if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
+        return []
+    agents = [v for v in scope.agents() if is_own(v, scope) or w.is_now(0.5)]
+    if not agents:
+        return []
+    who = r.choice(agents)
+    named = scope if is_own(who, scope) else of_target_alone(scope, who)
+    phase.written.places += 1
+    far = r.choice(("0", "1", "1", "1", "2", "3", fitted(integer(named, "cells", 1), 0, 4)))
+    headings = word(named, HEADINGS, 1)
+    ways = ["ahead", "back", "left", "right", *HEADINGS[:2], *([headings[0]] if headings else [])]
+    ways += [f"{how} {v.name}" for v in named.variables for how in ("away from", "toward") if v.name != who.name]
+    facing = f" facing {r.choice((*HEADINGS, 'same'))}" if w.is_now(0.4) else ""
+    return [f"send {who.name} by {far} {r.choice(ways)}{facing} otherwise stay"]
 
 
 def _delay(scope: Scope) -> str:

@@ -204,3 +204,70 @@ def test_removed_agents_never_come_back():
     for _ in range(3):
         world = advance(game, world, [g.STAY, g.STAY])
     assert world.position == [None, (0, 1)]
+
+
+def shift(direction=None, steps=1, facing="same", stream=3000, who=None, quarters=0, other=None):
+    heading = None if direction is None else g.word(direction, "north", "east", "south", "west")
+    way = {"heading": heading, "quarters": quarters, "other": other}
+    return ir.Shift(who=who or g.agent(), steps=g.number(steps), facing=facing, stream=stream, **way)
+
+
+def blown(*places, draws=None, headings=(), **way):
+    """Returns where agents are who are all sent by one statement; `F` is a fence."""
+    rows = ("...F", "....", "....")
+    fence = ir.Kind(name="fence", glyph="F", blocks=(ir.Block(what="agents"),))
+    fire = g.phase(g.each(ZAPPED, shift(**way)), name="fire")
+    game = g.game(fire, rows=rows, kinds=(FLOOR, fence), number_of_agents=len(places))
+    return run(game, list(places), draws=draws, headings=headings)
+
+
+def test_a_row_is_sent_together_and_stops_where_its_first_stops():
+    assert blown((1, 0), (1, 1), (2, 3), direction="east").position == [(1, 1), (1, 2), (2, 3)]
+    assert blown((2, 2), (2, 3), (2, 0), direction="east").position == [(2, 2), (2, 3), (2, 1)]
+    assert blown((0, 1), (0, 2), (2, 0), direction="east").position == [(0, 1), (0, 2), (2, 1)]
+
+
+def test_the_way_must_be_open_and_empty():
+    assert blown((1, 0), direction="east", steps=3).position == [(1, 3)]
+    assert blown((0, 0), direction="east", steps=3).position == [(0, 0)]
+    assert blown((1, 0), (1, 1), direction="east", steps=2).position == [(1, 0), (1, 3)]
+    assert blown((1, 0), direction="east", steps=0, facing="south").heading == [0]
+    assert blown((1, 0), direction="east", facing="south").heading == [2]
+    assert blown((1, 0), direction="west", facing="south").heading == [0]
+
+
+EQUALLY_FAR = [((0, 0), (1, 1), {(0, 1), (1, 0)}), ((2, 2), (1, 1), {(1, 2), (2, 1)})]
+
+
+@pytest.mark.parametrize("heading", range(4))
+@pytest.mark.parametrize(("place", "goal", "wanted"), [((2, 0), (1, 2), {(2, 1)}), ((0, 1), (2, 2), {(1, 1)}), *EQUALLY_FAR])
+def test_toward_an_agent_along_the_longer_distance(place, goal, wanted, heading):
+    """Agent 0 is sent toward agent 1; where both distances are equal, along the line in which it looks."""
+    toward = g.each(g.agents(where=g.is_agent(0)), g.each(g.agents("b", where=g.is_agent(1, "b")), shift(other=g.agent("b"))))
+    game = g.game(g.phase(toward), rows=("...", "...", "..."), kinds=(FLOOR,), number_of_agents=2)
+    world = run(game, [place, goal], headings=(heading, 0))
+    assert world.position[0] in wanted
+    if len(wanted) == 2:
+        assert (world.position[0][1] == place[1]) == (heading in (0, 2))
+
+
+def test_of_two_sent_to_one_cell_the_larger_rank_enters():
+    """One from the north and one from the south, by two statements."""
+    for first, second, wanted in ((g.LAST, 0, [(1, 1), (2, 1)]), (0, g.LAST, [(0, 1), (1, 1)])):
+        fire = g.phase(
+            g.each(g.agents(where=g.is_agent(0)), shift("south")),
+            g.each(g.agents(where=g.is_agent(1)), shift("north", stream=3001)),
+            name="fire",
+        )
+        game = g.game(fire, rows=("...", "...", "..."), kinds=(FLOOR,), number_of_agents=2)
+        assert run(game, [(0, 1), (2, 1)], draws=g.Table({(3000, 0): first, (3001, 1): second})).position == wanted
+
+
+def test_two_exchange_their_places():
+    fire = g.phase(
+        g.each(g.agents(where=g.is_agent(0)), shift("south")),
+        g.each(g.agents(where=g.is_agent(1)), shift("north", stream=3001)),
+        name="fire",
+    )
+    game = g.game(fire, rows=("...", "...", "..."), kinds=(FLOOR,), number_of_agents=2)
+    assert run(game, [(0, 1), (1, 1)]).position == [(1, 1), (0, 1)]

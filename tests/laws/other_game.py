@@ -12,6 +12,7 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import shows_attribute
 from sjdsl.compiler.ir.traverse import rewrite
+from sjdsl.compiler.ir.types import words
 from sjdsl.compiler.ir.verify import verify
 from sjdsl.interpreter.state import HEADINGS
 from tests.laws.symmetry import Symmetry
@@ -70,10 +71,20 @@ def _rule(s: Symmetry, headings: bool = True) -> Callable[[Any], Any]:
                 return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
             case ir.Send():
                 return node.model_copy(update={"facing": s.facing(node.facing)})
+            case ir.Shift():
+                heading = None if node.heading is None else _changed_heading(node.heading, s)
+                quarters = -node.quarters % 4 if s.mirror else node.quarters
+                return node.model_copy(update={"facing": s.facing(node.facing), "heading": heading, "quarters": quarters})
             case _:
                 return node
 
     return rule
+
+
+def _changed_heading(e: ir.Expr, s: Symmetry) -> ir.Expr:
+    """Returns which way an agent is sent now, from the way it was sent before."""
+    arms = [ir.Arm(words=(w,), value=ir.Word(type=words(HEADINGS), value=HEADINGS[s.heading(HEADINGS.index(w))])) for w in e.type.words]
+    return ir.Case(type=words(HEADINGS), subject=e, arms=tuple(arms), origin=e.origin)
 
 
 def _start(phase: ir.Phase, s: Symmetry) -> ir.Phase:

@@ -60,6 +60,8 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
                 found[statement.stream] = Stream((*around, _everybody(statement.left, board), _everybody(statement.right, board)))
             case ir.Move():
                 found[statement.stream] = Stream((*around, agents))
+            case ir.Shift():
+                found[statement.stream] = Stream((agents,))
             case ir.Send():
                 for change in (lambda stream: stream, return_stream):
                     found[change(statement.order_stream)] = Stream((agents,), "order")

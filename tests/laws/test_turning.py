@@ -1,15 +1,19 @@
 """A map, shapes, turns and headings mirrored or turned by 90 degrees: the play is mirrored and turned with them."""
 
 from collections.abc import Callable
+from pathlib import Path
 from random import Random
 
 import pytest
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import build, ir
+from sjdsl.compiler.syntax.read import read_source
 from tests.games.environments import NINE
 from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import Symmetry, turns
+
+SENDS = Path(__file__).parents[1] / "differential" / "games"
 
 
 def mirrored(game: ir.Game, _: Random) -> Symmetry:
@@ -37,3 +41,12 @@ def test_random_programs() -> None:
     assert not tried.fault
     assert tried.steps > 4 * FEW
     assert tried.drawn > 40 * FEW
+
+
+@pytest.mark.parametrize("name", ["pushing", "own_destinations"])
+def test_sends(name: str) -> None:
+    """Pushes turn with the map, also where two directions are equally far; so do destinations that depend on who is sent."""
+    game = build(read_source(SENDS / f"{name}.sj")).game
+    tried = trials([(name, game)] * 4, any_turn, steps=10, compiled=False)
+    assert not tried.fault
+    assert tried.steps >= 20

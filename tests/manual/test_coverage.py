@@ -150,6 +150,7 @@ LIMITS = {
     "actions": limits.MAX_ACTIONS,
     "words in one set": limits.MAX_WORDS,
     "rows or columns of a map": limits.MAX_MAP_SIDE,
+    "cells that `send … by` sends an agent": limits.MAX_SHIFT,
     "cells of a shape": limits.MAX_SHAPE_CELLS,
     "window, cells to one side": limits.MAX_WINDOW,
     "turns of a schedule": limits.MAX_TURNS,

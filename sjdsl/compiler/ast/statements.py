@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from sjdsl.compiler.ast.expressions import Domain, Expr, Name, Path, ShapeRef, Table, Words
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.diagnostics.source import Span
@@ -116,6 +118,25 @@ class Send(Node):
     stay: Name | None
 
 
+class Direction(Node):
+    """`along` a path that is a heading (or `ahead`, `back`, `left`, `right`), `away` from it, or `toward` it."""
+
+    span: Span
+    how: Literal["along", "away", "toward"]
+    path: Path
+
+
+class Shift(Node):
+    """`send x by n DIRECTION`; stay: the name after `otherwise` (must be `stay`)."""
+
+    span: Span
+    who: Path
+    steps: Expr
+    direction: Direction
+    facing: Name | None
+    stay: Name | None
+
+
 class Remove(Node):
     span: Span
     who: Path
@@ -136,4 +157,4 @@ class End(Node):
     span: Span
 
 
-Stmt = Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move | Mark | End
+Stmt = Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End

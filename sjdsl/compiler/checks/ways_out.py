@@ -160,7 +160,7 @@ def _excluding(a: Chain, b: Chain, source: Source) -> Iterator[Change]:
         elif not isinstance(second, ast.Let | ast.Draw):
             says = "put the second behind the first as `otherwise { … }`, and only one of the two happens"
             yield (says, ((start, start, "otherwise { "), (end, end, " }")))
-    elif isinstance(second, ast.When | ast.Chance) and isinstance(first, ast.Set | ast.Send | ast.Remove) and _is_open(second):
+    elif isinstance(second, ast.When | ast.Chance) and isinstance(first, ast.Set | ast.Send | ast.Shift | ast.Remove) and _is_open(second):
         otherwise = f"otherwise {{ {_text(source, first.span)} }}"
         edits = ((first.span.start, first.span.end, ""), (end, end, f" {otherwise}"))
         yield (f"put the first behind the second, `{otherwise}`, and only one of the two happens", edits)

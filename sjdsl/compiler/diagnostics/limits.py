@@ -29,6 +29,7 @@ MAX_WORDS = 64  # in one set
 MAX_FIELDS = 128
 MAX_PHASES = 64
 MAX_TURNS = 128
+MAX_SHIFT = 64  # cells that an agent is sent in a direction
 MAX_DRAWN = 65_535  # values of one draw
 MAX_DEFINES_DEEP = 32  # a define that uses a define that …
 MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
@@ -39,7 +40,7 @@ STATEMENTS = frozenset((
     "schedule", "phase", "observe", "look", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
     "moves", "forbid", "window", "show", "hide", "event", "mean", "final", "require", "always", "once", "conserved",
     "monotone", "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
-    "add", "give", "tally", "send", "remove", "move", "mark", "end", "scripted", "act", "go", "aim", "scenario", "slots",
+    "add", "give", "tally", "send", "shift", "remove", "move", "mark", "end", "scripted", "act", "go", "aim", "scenario", "slots",
 ))  # fmt: skip
 
 

@@ -77,6 +77,13 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
 
 
+def facing(name: ast.Name | None, scope: Scope) -> str | None:
+    """Returns which way an agent looks that is sent; None if that is not said."""
+    if name is not None and name.text not in FACINGS:
+        raise scope.problems.unknown(name, FACINGS, "what an agent can be made to face")
+    return None if name is None else name.text
+
+
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = agent(s.who, scope)
     around = scope if s.after is None else only_one_who(scope, who, LATER)
@@ -88,9 +95,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         raise scope.problems.fail(errors.Negative(s.after.span, name="the delay"))
     if isinstance(after, ir.Number) and after.value == 0:
         after = None
-    facing = None if s.facing is None else s.facing.text
-    if s.facing is not None and facing not in FACINGS:
-        raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")
+    look = facing(s.facing, scope)
     if s.stay is not None and s.stay.text != "stay":
         raise scope.problems.fail(errors.UnknownName(s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"))
     place = use.streams.header(s.domain.span, s.domain.span.end)
@@ -99,7 +104,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         who=who,
         domain=destination,
         after=after,
-        facing=facing,  # type: ignore[arg-type]
+        facing=look,  # type: ignore[arg-type]
         stay=s.stay is not None,
         pool=pool,
         order_stream=use.streams.shared("send to", place),

@@ -122,18 +122,23 @@ def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: S
 
 def distance(e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
-    found: list[ir.Member] = []
-    for tree, place in zip(e.arguments, scope.expressions(e.arguments), strict=True):
-        if isinstance(place, ir.Nobody) or not (isinstance(place, ir.Member) or place.type.kind == "agent"):
-            given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
-            raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
-        if not isinstance(place, ir.Member):
-            raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
-        if place.who == "agent":
-            check_placed(place, tree.span, f"distance({', '.join(map(_written, e.arguments))})", scope)
-        found.append(place)
+    said = f"distance({', '.join(map(_written, e.arguments))})"
+    values = scope.expressions(e.arguments)
+    left, right = (placed(tree, value, said, scope) for tree, value in zip(e.arguments, values, strict=True))
     farthest = max(scope.static.map_rows + scope.static.map_cols - 2, 0)
-    return ir.Distance(type=integer(0, farthest, "cells"), left=found[0], right=found[1], origin=e.span)
+    return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
+
+
+def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Member:
+    """Returns an agent or a cell that has a place; `said`: what asks for it."""
+    if isinstance(place, ir.Nobody) or not (isinstance(place, ir.Member) or place.type.kind == "agent"):
+        given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
+        raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
+    if not isinstance(place, ir.Member):
+        raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
+    if place.who == "agent":
+        check_placed(place, tree.span, said, scope)
+    return place
 
 
 def _written(tree: ast.Expr) -> str:

@@ -11,6 +11,7 @@ from sjdsl.compiler.elaborate.domains import domain, near
 from sjdsl.compiler.elaborate.effects import agent, give, send, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.shifts import shift
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import Fact, compares, conjuncts, contradict, narrow_word, narrowed
@@ -56,6 +57,8 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             return tally(s, scope), scope
         case ast.Send():
             return send(s, scope, use), scope
+        case ast.Shift():
+            return shift(s, scope, use), scope
         case ast.Remove():
             return ir.Remove(who=agent(s.who, scope), origin=s.span), scope
         case ast.Move():

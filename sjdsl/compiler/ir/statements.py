@@ -7,7 +7,7 @@ from sjdsl.compiler.ir.node import INSTANCE, Node, Statement, Type
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Stmt: TypeAlias = (
-        "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Remove | Move | Mark | End"
+        "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End"
     )
 else:
     Stmt = Annotated[Statement, INSTANCE]
@@ -134,6 +134,21 @@ class Send(Statement):
     pool: int
     order_stream: int
     heading_stream: int
+
+
+class Shift(Statement):
+    """To the cell so many `steps` away, if the way is free. All shifts of one phase are settled together.
+
+    The way: in the direction of the word `heading`, or toward the agent or cell `other`, turned by so many `quarters` to the right.
+    """
+
+    who: Expr
+    steps: Expr
+    heading: Expr | None = None
+    other: Expr | None = None
+    quarters: int = 0
+    facing: Literal["north", "east", "south", "west", "same"]
+    stream: int
 
 
 class Remove(Statement):

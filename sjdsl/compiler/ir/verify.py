@@ -46,6 +46,7 @@ def _check_streams(game: ir.Game) -> None:
                     | ir.Chance(stream=stream)
                     | ir.Match(stream=stream)
                     | ir.Move(stream=stream)
+                    | ir.Shift(stream=stream)
                 ):
                     streams[stream] += 1
                 case ir.Send() if node.pool not in pools:

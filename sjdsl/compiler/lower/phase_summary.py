@@ -43,6 +43,8 @@ def _statement(s: ir.Stmt) -> str:
             return f"counts {s.event}"
         case ir.Send():
             return f"sends {_value(s.who)} to {' or '.join(s.domain.var.kinds)}" + (" after a delay" if s.after is not None else "")
+        case ir.Shift():
+            return f"sends {_value(s.who)} by some cells"
         case ir.Remove():
             return f"removes {_value(s.who)}"
         case ir.Move():

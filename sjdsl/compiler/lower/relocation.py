@@ -9,7 +9,9 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, both, iota, literal, reduce, select, spread, union
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import owner
+from sjdsl.compiler.lower.per_agent import per_agent, scattered
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
+from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.actions import HEADINGS
@@ -56,10 +58,11 @@ class Sends:
     now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
     removed: list[array.Expression] = field(default_factory=list)
+    shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
         """Notes who is sent, `[N]` bool."""
-        sent = w.keep("sent", _per_agent(s.who, scope, w)).node
+        sent = w.keep("sent", per_agent(s.who, scope, w)).node
         pool = next(p for p in self.pools if p.send.pool == s.pool)
         own = _own_cells(s, scope, w) if s.after is None or s.after.type.low <= 0 else None
         if s.after is None:
@@ -72,19 +75,12 @@ class Sends:
             sent = w.keep("leaving", Value(array.Binary("&", sent, array.Binary(">", delays, array.Literal(0))), "bool")).node
         self.away.append(Leaving(pool, s, sent, delays))
 
+    def shift(self, s: ir.Shift, scope: IterationScope, w: Writer) -> None:
+        """Notes who is sent some cells away, and where to."""
+        self.shifted.append(shifted(s, scope, w))
+
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
-        self.removed.append(w.keep("removed", _per_agent(s.who, scope, w)).node)
-
-
-def _per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns which agents a statement reaches, `[N]` bool."""
-    who = owner(e, scope, w)
-    assert isinstance(who, AgentVar)
-    mask = scope.mask or TRUE
-    if who.axis is not None:
-        hit = reduce("any", mask, tuple(a for a in scope.axes if a != who.axis))
-        return hit if hit.axes else Value(array.call("jnp.full", w.module.agents, hit.node), "bool")
-    return Value(_scattered(who, array.Literal(True), "bool", scope, w), "bool")
+        self.removed.append(w.keep("removed", per_agent(s.who, scope, w)).node)
 
 
 def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression | None:
@@ -115,12 +111,6 @@ def _fits(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
     return w.value(s.domain.where, inner)
 
 
-def _scattered(who: AgentVar, value: array.Expression, dtype: str, scope: IterationScope, w: Writer) -> array.Expression:
-    """Returns a value for each agent that some instance is about, `[N]`; 0 for the others."""
-    at = w.keep("to_agent", select(scope.mask, who.index, Value(w.module.agents, "i32")))
-    return array.Update(array.call("jnp.zeros", w.module.agents, array.DTYPES[dtype]), (at.node,), "set", value, drop=True)  # type: ignore[index]
-
-
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array.Expression:
     """Returns the ticks each agent is away, `[N]` int32 or a number (all sends that reach one agent agree)."""
     if delay.literal and s.after is not None and s.after.type.low > 0:
@@ -136,7 +126,7 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array
             where = tuple(masked.axes.index(a) for a in over if a in masked.axes)
             delay = Value(array.Reduce("max", masked.node, where), "i32")
         return w.keep("delay", delay).node
-    return w.keep("delay", Value(_scattered(who, delay.node, "i32", scope, w), "i32")).node
+    return w.keep("delay", Value(scattered(who, delay.node, "i32", scope, w), "i32")).node
 
 
 def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
@@ -185,6 +175,8 @@ def finish(sends: Sends, w: Writer) -> None:
         _put("position", removed, state_reads.nowhere(w).node, w)
         if sends.away_stored:
             _put("away", removed, array.Literal(0), w)
+    if sends.shifted:
+        settle(sends.shifted, w)
 
 
 def _fitting(parts: list[Sent]) -> array.Expression | None:

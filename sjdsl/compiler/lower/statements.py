@@ -66,6 +66,8 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             tally(s, scope, w)
         case ir.Send():
             sends.add(s, scope, w)
+        case ir.Shift():
+            sends.shift(s, scope, w)
         case ir.Remove():
             sends.remove(s, scope, w)
         case ir.Move():

@@ -7,7 +7,9 @@ from lark import Token
 
 from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read
 
-SOFT = frozenset({"POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL"})  # kinds of tokens, as in the parser's table
+SOFT = frozenset(
+    {"POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "AWAY", "TOWARD"}
+)  # kinds of tokens, as in the parser's table
 
 
 def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:

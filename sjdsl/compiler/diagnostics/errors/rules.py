@@ -48,6 +48,11 @@ class TooFewToStart(TooFewFreeCells):
     hints = ("take a map with more such cells, or fewer agents",)
 
 
+class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
+    says = "the way can be blocked, taken, or leave the map"
+    hints = ("write `otherwise stay` after it: who cannot go there stays",)
+
+
 class TooFewForOne(TooFewFreeCells):
     says = "{cells:cell} of the map certainly fit `{place}` for agent {agent}, and {agents:agent} with lower numbers may take them first"
     hints = ("take a map with more such cells, or a condition that leaves each agent cells of its own",)

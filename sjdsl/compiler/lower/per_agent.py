@@ -1,0 +1,40 @@
+"""Lowers what a statement says of agents to one value for each agent, whatever instances it is said in."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower.axes import TRUE, Value, literal, reduce, select
+from sjdsl.compiler.lower.expressions import owner
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program import expressions as array
+
+
+def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns which agents a statement reaches, `[N]` bool."""
+    who = owner(e, scope, w)
+    assert isinstance(who, AgentVar)
+    mask = scope.mask or TRUE
+    if who.axis is not None:
+        hit = reduce("any", mask, tuple(a for a in scope.axes if a != who.axis))
+        return hit if hit.axes else Value(array.call("jnp.full", w.module.agents, hit.node), "bool")
+    return Value(scattered(who, array.Literal(True), "bool", scope, w), "bool")
+
+
+def scattered(who: AgentVar, value: array.Expression, dtype: str, scope: IterationScope, w: Writer) -> array.Expression:
+    """Returns a value for each agent that some instance is about, `[N]`; 0 for the others."""
+    at = w.keep("to_agent", select(scope.mask, who.index, Value(w.module.agents, "i32")))
+    return array.Update(array.call("jnp.zeros", w.module.agents, array.DTYPES[dtype]), (at.node,), "set", value, drop=True)  # type: ignore[index]
+
+
+def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:
+    """Returns a number from 0 on for each agent that a statement reaches, `[N]` int32, anything for the others.
+
+    All instances that reach an agent say the same.
+    """
+    who = owner(e, scope, w)
+    assert isinstance(who, AgentVar)
+    if who.axis is None:
+        return scattered(who, value.node, "i32", scope, w)
+    over = tuple(a for a in value.axes if a != who.axis)
+    if over:
+        value = reduce("max", select(scope.mask, value, literal(0, "i32")), tuple(a for a in scope.axes if a != who.axis))
+    return value.node if value.axes else array.call("jnp.full", w.module.agents, value.node)

@@ -1,0 +1,134 @@
+"""Lowers `send x by n DIRECTION`: the cells on the way of each agent, and all who are sent in one phase settled together."""
+
+from dataclasses import replace
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower.axes import Value, as_dtype, binary, both, indexed, invert, iota, literal, reduce, select
+from sjdsl.compiler.lower.domains import blocked_by, stand_on
+from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.expressions import owner
+from sjdsl.compiler.lower.per_agent import of_each, per_agent
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program import expressions as array
+from sjdsl.runtime.actions import DIRECTIONS, HEADINGS
+
+
+class Shifted(Record):
+    """Who is sent by one statement, `[N]` bool, and to which cell of the frame, `[N]` int32: its own if the way is not free."""
+
+    statement: ir.Shift
+    who: array.Expression
+    target: array.Expression
+
+
+def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
+    """Returns where a statement sends whom."""
+    who = owner(s.who, scope, w)
+    assert isinstance(who, AgentVar)
+    sent = w.keep("sent", per_agent(s.who, scope, w)).node
+    at = state_reads.position(who, w)
+    steps = as_dtype(w.value(s.steps, scope.always()), "i32")
+    heading, there = _heading(s, who, at, scope, w)
+    stride = w.module.constant(
+        "stride", array.constant([r * w.module.layout.cols + c for r, c in DIRECTIONS]), "to the next cell, by heading", "i32"
+    )
+    by = w.keep("stride", Value(array.Index(stride, (heading.node,)), "i32", heading.axes))
+    goes = both(binary(">", steps, literal(0, "i32"), "bool"), there, _is_free(s, who, at, by, steps, w))
+    target = w.keep("goal", binary("+", at, binary("*", by, steps, "i32"), "i32"))
+    target = w.keep("target", select(goes, target, at))
+    return Shifted(s, sent, w.keep("target", Value(of_each(s.who, target, scope, w), "i32")).node)
+
+
+def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Writer) -> tuple[Value, Value | None]:
+    """Returns which way an agent is sent, 0 to 3, and whether there is such a way (None: always)."""
+    if s.heading is not None:
+        numbers = [HEADINGS.index(word) for word in s.heading.type.words]
+        value = w.value(s.heading, scope.always())
+        if value.literal:
+            return literal((numbers[int(value.number)] + s.quarters) % 4, "i32"), None
+        if numbers == list(range(len(HEADINGS))):
+            return _turned(as_dtype(value, "i32"), s.quarters), None
+        table = array.as_array(array.constant([(n + s.quarters) % 4 for n in numbers]), "i32")
+        return replace(value, node=array.Index(table, (value.node,)), dtype="i32"), None
+    assert s.other is not None
+    other = owner(s.other, scope, w)
+    goal = state_reads.position(other, w) if isinstance(other, AgentVar) else state_reads.cell(other, w)
+    rows, columns = (w.keep(name, _apart(goal, at, op, w)) for name, op in (("rows", "//"), ("columns", "%")))
+    down, across = (replace(x, node=array.call("jnp.abs", x.node)) for x in (rows, columns))
+    looks = Value(array.Binary("&", state_reads.heading(who).node, array.Literal(1)), "i32", state_reads.heading(who).axes)
+    upright = select(binary("==", down, across, "bool"), binary("==", looks, literal(0, "i32"), "bool"), binary(">", down, across, "bool"))
+    vertical = select(binary("<", rows, literal(0, "i32"), "bool"), literal(0, "i32"), literal(2, "i32"))
+    level = select(binary("<", columns, literal(0, "i32"), "bool"), literal(3, "i32"), literal(1, "i32"))
+    return _turned(select(upright, vertical, level), s.quarters), binary("!=", goal, at, "bool")
+
+
+def _apart(goal: Value, at: Value, op: str, w: Writer) -> Value:
+    """Returns how many rows (`//`) or columns (`%`) lie from one cell to another."""
+    cols = w.module.number("frame_cols", w.module.layout.cols)
+    there, here = (replace(place, node=array.Binary(op, place.node, cols)) for place in (goal, at))
+    return binary("-", there, here, "i32")
+
+
+def _turned(heading: Value, quarters: int) -> Value:
+    if not quarters:
+        return heading
+    more = binary("+", heading, literal(quarters, "i32"), "i32")
+    return replace(more, node=array.Binary("&", more.node, array.Literal(3)))
+
+
+def _is_free(s: ir.Shift, who: AgentVar, at: Value, by: Value, steps: Value, w: Writer) -> Value | None:
+    """Returns whether every cell on the way is on the map, open to the agent, and (but for the last one) empty."""
+    most = int(s.steps.type.high)
+    if most == 0:
+        return None
+    if most == 1:
+        return _is_open(w.keep("ahead", binary("+", at, by, "i32")), who, w)
+    axis = w.axis("way", most)
+    number = binary("+", iota(axis), literal(1, "i32"), "i32")
+    cells = w.keep("way", binary("+", at, binary("*", by, number, "i32"), "i32"))
+    clear = _is_open(cells, who, w)
+    standing = Value(array.Reduce("any", stand_on(cells, array.path("state.position")), (len(cells.axes),)), "bool", cells.axes)
+    last = binary(">=", number, steps, "bool")
+    clear = both(clear, invert(select(last, literal(False, "bool"), standing))) or clear
+    if s.steps.type.low < most:  # what lies beyond the last cell does not matter
+        clear = select(binary(">", number, steps, "bool"), literal(True, "bool"), clear)
+    return w.keep("clear", reduce("all", clear, (axis,)))
+
+
+def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
+    """Returns which cells of the frame are on the map and do not block an agent."""
+    layout = w.module.layout
+    inside = w.module.constant("inside", layout.inside_table, "cells of the map in the frame")
+    clear = Value(indexed(inside, (cells.node,)), "bool", cells.axes)
+    if layout.count(layout.blocking_glyphs("agents")):
+        fixed = w.module.constant("blocks_agents", layout.blocking_table("agents"), "cells that always block agents")
+        clear = both(clear, Value(array.Unary("~", array.Index(fixed, (cells.node,))), "bool", cells.axes)) or clear
+    for kind in w.module.game.kinds:
+        for block in kind.blocks:
+            if block.what == "agents" and block.condition is not None and layout.num_cells((kind.name,)):
+                clear = both(clear, invert(blocked_by(block, kind, cells, w, who))) or clear
+    return clear
+
+
+def settle(moves: list[Shifted], w: Writer) -> None:
+    """Writes where all who are sent come to stand; those sent elsewhere in this phase have their new places already."""
+    before = w.bind("before", w.current("position"))
+    targets: array.Expression = before
+    words: array.Expression = array.call("jnp.zeros", w.module.agents, array.path("jnp.uint32"))
+    for move in moves:
+        w.origin = move.statement.origin
+        bits = array.call("random_bits", KEY, w.stream(move.statement.stream), w.module.agents)
+        targets = array.Where(move.who, move.target, targets)
+        words = bits if len(moves) == 1 else array.Where(move.who, bits, words)
+    w.assign("position", array.call("resolve", before, targets, words, exchange=array.Literal(True)))
+    came = array.Binary("!=", w.current("position"), before)
+    for move in moves:
+        facing = move.statement.facing
+        if facing != "same":
+            who = array.Binary("&", move.who, came)
+            number = w.module.number(facing, HEADINGS.index(facing))
+            w.assign("heading", array.Where(who, number, w.current("heading")))
+    w.origin = None

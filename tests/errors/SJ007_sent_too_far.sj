@@ -1,0 +1,11 @@
+sj 1
+game pond {
+  param far : cells = 3
+  episode 20
+  kind shore "."
+  map { "...." }
+  agents 2 { acts stay, shove }
+  phase start { each agent { send agent to shore } }
+  schedule rest
+  phase rest { each agent where agent chose shove { send agent by far east otherwise stay } }
+}
