@@ -1,6 +1,6 @@
 sj 1
-game rationalizable_coordination_in_the_matrix "Rationalizable Coordination in the Matrix" extends
-    "running_with_scissors_in_the_matrix.sj" {
+game rationalizable_coordination_in_the_matrix "Rationalizable Coordination in the Matrix" extends "running_with_scissors_in_the_matrix.sj"
+    {
   cite "Agapiou et al. 2022; the_matrix of Melting Pot 2"
   about summary "Players gather three colours, and challenge each other with a beam: the mixture that each of the two holds is its"
                 "strategy. Two who have gathered the same colour are paid: for blue most, for red least."
