@@ -228,8 +228,9 @@ class Distances:
         return frozenset(at for shape, cell, at in found if can_go(node, board, cell, shape, at)) if wanted else None
 
     def _values(self, precondition: Precondition, name: str, bound: Bound) -> Sequence[Value]:
-        if bound is not None and bound[0] == name:
-            return [bound[1]]
+        if bound is not None and bound[0] == name:  # a cell of a group may be of a kind of which this statement does not speak
+            fits = name not in precondition.cells or board_of(self._game).kind_of[bound[1]] in precondition.cells[name]
+            return [bound[1]] if fits else []
         return cells_of(board_of(self._game), precondition.cells[name]) if name in precondition.cells else self._agents
 
     def _least(

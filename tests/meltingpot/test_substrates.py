@@ -50,7 +50,6 @@ NOT_WRITTEN = {  # families of which a substrate has not been written yet; take 
     "factory_commons",
     "fruit_market",
     "hidden_agenda",
-    "paintball",
 }
 
 

@@ -119,3 +119,13 @@ def test_what_is_seldom_is_found_with_most_seeds(rule: str, steps: int, least: i
     found = sum(bool(search(orchard, [0], Effort(examples=200, seed=seed, tries=0))[0]) for seed in range(12))
     print(f"{found} of 12 seeds")
     assert found >= least
+
+
+def test_a_group_is_searched_though_a_writer_speaks_of_a_field_of_one_kind_only() -> None:
+    """What lets a cell of the other kind have the wanted value cannot be that writer."""
+    more = 'kind bush "B" { field fruit : { none, ripe } = ripe  field sort : { dry, wet } = wet  glyph "b" with sort = dry }  group plant = tree, bush'
+    rule = """
+      each agent as a on plant where a chose zap and plant.fruit is none { tally zaps for a }
+      each bush where bush.sort is dry and bush.fruit is ripe { set bush.fruit = none }"""
+    found, _ = search(small_game("always zaps < 99", rule, more), [0], Effort(examples=60, seed=1))
+    assert not found
