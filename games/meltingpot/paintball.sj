@@ -103,6 +103,7 @@ game paintball "Paintball: Capture the Flag" {
     set control = case safe(red) { yes: case safe(blue) { yes: both, no: red }, no: case safe(blue) { yes: blue, no: neither } }
   }
   look ground where ground.paint is red as "#e8a0a8"  look ground where ground.paint is blue as "#a0b0e8"
+  look barrier where barrier.health > 0 as "#b98d74" wall
   look agent where agent.team is red as red  look agent where agent.team is blue as blue
   observe {
     window ahead 9, behind 1, left 5, right 5  show control  hide barrier.sort                         # Melting Pot
