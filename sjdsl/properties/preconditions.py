@@ -95,7 +95,9 @@ class Precondition:
         return False
 
     def _cells(self, name: str, game: ir.Game, bound: Bound) -> list[Value]:
-        return [bound[1]] if bound is not None and bound[0] == name else list(cells_of(board_of(game), self.cells[name]))
+        if bound is not None and bound[0] == name:  # of a group, a cell may be of a kind of which this statement does not speak
+            return [bound[1]] if board_of(game).kind_of[bound[1]] in self.cells[name] else []
+        return list(cells_of(board_of(game), self.cells[name]))
 
     def cells_for(self, test: ir.Expr, game: ir.Game, world: World, bound: Bound) -> list[Value]:
         """Returns the cells for which a condition is best made true: most of their other conditions hold; [] if it names no cell."""
