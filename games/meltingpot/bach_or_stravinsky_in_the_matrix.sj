@@ -27,7 +27,7 @@ game bach_or_stravinsky_in_the_matrix "Bach or Stravinsky in the Matrix" extends
     each agent as row where row chose interact {
       mark beam of row  set row.hot = cooling
       first agent as column in beam of row {
-        when ready(row) and ready(column) and row.fan_of is not column.fan_of { add row to column.rivals }
+        when can_meet(row) and can_meet(column) and row.fan_of is not column.fan_of { add row to column.rivals }
       }
       each patch in beam of row where patch.stock is ripe { add 1 to patch.damage }
     }

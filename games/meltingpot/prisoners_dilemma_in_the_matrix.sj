@@ -38,18 +38,18 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
     field badge  : 0 .. players = 0  # others see it: players have colours of their own
     field owed   : reward
     field rivals : set of agent
+    field sign   : { unready, ready, red, yellow, green, blue, violet } = unready  # seen by all: who is ready, and what a meeting comes to
     timer frozen  forbid all when agent.frozen > 0  timer hot  forbid interact when agent.hot > 0
   }
   shape beam = fan(3, 1)  # Melting Pot
-  define ready(who) = sum(who.bag) > classes and who.frozen == 0
+  define can_meet(who) = sum(who.bag) > classes and who.frozen == 0
 
   phase start {
     each agent { send agent to gate  set agent.badge = agent.index + 1 }
     each patch where patch.sort is drawn { draw hue from { coop, defect }  set patch.class = hue }
   }
 
-  schedule walk -> tick -> collect -> aim -> wreck -> meet -> settle -> grow -> close
-
+  schedule walk -> tick -> collect -> aim -> wreck -> meet -> settle -> grow -> sign -> close
   phase walk { move each agent }
   phase collect {
     each agent on patch where patch.stock is ripe {
@@ -59,7 +59,7 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
   phase aim {
     each agent as row where row chose interact {
       mark beam of row  set row.hot = cooling
-      first agent as column in beam of row { when ready(row) and ready(column) { add row to column.rivals } }
+      first agent as column in beam of row { when can_meet(row) and can_meet(column) { add row to column.rivals } }
       each patch in beam of row where patch.stock is ripe { add 1 to patch.damage }
     }
   }
@@ -82,27 +82,27 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
   phase grow {
     each patch where patch.stock is none and patch.young == 0 and nobody on patch { chance regrow { set patch.stock = ripe } }
   }
+  phase sign {
+    each agent where agent.frozen == 0 { set agent.sign = case sum(agent.bag) > classes { no: unready, yes: ready } }
+    each agent as a where a.frozen > 0 {
+      set a.sign = case a.owed < edge_2 {
+        yes: case a.owed < edge_1 { yes: red, no: yellow },
+        no: case a.owed < edge_4 { yes: case a.owed < edge_3 { yes: green, no: blue }, no: violet } }
+    }
+  }
   phase close { when step + 1 >= soonest and (step + 1) % interval == 0 { chance ending { end } } }
-
   look patch where patch.stock is ripe and patch.class is coop   as green gem
   look patch where patch.stock is ripe and patch.class is defect as red gem
-
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show patch as { coop where patch.stock is ripe and patch.class is coop, defect where patch.stock is ripe, floor }
-    show gate as { floor }  show agent.bag  show agent.hot  show other.badge
-    show agent.owed as {
-      unready where agent.frozen == 0 and sum(agent.bag) == classes, ready where agent.frozen == 0, red where agent.owed < edge_1,
-      yellow where agent.owed < edge_2, green where agent.owed < edge_3, blue where agent.owed < edge_4, violet }
-    show other.owed as {
-      unready where other.frozen == 0 and sum(other.bag) == classes, ready where other.frozen == 0, red where other.owed < edge_1,
-      yellow where other.owed < edge_2, green where other.owed < edge_3, blue where other.owed < edge_4, violet }
+    show gate as { floor }  show agent.bag  show agent.hot  show other.badge  show agent.sign  show other.sign
   }
   metrics { event collected by { coop, defect }  event destroyed by { coop, defect }  event met }
   checks { symmetric agents  expect met == 0 with never(interact) over 10 episodes }
   checks class { require prisoners_dilemma(payoff) }
   define enough                   = 3  # ours: the mixture is then surely of the class that is gathered
-  define meets(one, other, class) = other is not one and one.bag[class] > enough and ready(one) and ready(other)
+  define meets(one, other, class) = other is not one and one.bag[class] > enough and can_meet(one) and can_meet(other)
   policy cooperator "gathers what cooperates, and challenges whoever is nearest" {
     aim beam at agent as other where meets(agent, other, coop) choose interact
     seek patch where patch.class is coop and patch.stock is ripe avoiding patch where patch.class is defect
@@ -114,7 +114,7 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
   variant repeated "Two players meet again and again; all resources are back when both are away" {
     set players = 2  set absence = 5  set ending = 0.1  set regrow = 0.02  map "maps/matrix_repeated.txt"  # Melting Pot
     observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }                                # Melting Pot
-    schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> close
+    schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close
     phase refill { when count(agent) == 0 { each patch { set patch.stock = ripe } } }
   }
 }

@@ -42,7 +42,7 @@ game pure_coordination_in_the_matrix "Pure Coordination in the Matrix" extends "
   variant repeated "Two players meet again and again; all resources are back when both are away" {
     set players = 2  set absence = 5  set ending = 0.1  set regrow = 0.02  map "maps/matrix_repeated_three.txt"  # Melting Pot
     observe { window ahead 3, behind 1, left 2, right 2 }  # Melting Pot
-    schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> close
+    schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close
     phase refill { when count(agent) == 0 { each patch { set patch.stock = ripe } } }
   }
 }

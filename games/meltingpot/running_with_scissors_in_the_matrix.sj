@@ -52,13 +52,13 @@ game running_with_scissors_in_the_matrix "Running with Scissors in the Matrix" e
     # Melting Pot
     set players = 2  set absence = 5  set ending = 0.2  set regrow = 0.02  set delay = 15  map "maps/matrix_repeated_three.txt"
     observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }  # Melting Pot
-    schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> close
+    schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close
     phase refill { when count(agent) == 0 { each patch { set patch.stock = ripe } } }
   }
   variant one_shot "Two players meet once; what is gathered or destroyed does not come back" {
     set players = 2  set longest = 1000  map "maps/matrix_one_shot.txt"                         # Melting Pot
     observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }                     # Melting Pot
-    schedule walk -> tick -> collect -> aim -> wreck -> meet -> settle
+    schedule walk -> tick -> collect -> aim -> wreck -> meet -> settle -> sign
     drop grow  drop close  drop soonest  drop interval  drop ending  drop regrow  drop absence  # nothing comes back
     phase settle { each agent where agent.frozen == 1 { give agent.owed to agent  end } }
   }

@@ -80,11 +80,11 @@ def test_the_beam_is_three_lanes_of_three_and_rests_for_two_steps() -> None:
 
 
 def test_others_see_who_is_ready_and_what_a_meeting_came_to() -> None:
-    scene = put("PPP.12", ".>.<..", "......", "..PPP.", fields={"agent.bag": {0: {"coop": 98}, 1: {"defect": 98}}})
-    assert scene.seen(0, "other.owed", ahead=2) == "ready"
+    scene = put("PPP.12", ".>.<..", "......", "..PPP.", fields={"agent.bag": {0: {"coop": 98}, 1: {"defect": 98}}}).step()
+    assert scene.seen(0, "other.sign", ahead=2) == "ready"
     scene.step("interact")
-    assert (scene.seen(0, "agent.owed"), scene.seen(0, "other.owed", ahead=2)) == ("red", "violet")  # near 0 and near 5
-    assert put("PPP.12", ".>.<..", "......", "..PPP.").seen(0, "other.owed", ahead=2) == "unready"
+    assert (scene.seen(0, "agent.sign"), scene.seen(0, "other.sign", ahead=2)) == ("red", "violet")  # near 0 and near 5
+    assert put("PPP.12", ".>.<..", "......", "..PPP.").step().seen(0, "other.sign", ahead=2) == "unready"
 
 
 def test_what_is_gone_looks_like_the_floor() -> None:
