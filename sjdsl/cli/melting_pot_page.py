@@ -1,23 +1,29 @@
 """Writes the page of Melting Pot's substrates with its pictures, and finds what of it is not up to date."""
 
+from functools import cache
 from pathlib import Path
 
 import click
 
 from sjdsl.cli.game_file import open_game, split_variants
 from sjdsl.cli.page_text import write_text
-from sjdsl.compiler import ir
-from sjdsl.doc import read_written
+from sjdsl.compiler import Build, build, ir
 from sjdsl.doc.figures import is_picture_of
 from sjdsl.doc.melting_pot import PICTURES, draw_start, melting_pot_page
-from sjdsl.substrates import substrates, written_substrates
+from sjdsl.substrates import Substrate, substrates, written_substrates
 
 PAGE = Path("docs/meltingpot.md")
 
 
+@cache
+def build_of(s: Substrate) -> Build:
+    """Returns a written substrate built, with its warnings; once in a process. Raises CompileError."""
+    return build(open_game(s.game), split_variants(s.variant))
+
+
 def read_rules() -> dict[str, ir.Game]:
     """Returns the rules of the substrates that have been written, by name. Raises CompileError."""
-    return {s.name: read_written(open_game(s.game), split_variants(s.variant)).game for s in written_substrates()}
+    return {s.name: build_of(s).game for s in written_substrates()}
 
 
 def make_melting_pot_page(path: Path, fresh: bool) -> None:

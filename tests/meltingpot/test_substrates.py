@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sjdsl.cli.melting_pot_page import melting_pot_problems
-from sjdsl.compiler import build
+from sjdsl.cli.melting_pot_page import build_of, melting_pot_problems
+from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game, main_games, melting_pot_games
 from sjdsl.substrates import Substrate, substrates, written_substrates
@@ -66,7 +66,7 @@ def test_what_is_missing_is_listed() -> None:
 
 @pytest.mark.parametrize("entry", written_substrates(), ids=lambda entry: entry.name)
 def test_a_substrate_builds_without_a_warning(entry: Substrate) -> None:
-    made = build(read_source(find_game(entry.game)), tuple(entry.variant.split("+")) if entry.variant else ())
+    made = build_of(entry)
     assert [str(warning) for warning in made.warnings] == []
     assert made.game.title
     assert not entry.roles or len(entry.roles) == made.game.agents.number
@@ -77,7 +77,7 @@ def test_every_file_is_a_substrate() -> None:
     assert set(melting_pot_games()) <= {entry.game for entry in written_substrates()}
     assert len(set(bundled())) == len(main_games()) + len(melting_pot_games())
     for name in melting_pot_games():
-        assert build(read_source(find_game(name))).game.name == name
+        assert parse(read_source(find_game(name))).game.name.text == name
 
 
 def test_each_difference_is_a_sentence() -> None:
