@@ -1,0 +1,120 @@
+sj 1
+game factory_commons "Factory of the Commons: Either Or" {
+  cite "Agapiou et al. 2022, Melting Pot 2"
+  about summary "Machines make apples of cubes. One sort gives the cube back beside one apple; the other gives two apples, and the cube is gone."
+                "Walking tires, and workers can hold, shove and pull each other."
+  size  players    : count       = 3 in 1 .. 16       # Melting Pot
+  size  strength   : count       = 18   # Melting Pot: stamina of the rested
+  size  work       : steps       = 17   # Melting Pot: from taking a cube in to being open again
+  param first_out  : steps       = 11 in 1 .. 16      # Melting Pot: a cube, or two apples, come so long after the cube went in
+  param second_out : steps       = 14 in 1 .. 16      # Melting Pot: the apple that follows a cube
+  param pays       : reward      = 1    # Melting Pot: an apple
+  param odds       : probability = 0.5  # Melting Pot: that a cube is there at first, where one may be
+  param tired      : count       = 7 in 1 .. 18       # Melting Pot: below it, each step of walking costs a rest
+  param rest       : steps       = 2    # Melting Pot
+  param long_rest  : steps       = 6    # Melting Pot: at no stamina
+  param soonest    : steps       = 1000 in 1 .. 5000  # Melting Pot: then, after each interval, the episode ends by chance
+  param interval   : steps       = 100 in 1 .. 5000   # Melting Pot
+  param ending     : probability = 0.1  # Melting Pot
+  episode 5000                          # Melting Pot
+  kind wall  "#" { blocks agents, grip }
+  kind body  "M" { blocks agents }      # of a machine
+  kind floor "." {
+    field place : { start, marked, perhaps } = start  field cube : { none, here } = none  field apple : { none, here } = none
+    field cubes_due : 0 .. 9 capped = 0  field apples_due : 0 .. 9 capped = 0
+    glyph "m" with place = marked
+    glyph "C" with place = marked with cube = here
+    glyph "c" with place = perhaps
+    blocks agents when floor.cube is here
+  }
+  kind belt  "=" { field cube : { none, here } = none  field apple : { none, here } = none  blocks agents when belt.cube is here }
+  kind mouth "S" {
+    field makes : { cube_and_apple, two_apples } = cube_and_apple  field cube : { none, here } = none  field apple : { none, here } = none
+    field clock : 0 .. work = 0  glyph "G" with makes = two_apples  blocks agents when mouth.cube is here
+  }
+  group ground = floor, belt, mouth
+  map "maps/factory_commons.txt"
+  agents players {
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, grasp, hold, shove, pull
+    moves relative
+    field hand : { none, cube, apple } = none  field walked : { nowhere, somewhere } = nowhere
+    field stamina : 0 .. strength = strength  field holders : set of agent
+    timer resting  timer gripped  timer still
+    forbid turn_left, turn_right, step_left, step_right, forward, backward when agent.resting > 0
+    forbid hold, shove, pull when agent.gripped > 0
+  }
+  shape grip = line(2)  # Melting Pot
+  shape reach = line(1)
+  define free(g)        = g.cube is none and nobody on g
+  define below(f, m, n) = f.row == m.row + n and f.col == m.col + 1  # where a machine puts what it makes
+  phase start {
+    each agent { send agent to floor where floor.place is start }
+    each floor where floor.place is perhaps { chance odds { set floor.cube = here } }
+  }
+  schedule feed -> run -> walk -> land -> eat -> handle -> take_hold -> push -> tire -> tick -> weary -> finish
+  phase feed {  # a cube over an open mouth is taken in, held or not
+    each mouth where mouth.clock == 0 and mouth.cube is here { set mouth.cube = none  set mouth.clock = work  tally fed[mouth.makes] }
+    match agent as a with mouth in reach of a where a.hand is cube and mouth.clock == 0 and mouth.cube is none {
+      set a.hand = none  set mouth.clock = work  tally fed[mouth.makes]
+    }
+    each mouth where mouth.clock > 0 { set mouth.clock = mouth.clock - 1 }
+  }
+  phase run {
+    each mouth as m where m.clock == work - first_out {
+      each floor as f where below(f, m, 1) and m.makes is cube_and_apple { add 1 to f.cubes_due }
+      each floor as f where (below(f, m, 1) or below(f, m, 2)) and m.makes is two_apples { add 1 to f.apples_due }
+    }
+    each mouth as m where m.clock == work - second_out and m.makes is cube_and_apple {
+      each floor as f where below(f, m, 2) { add 1 to f.apples_due }
+    }
+  }
+  phase walk { move each agent where agent.still == 0 }
+  phase land {
+    each floor where floor.cubes_due > 0 and free(floor) { set floor.cube = here  add -1 to floor.cubes_due }
+    each floor where floor.apples_due > 0 and floor.apple is none { set floor.apple = here  add -1 to floor.apples_due }
+  }
+  phase eat { each agent on ground where ground.apple is here { set ground.apple = none  give pays to agent  tally eaten for agent } }
+  phase handle {
+    match agent as a with ground in reach of a where a chose grasp {
+      when a.hand is none and ground.apple is here { set a.hand = apple  set ground.apple = none }
+      otherwise when a.hand is none and ground.cube is here { set a.hand = cube  set ground.cube = none }
+      otherwise when a.hand is cube and free(ground) { set a.hand = none  set ground.cube = here }
+      otherwise when a.hand is apple and ground.apple is none { set a.hand = none  set ground.apple = here }
+    }
+  }
+  phase take_hold {
+    each agent as a where a chose hold or a chose shove or a chose pull {
+      mark grip of a  first agent as v in grip of a { add a to v.holders }
+    }
+  }
+  phase push {
+    each agent as victim where victim.holders is not nobody {
+      pick 1 agent as a in victim.holders where a chose shove or a chose pull {
+        when a chose shove { send victim by 1 a.heading facing same otherwise stay }
+        otherwise { send victim by 1 toward a facing same otherwise stay }
+      }
+    }
+  }
+  phase tire {
+    each agent where agent.resting == 0 {
+      when agent chose forward or agent chose backward or agent chose step_left or agent chose step_right {
+        set agent.walked = somewhere  set agent.stamina = max(agent.stamina - 1, 0)
+      } otherwise { set agent.stamina = min(agent.stamina + 1, strength) }
+    }
+  }
+  phase weary {
+    each agent where agent.walked is somewhere {
+      set agent.walked = nowhere
+      when agent.stamina < tired { set agent.resting = case agent.stamina { 0: long_rest, otherwise: rest } }
+    }
+    each agent where agent.holders is not nobody { set agent.still = 1  set agent.gripped = 1  set agent.holders = nobody }
+    each agent as victim { each agent as a in victim.holders { set a.still = 1 } }
+  }
+  phase finish { when step + 1 >= soonest and (step + 1) % interval == 0 { chance ending { end } } }
+  observe {
+    show agent.hand  show other.hand  show agent.stamina  show other.stamina  show agent.gripped
+    show mouth.clock as { open where mouth.clock == 0, shut }  hide floor.place
+  }
+  metrics { event eaten  event fed by { cube_and_apple, two_apples }  mean cubes = count(ground where ground.cube is here) }
+  checks { symmetric agents }
+}
