@@ -9,6 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.printer import expression
+from sjdsl.compiler.ir.sorts import Level, entry_name, level_text, sort_of
 from sjdsl.near_names import meant
 
 if TYPE_CHECKING:
@@ -52,8 +53,8 @@ def param_values(game: ir.Game, given: Values, check_requires: bool = True) -> d
     """Returns the value of every parameter of the game by name, some replaced; tables as nested tuples.
 
     Args:
-      given: by name: a number, a word, or for a table a mapping by word (whole or in part) or nested sequences in the order of
-        the words.
+      given: by name: a number, a word, or for a table a mapping (whole or in part) by word, by number or by the number of an agent,
+        or nested sequences in the order of its entries.
       check_requires: whether a `require` of the game must hold.
     Raises ValueError: unknown name or word, a value outside its limits, a `require` of the game that no longer holds.
     """
@@ -69,19 +70,32 @@ def param_values(game: ir.Game, given: Values, check_requires: bool = True) -> d
     return values
 
 
-def _merged(name: str, before: Any, value: Any, by: tuple[tuple[str, ...], ...], type_: ir.Type) -> Any:
+def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:
     if not by:
         return _checked(name, value, type_)
-    words = by[0]
+    names = [entry_name(entry) for entry in by[0]]
     if isinstance(value, Mapping):
-        unknown = [w for w in value if w not in words]
+        given = {str(key): entry for key, entry in value.items()}
+        unknown = [key for key in given if key not in names]
         if unknown:
-            raise ValueError(f"`{name}` has no entry `{unknown[0]}`; its words are {', '.join(words)}")
-        return tuple(_merged(f"{name}[{w}]", before[i], value[w], by[1:], type_) if w in value else before[i] for i, w in enumerate(words))
+            raise ValueError(f"`{name}` has no entry `{unknown[0]}`; its {_entries(by[0])}")
+        inner = {key: _merged(f"{name}[{key}]", before[names.index(key)], entry, by[1:], type_) for key, entry in given.items()}
+        return tuple(inner.get(key, before[i]) for i, key in enumerate(names))
     listed = value.tolist() if hasattr(value, "tolist") else value
-    if not isinstance(listed, Sequence) or isinstance(listed, str) or len(listed) != len(words):
-        raise ValueError(f"`{name}` wants {len(words)} values, for {', '.join(words)}")
-    return tuple(_merged(f"{name}[{w}]", before[i], listed[i], by[1:], type_) for i, w in enumerate(words))
+    if not isinstance(listed, Sequence) or isinstance(listed, str) or len(listed) != len(names):
+        raise ValueError(f"`{name}` wants {len(names)} values: its {_entries(by[0])}")
+    return tuple(_merged(f"{name}[{key}]", before[i], listed[i], by[1:], type_) for i, key in enumerate(names))
+
+
+def _entries(level: Level) -> str:
+    """Returns what the entries of a table are."""
+    match sort_of(level):
+        case "agent":
+            return f"entries are the agents 0 .. {len(level) - 1}"
+        case "number":
+            return f"entries are {level_text(level)}"
+        case _:
+            return f"words are {', '.join(level)}"
 
 
 def _checked(name: str, value: Any, type_: ir.Type) -> Any:

@@ -319,7 +319,7 @@ def path_text(path: ast.Path) -> str:
             steps.append("." + step.name.text)
         else:
             key = step.key
-            steps.append(f"[{key.name.text}]" if isinstance(key, ast.Path) else "[..]")
+            steps.append(f"[{key.name.text}]" if isinstance(key, ast.Path) else f"[{key.value}]" if isinstance(key, ast.Int) else "[..]")
     return path.name.text + "".join(steps)
 
 
@@ -329,17 +329,23 @@ def _override(game: Composition, change: ast.Override) -> None:
     if constant is None:
         _unknown(game, change.path.name)
         return
-    value = _replace_entry(game, constant.value, change.path.steps, change)
+    value = _replace_entry(game, constant.value, change.path.steps, change, constant.by)
     game.constants[name] = replace(constant, value=value)
 
 
 def _replace_entry(
-    game: Composition, value: ast.Expr | ast.Table, steps: tuple[ast.Member | ast.Index, ...], change: ast.Override
+    game: Composition,
+    value: ast.Expr | ast.Table,
+    steps: tuple[ast.Member | ast.Index, ...],
+    change: ast.Override,
+    by: ast.By | None = None,
 ) -> ast.Expr | ast.Table:
     if not steps:
         return change.value
     step = steps[0]
-    key = step.key.name if isinstance(step, ast.Index) and isinstance(step.key, ast.Path) else None
+    key = _key(step)
+    if key is not None and by is not None:
+        value = _with_entry(value, key, by)
     if key is None or not isinstance(value, ast.Table) or key.text not in {e.key.text for e in value.entries}:
         _unknown(game, ast.Name(change.path.span, path_text(change.path)))
         return value
@@ -347,6 +353,29 @@ def _replace_entry(
         replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e for e in value.entries
     )
     return replace(value, entries=entries)
+
+
+def _key(step: ast.Member | ast.Index) -> ast.Name | None:
+    """Returns the entry that a change names: a word, or a number."""
+    match step:
+        case ast.Index(key=ast.Path(name=name)):
+            return name
+        case ast.Index(key=ast.Int(value=number) as written):
+            return ast.Name(written.span, str(number))
+    return None
+
+
+def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
+    """Returns a table in which an entry stands by itself: one that `otherwise` or a single number for all stood for gets a line of its own."""
+    known = isinstance(by, ast.Words) and key.text in {name.text for name in by.names}
+    if not known and not (not isinstance(by, ast.Words) and key.text.isdigit()):
+        return value
+    rest = ast.Name(value.span, "otherwise")
+    entries = value.entries if isinstance(value, ast.Table) else (ast.Entry(value.span, rest, value),)
+    others = next((entry for entry in entries if entry.key.text == "otherwise"), None)
+    if others is None or key.text in {entry.key.text for entry in entries}:
+        return value
+    return ast.Table(value.span, (ast.Entry(value.span, key, others.value), *entries))
 
 
 def _drop(game: Composition, name: ast.Name) -> None:

@@ -3,11 +3,12 @@
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members
 from sjdsl.doc.expressions import value
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
+from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, joined
 
 PAYOFFS = (
     "R is what each earns if both cooperate, P if both do not; T and S are what one earns who does not cooperate with one who does, "
@@ -33,7 +34,7 @@ def metrics(v: Vocabulary) -> list[str]:
 
 
 def event_line(event: ir.Event) -> Line:
-    entries = f", separately for {codes(event.by)}" if event.by else ""
+    entries = f", separately {f'for {codes(event.by)}' if sort_of(event.by) == 'word' else entries_text(event.by)}" if event.by else ""
     return Line(f"{code(event.name)}: an event counted {'for each agent' if event.per_agent else 'for the whole game'}{entries}")
 
 

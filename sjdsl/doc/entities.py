@@ -5,7 +5,7 @@ from sjdsl.compiler.ir.queries import kind_named, starts_of
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.shapes import shapes
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import Line, bullets, code, codes, counted, fenced, joined, number, table
+from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, fenced, joined, number, table
 
 RELATIVE = {
     "turn_left": "turns a quarter to the left",
@@ -122,7 +122,7 @@ def field_line(field: ir.VarField) -> Line:
         return Line(
             f"a timer {code(field.name)}: a number of steps, at first {start_text(field.start, field)}, which falls by 1 at every `tick`"
         )
-    entries = f", one for each of {codes(field.type.by[0])}" if field.type.by else ""
+    entries = f", one {entries_text(field.type.by[0])}" if field.type.by else ""
     rest = "; what would leave this range by adding is cut off" if field.capped else ""
     return Line(f"{code(field.name)}{entries}: {_values(field.type)}, at first {start_text(field.start, field)}{rest}")
 

@@ -5,6 +5,7 @@ from typing import TypeGuard, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables
+from sjdsl.compiler.ir.sorts import entry_name, place_of, sort_of
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, number, table_value, variable
 
@@ -48,10 +49,11 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return case(e, v)
         case ir.Lowest():
             which = "last" if e.last else "first"
-            words = e.row.type.by[0]
-            return (
-                f"the {which} of the words {codes(words)} whose entry in {value(e.row, v)} is above 0 ({code(words[-e.last])} if none is)"
-            )
+            level = e.row.type.by[0]
+            names, none = f"the words {codes(level)}", code(level[-e.last])
+            if sort_of(level) == "number":
+                names, none = f"the numbers {level[0]} to {level[-1]}", level[-e.last]
+            return f"the {which} of {names} whose entry in {value(e.row, v)} is above 0 ({none} if none is)"
         case ir.Mix():
             return f"the shares of {value(e.row, v)}"
         case ir.Ramp():
@@ -63,7 +65,7 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
         case ir.Narrowed():
             return value(e.value, v)
         case ir.EventTotal():
-            return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(e.word)}")
+            return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(entry_name(e.word))}")
         case ir.SumRow():
             return f"the sum of all entries of {value(e.row, v)}"
         case ir.Count():
@@ -132,7 +134,7 @@ def _key(key: ir.Expr, v: Vocabulary) -> str:
 def _default_entry(e: ir.At, v: Vocabulary) -> str:
     """Returns the default value of one entry of a parameter, in brackets; empty for all other entries."""
     if isinstance(e.row, ir.ParamRef) and isinstance(e.key, ir.Word) and len(e.row.type.by) == 1 and e.row.name in v.numbers:
-        found = v.numbers[e.row.name].value[e.row.type.by[0].index(e.key.value)]  # type: ignore[index]
+        found = v.numbers[e.row.name].value[place_of(e.row.type.by[0], e.key.value)]  # type: ignore[index]
         return f" ({code(found) if isinstance(found, str) else number(found)})"
     return ""
 

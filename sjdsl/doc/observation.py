@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.lower.cell_appearance import shown_words
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.vocabulary import Vocabulary
@@ -103,7 +104,7 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
         "everyone": "every agent, wherever it is, in the order of their numbers",
         "world": "the world",
     }[s.what]
-    entry = f"the {code(s.word)} entry of the" if s.word is not None else "the"
+    entry = f"the {_row_entry(s.word)} of the" if s.word is not None else "the"
     entry = "the number of the agent in the" if s.type.words[:1] == ("nobody",) and not s.labels else entry
     text = f"{entry} {code(s.field)} of {whose}" + (", the same everywhere in the window" if s.what in ("everyone", "own", "world") else "")
     if s.labels:
@@ -114,6 +115,11 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
         text += f", if {condition(s.shown_when, v)}; otherwise {code('hidden') if shown_words(s) else 0}"
     conditional = s.hidden_when is not None or s.shown_when is not None
     return Line(text + (_readers(s) if s.labels or conditional else ""))
+
+
+def _row_entry(name: str) -> str:
+    """Returns one entry of a row."""
+    return f"{code(name)} entry" if sort_of((name,)) == "word" else f"entry for {name}"
 
 
 def _readers(s: ir.Observable) -> str:

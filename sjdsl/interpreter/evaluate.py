@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, Literal, assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import Level, place_of, sort_of
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.instance import Instance
@@ -157,12 +158,19 @@ def _attribute(e: ir.Attribute, here: Instance) -> Value:
 
 
 def _entry(e: ir.At, here: Instance) -> Value:
-    row, key, words = evaluate(e.row, here), evaluate(e.key, here), e.row.type.by[0]
+    row, key, level = evaluate(e.row, here), evaluate(e.key, here), e.row.type.by[0]
     if e.key.type.kind != "mix":
-        return row[words.index(key)]
+        return row[entry_place(level, key)]
     share = dict(zip(e.key.type.words, key, strict=True))
-    parts = [numbers.arithmetic("*", [share[word], entry], is_real=True) for word, entry in zip(words, row, strict=True)]
+    parts = [numbers.arithmetic("*", [share[name], entry], is_real=True) for name, entry in zip(level, row, strict=True)]
     return numbers.total(parts, is_real=True)
+
+
+def entry_place(level: Level, key: Value) -> int:
+    """Returns the place of the entry that a key names: a word, a number of the range, or an agent."""
+    place = place_of(level, key)
+    assert 0 <= place < len(level), f"no entry for {key} in {level}"
+    return place
 
 
 def _case(e: ir.Case, here: Instance) -> Value:
@@ -180,11 +188,11 @@ def _applies(arm: ir.Arm, subject: int | str) -> bool:
     return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
 
 
-def _lowest(e: ir.Lowest, here: Instance) -> str:
-    words = e.row.type.by[0]
-    positive = [word for word, entry in zip(words, evaluate(e.row, here), strict=True) if entry > 0]
-    order = -1 if e.last else 0
-    return positive[order] if positive else words[order]
+def _lowest(e: ir.Lowest, here: Instance) -> str | int:
+    level, order = e.row.type.by[0], -1 if e.last else 0
+    positive = [name for name, entry in zip(level, evaluate(e.row, here), strict=True) if entry > 0]
+    found = positive[order] if positive else level[order]
+    return int(found) if sort_of(level) == "number" else found
 
 
 def _is_of_class(

@@ -9,7 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
-from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.evaluate import entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
 from sjdsl.interpreter.overflow import watched
@@ -171,7 +171,7 @@ def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
         path.append(counted.agent)
     if event.by:
         assert counted.word is not None, event.name
-        path.append(event.by.index(counted.word))
+        path.append(entry_place(event.by, counted.word))
     holder: Any = outcome.events
     for key in path[:-1]:
         holder = holder[key]

@@ -9,7 +9,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.evaluate import agents_in, evaluate
+from sjdsl.interpreter.evaluate import agents_in, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import check_interval
 from sjdsl.interpreter.state import Cell, Value, World
@@ -41,10 +41,10 @@ class Shifting(NamedTuple):
 
 
 class Counted(NamedTuple):
-    """One tally. `word` for an event with words, `agent` None for the game."""
+    """One tally. `word`: the key (a word, a number, an agent) of an event with entries; `agent` None for the game."""
 
     event: str
-    word: str | None
+    word: str | int | None
     agent: int | None
     amount: int
 
@@ -88,7 +88,7 @@ def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Val
     """Returns the entries a target names, each with its value: a row gets a row entry by entry, or one value everywhere."""
     keys: list[int] = []
     while isinstance(target, ir.At):
-        keys.append(target.row.type.by[0].index(evaluate(target.key, here)))
+        keys.append(entry_place(target.row.type.by[0], evaluate(target.key, here)))
         target = target.row
     assert isinstance(target, ir.FieldRead), target
     slot = Slot(target.name, _owner(target, here), tuple(reversed(keys)))

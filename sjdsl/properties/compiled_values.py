@@ -57,7 +57,7 @@ def _total(node: Any, totals: dict[Total, str]) -> Any:
     """Replaces the total of an event by a parameter of the game."""
     if not isinstance(node, ir.EventTotal):
         return node
-    name = identifier(f"_total_{node.name}" + (f"_of_{node.word}" if node.word else ""))
+    name = identifier(f"_total_{node.name}" + (f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}" if node.word else ""))
     totals[node.name, node.word] = name
     return ir.ParamRef(type=node.type, name=name, origin=node.origin)
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.traverse import rewrite
-from sjdsl.compiler.ir.types import words
+from sjdsl.compiler.ir.types import integer, words
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws
@@ -67,21 +68,39 @@ def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
 def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
     """Yields the game with two neighbouring numbers swapped: these swaps make up all others."""
     rules = (*game.schedule, game.agents, *game.kinds)
-    if not any(isinstance(n, ir.Attribute) and n.name == "index" for rule in rules for n in ir.walk(rule)):
+    if not any(_reads_number(node) for rule in rules for node in ir.walk(rule)):
         return
     for first in range(game.agents.number - 1):
         order = list(range(game.agents.number))
         order[first : first + 2] = [first + 1, first]
 
         def rule(node: Any, order: list[int] = order) -> Any:
-            return _numbered(node, order) if isinstance(node, ir.Attribute) and node.name == "index" else node
+            return _numbered(node, order) if _reads_number(node) else node
 
         yield TransformedGame(_of_rules(game, rule), f"if agents {first} and {first + 1} swapped numbers")
 
 
-def _numbered(index: ir.Attribute, order: list[int]) -> ir.Case:
-    arms = [ir.Arm(low=i, high=i, value=ir.Number(type=index.type, value=number)) for i, number in enumerate(order)]
-    return ir.Case(type=index.type, subject=index, arms=tuple(arms), origin=index.origin)
+def _reads_number(node: Any) -> bool:
+    """Returns whether a value depends on the number of an agent: `index`, or an entry of a param by agent."""
+    if isinstance(node, ir.At):
+        return isinstance(node.row, ir.ParamRef) and sort_of(node.row.type.by[0]) == "agent" and not isinstance(node.key, ir.Word)
+    return isinstance(node, ir.Attribute) and node.name == "index"
+
+
+def _numbered(node: ir.Attribute | ir.At, order: list[int]) -> ir.Case:
+    """Returns what an agent would read that had the number that another has."""
+    if isinstance(node, ir.Attribute):
+        arms = [ir.Arm(low=i, high=i, value=ir.Number(type=node.type, value=number)) for i, number in enumerate(order)]
+        return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
+    names = words(node.row.type.by[0])
+    values = [node.model_copy(update={"key": ir.Word(type=names, value=names.words[number])}) for number in order]
+    index = ir.Attribute(type=integer(0, len(order) - 1), owner=node.key, name="index")
+    return ir.Case(
+        type=node.type,
+        subject=index,
+        arms=tuple(ir.Arm(low=i, high=i, value=value) for i, value in enumerate(values)),
+        origin=node.origin,
+    )
 
 
 def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:

@@ -6,6 +6,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import place_of
 
 COMPARE = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "==": np.equal, "!=": np.not_equal}
 
@@ -34,8 +35,8 @@ def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
             return -1
         case ir.FieldRead():
             return np.asarray(e.type.words)[fields[e.name]] if e.type.kind == "word" else fields[e.name]
-        case ir.At(key=ir.Word(value=word)):
-            return _value(e.row, fields)[:, e.row.type.by[0].index(word)]
+        case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
+            return _value(e.row, fields)[:, place_of(e.row.type.by[0], key)]  # type: ignore[arg-type]
         case ir.SumRow():
             return _value(e.row, fields).sum(axis=1)
         case ir.Compare():

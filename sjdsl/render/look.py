@@ -10,6 +10,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, written_field
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds
@@ -149,7 +150,7 @@ def kind_looks(game: ir.Game) -> Iterator[KindLook]:
     for kind in game.kinds:
         rows, cols = np.nonzero(grid == kind.name)
         if len(rows):
-            shown = [f for f in kind.fields if not f.timer and (f.type.kind != "word" or not f.type.by)]
+            shown = [f for f in kind.fields if not f.timer and (not f.type.by or f.type.kind in ("int", "real"))]
             drawn = [f for f in shown if not is_passing(f, game)]
             words = [max(0, len(f.type.words) - 1) for f in drawn]
             fields = tuple(_field(f, kind.name, game, sum(words[:place])) for place, f in enumerate(drawn))
@@ -209,8 +210,13 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLo
 
 
 def _is_carried(field: ir.VarField) -> bool:
-    """Returns whether an agent shows the field in its corners: words and numbers; timers say what it may do, not what it has."""
-    return not field.timer and (field.type.kind in ("int", "real") or (field.type.kind == "word" and not field.type.by))
+    """Returns whether an agent shows the field in its corners: words and numbers.
+
+    Timers say what it may do, not what it has; rows by agent or by numbers have no words to be pictures of.
+    """
+    if field.timer or any(sort_of(level) != "word" for level in field.type.by):
+        return False
+    return field.type.kind in ("int", "real") or (field.type.kind == "word" and not field.type.by)
 
 
 def _carried_fields(fields: list[ir.VarField]) -> Iterator[FieldLook]:

@@ -6,18 +6,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_name, entry_named
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import World
 from sjdsl.near_names import meant
 from sjdsl.testing.states import held_values
 from sjdsl.testing.values import held, written
 
-_PATH = re.compile(r"(?:(\w+)\.)?(\w+)((?:\[\w+\])*)")
+_PATH = re.compile(r"(?:(\w+)\.)?(\w+)((?:\[-?\w+\])*)")
 
 
 @dataclass(frozen=True)
 class FieldPath:
-    """A field, or one entry of it: `keys` are positions in the word sets of a `by` field."""
+    """A field, or one entry of it: `keys` are places in the levels of a `by` field."""
 
     text: str
     declared: ir.VarField
@@ -42,13 +43,16 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     declared = next((f for f in (owners[owner] if owner else game.fields) if f.name == name), None)
     if declared is None:
         raise ValueError(f"`{text}`: {_no_field(owner, name, owners, game.fields)}")
-    keys, by = re.findall(r"\w+", brackets), declared.type.by
+    keys, by = re.findall(r"-?\w+", brackets), declared.type.by
     if len(keys) > len(by):
         raise ValueError(f"`{text}`: `{name}` has {len(by)} indices" if by else f"`{text}`: `{name}` is one value, without an index")
-    for word, words in zip(keys, by, strict=False):
-        if word not in words:
-            raise ValueError(f"`{text}`: there is no entry `{word}`{meant(word, words)}")
-    return FieldPath(text, declared, tuple(words.index(word) for word, words in zip(keys, by, strict=False)))
+    places = []
+    for key, level in zip(keys, by, strict=False):
+        place = entry_named(level, key)
+        if place is None:
+            raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, list(map(entry_name, level)))}")
+        places.append(place)
+    return FieldPath(text, declared, tuple(places))
 
 
 def _no_field(owner: str | None, name: str, owners: dict[str, tuple[ir.VarField, ...]], world: tuple[ir.VarField, ...]) -> str:

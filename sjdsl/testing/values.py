@@ -1,7 +1,7 @@
 """Converts field values between three forms: as authors write them, as interpreted, as stored in arrays.
 
 Written: a word is a text, a number a number, an agent its number, nobody None, several agents a set of numbers; an entry of a
-`by` field stands under its word, `{"raw": 2}`.
+`by` field stands under its word, its number, or the number of its agent: `{"raw": 2}`, `{0: 2}`.
 """
 
 from collections.abc import Collection, Mapping
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.near_names import meant
 
 LARGEST = 2**31 - 1
@@ -25,14 +26,20 @@ def held(name: str, written: Any, type_: ir.Type, agents: int, before: Any = Non
     """
     if not type_.by:
         return _held(name, written, type_, agents)
-    words, inner = type_.by[0], type_.model_copy(update={"by": type_.by[1:]})
+    keys, inner = tuple(map(_key, type_.by[0])), type_.model_copy(update={"by": type_.by[1:]})
     if not isinstance(written, Mapping):
-        raise ValueError(f"`{name}` has an entry for each of {', '.join(words)}: write `{name}[{words[0]}]`, or a mapping by word")
-    for word in written:
-        if word not in words:
-            raise ValueError(f"`{name}` has no entry `{word}`{meant(str(word), words)}")
-    entries = zip(words, before, strict=True)
-    return tuple(held(f"{name}[{w}]", written[w], inner, agents, b) if w in written else b for w, b in entries)
+        raise ValueError(f"`{name}` has an entry for each of {', '.join(map(str, keys))}: write `{name}[{keys[0]}]`, or a mapping by entry")
+    for key in written:
+        if key not in keys:
+            raise ValueError(f"`{name}` has no entry `{key}`{meant(str(key), list(map(str, keys)))}")
+    entries = zip(keys, before, strict=True)
+    return tuple(held(f"{name}[{k}]", written[k], inner, agents, b) if k in written else b for k, b in entries)
+
+
+def _key(entry: str) -> str | int:
+    """Returns what an entry stands under where it is written: its word, its number, or the number of its agent."""
+    name = entry_name(entry)
+    return int(name) if name.lstrip("-").isdigit() else name
 
 
 def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
@@ -68,7 +75,7 @@ def written(value: Any, type_: ir.Type) -> Any:
     """Returns a value of the interpreter as an author writes it."""
     if type_.by:
         inner = type_.model_copy(update={"by": type_.by[1:]})
-        return {word: written(entry, inner) for word, entry in zip(type_.by[0], value, strict=True)}
+        return {_key(name): written(entry, inner) for name, entry in zip(type_.by[0], value, strict=True)}
     if type_.kind == "agents":
         return set(value)
     return float(value) if type_.kind == "real" else value

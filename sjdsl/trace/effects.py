@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
@@ -85,9 +86,9 @@ def _entries(by: tuple[tuple[str, ...], ...], old: Value, new: Value) -> Iterato
     if not by:
         yield (), "", old, new
         return
-    for number, word in enumerate(by[0]):
+    for number, name in enumerate(by[0]):
         for entries, label, was, now in _entries(by[1:], old[number], new[number]):
-            yield (number, *entries), f"[{word}]{label}", was, now
+            yield (number, *entries), f"[{entry_name(name)}]{label}", was, now
 
 
 def _writers(account: Account) -> dict[Slot, list[Done]]:

@@ -182,12 +182,18 @@ def test_statements(text: str, tree: str) -> None:
 @pytest.mark.parametrize(
     ("text", "tree"),
     [
-        ("size n : count = 2 in 1 .. 3", "Constant(True, n, count, 2, 1, 3)"),
+        ("size n : count = 2 in 1 .. 3", "Constant(True, n, -, count, 2, 1, 3)"),
         (
             "param p : reward = { a: { b: 1 }, c: -2 }",
-            "Constant(False, p, reward, Table([Entry(a, Table([Entry(b, 1)])), Entry(c, (- 2))]), -, -)",
+            "Constant(False, p, -, reward, Table([Entry(a, Table([Entry(b, 1)])), Entry(c, (- 2))]), -, -)",
+        ),
+        (
+            "param p by agent : reward = { 0: 1, 1 .. 3: 2, 4 ..: 0, otherwise: 5 }",
+            "Constant(False, p, agent, reward, Table([Entry(0, 1), Entry(1 .. 3, 2), Entry(4 .., 0), Entry(otherwise, 5)]), -, -)",
         ),
         ("field f by { a, b } : { c, d } = c", "Field(f, Words([a, b]), Words([c, d]), c)"),
+        ("field f by agent : agent", "Field(f, agent, NamedType(False, agent), -)"),
+        ("field f by 0 .. n - 1 : { c, d } = c", "Field(f, Numbers(0, (n - 1)), Words([c, d]), c)"),
         ("field f : set of agent", "Field(f, -, NamedType(True, agent), -)"),
         ("field f : agent = nobody", "Field(f, -, NamedType(False, agent), Nobody())"),
         ("field f : 0 .. 3 capped = 1", "Field(f, -, Range(0, 3, True), 1)"),

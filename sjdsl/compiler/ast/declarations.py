@@ -1,17 +1,18 @@
 """The abstract syntax tree: declarations, and the file they make up."""
 
-from sjdsl.compiler.ast.expressions import Call, Domain, Expr, Name, Path, ShapeRef, String, Table, Type, Words
+from sjdsl.compiler.ast.expressions import By, Call, Domain, Expr, Name, Path, ShapeRef, String, Table, Type
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.statements import Block
 from sjdsl.compiler.diagnostics.source import Span
 
 
 class Constant(Node):
-    """`size` or `param`: `param apple : reward = 1 in 0 .. 5`"""
+    """`size` or `param`: `param apple : reward = 1 in 0 .. 5`, `param taste by agent : reward = 1`"""
 
     span: Span
     is_size: bool
     name: Name
+    by: By | None
     unit: Name
     value: Expr | Table
     low: Expr | None
@@ -41,7 +42,7 @@ class Field(Node):
 
     span: Span
     name: Name
-    by: Words | None
+    by: By | None
     type: Type
     start: Expr | None
 
@@ -201,7 +202,7 @@ class Look(Node):
 class Event(Node):
     span: Span
     name: Name
-    by: Words | None
+    by: By | None
 
 
 class Measure(Node):

@@ -32,6 +32,14 @@ class Range(Node):
     capped: bool
 
 
+class Numbers(Node):
+    """`0 .. 4` after `by`"""
+
+    span: Span
+    low: Expr
+    high: Expr
+
+
 class NamedType(Node):
     """`agent`, `set of agent`, `reward`"""
 
@@ -41,6 +49,7 @@ class NamedType(Node):
 
 
 Type = Words | Range | NamedType
+By = Words | Numbers | Name  # what the entries of a row are told apart by; the name of a sort is `agent`
 
 
 # ---- expressions
@@ -179,6 +188,8 @@ class Table(Node):
 
 
 class Entry(Node):
+    """The key as written: a word, `3`, `1 .. 3`, `3 ..` or `otherwise`."""
+
     span: Span
     key: Name
     value: Expr | Table

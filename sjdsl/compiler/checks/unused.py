@@ -6,6 +6,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.scope import Declared, Static
 from sjdsl.compiler.ir.queries import phases_of
+from sjdsl.compiler.ir.sorts import Level, sort_of
 from sjdsl.runtime.actions import MOVES
 
 
@@ -36,8 +37,13 @@ def _check_events(game: ir.Game, static: Static, problems: Problems) -> None:
     counted = {n.event for phase in phases_of(game) for n in ir.walk(phase) if isinstance(n, ir.Tally)}
     for name, event in static.events.items():
         if name not in counted:
-            path = name if event.by is None else f"{name}[{event.by.names[0].text}]"
+            path = name if name not in static.event_levels else f"{name}[{_example(static.event_levels[name])}]"
             problems.add(errors.NeverCounted(event.name.span, name=name, path=path))
+
+
+def _example(level: Level) -> str:
+    """Returns a key that a rule could count by."""
+    return "agent" if sort_of(level) == "agent" else level[0]
 
 
 def _check_names(game: ir.Game, composition: Composition, static: Static, problems: Problems) -> None:

@@ -46,7 +46,11 @@ class Target(Record):
 
 
 class Write(Record, eq=False):
-    """One `set`, `add` or change of place. `owner`: whose field or place (None: the world's); `value`: what two equal writes share."""
+    """One `set`, `add` or change of place.
+
+    owner: whose field or place (None: the world's). keys: the agents that name an entry, None for an entry named in another way.
+    value: what two equal writes share.
+    """
 
     sort: Literal["set", "add", "place"]
     target: Target
@@ -59,13 +63,21 @@ class Write(Record, eq=False):
     branches: tuple[Branch, ...]
     facts: tuple[Fact, ...]
     bounded: bool = False
+    keys: tuple[ir.Member | None, ...] = ()
+
+    @property
+    def own_names(self) -> frozenset[str]:
+        """The variables that name the target: its owner, and the agents that name its entry."""
+        owner = (self.owner,) if isinstance(self.owner, ir.Member) else ()
+        return frozenset(member.name for member in (*owner, *self.keys) if member is not None)
 
     @cached_property
     def about_target(self) -> tuple[Fact, ...]:
         """The known conditions that speak of the target alone, under a name that two writes share."""
         if self.owner is not None and not isinstance(self.owner, ir.Member):
             return ()
-        target = {} if self.owner is None else {self.owner.name: "target"}
+        target = {member.name: f"entry {place}" for place, member in enumerate(self.keys) if member is not None}
+        target |= {} if self.owner is None else {self.owner.name: "target"}
         return tuple(Fact(f.condition, target) for f in self.facts if {v.name for v in free_variables(f.condition)} <= target.keys())
 
 
@@ -205,16 +217,18 @@ def _names(e: ir.Node, around: Around) -> frozenset[str]:
 
 def _field_write(sort: Literal["set", "add"], s: ir.Set | ir.Add, target: ir.Expr, value: ir.Expr, around: Around) -> Write:
     entries: list[str | None] = []
+    keys: list[ir.Member | None] = []
     depends = _names(value, around)
     while isinstance(target, ir.At):
-        entries.insert(0, target.key.value if isinstance(target.key, ir.Word) else None)
-        depends |= _names(target.key, around)
+        entries.insert(0, str(target.key.value) if isinstance(target.key, ir.Word | ir.Number) else None)
+        keys.insert(0, target.key if isinstance(target.key, ir.Member) else None)
+        depends |= frozenset() if isinstance(target.key, ir.Member) else _names(target.key, around)
         target = target.row
     assert isinstance(target, ir.FieldRead)
     written = Target(target.held_by, target.name, tuple(entries))
     uncapped = sort == "add" and target.type.kind == "int"
     made = _write(sort, written, target.kinds, target.owner, form(value), depends, s, around)
-    return replace(made, bounded=uncapped)
+    return replace(made, bounded=uncapped, keys=tuple(keys))
 
 
 def _write(
@@ -235,6 +249,8 @@ def is_own(w: Write) -> bool:
 
     A quantifier that gives at most one instance for each of those around it does not multiply.
     """
+    if any(w.keys) and _owns_entries(w):
+        return True
     if w.owner is None:
         return all(q.single for q in w.quantifiers)
     if not isinstance(w.owner, ir.Member):
@@ -259,13 +275,28 @@ def is_own(w: Write) -> bool:
     return False
 
 
+def _owns_entries(w: Write) -> bool:
+    """Returns whether every entry is written by one instance: its owner and its keys together name all that multiplies."""
+    if w.owner is not None and not isinstance(w.owner, ir.Member):
+        return False
+    names = set(w.own_names)
+    for number, quantifier in reversed(list(enumerate(w.quantifiers))):
+        if quantifier.single:
+            continue
+        if isinstance(quantifier.statement, ir.First) or not any(m.name in names for m in quantifier.binds):
+            return False  # two lanes can reach one member
+        if isinstance(quantifier.statement, ir.Each) and isinstance(quantifier.statement.domain.restriction, ir.Among):
+            if number and isinstance(w.quantifiers[number - 1].statement, ir.Match):  # a side of a pair names the pair
+                names |= {m.name for m in quantifier.statement.domain.restriction.members}
+    return True
+
+
 def _agrees_with_itself(w: Write) -> bool:
     if w.sort == "add":
         return True
     if is_own(w):
         return True
-    own_names = {w.owner.name} if isinstance(w.owner, ir.Member) else set()
-    return not (w.depends - own_names)
+    return not (w.depends - w.own_names)
 
 
 def _same_target(a: Write, b: Write) -> bool:
@@ -300,11 +331,19 @@ def _exclusive(a: Write, b: Write) -> bool:
 
 
 def _shared_quantifier(a: Write, b: Write) -> bool:
-    """Returns whether both targets are the variable of one and the same quantifier."""
+    """Returns whether both targets are the variable of one and the same quantifier, or entries named by those of the same quantifiers."""
+    if any(a.keys) or any(b.keys):
+        alike = [None if m is None else m.name for m in a.keys] == [None if m is None else m.name for m in b.keys]
+        return alike and a.own_names == b.own_names and _multiplying(a) == _multiplying(b)
     if a.owner is None and b.owner is None:
         return True
     same = isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name == b.owner.name
     return same and bool(a.quantifiers) and bool(b.quantifiers) and a.quantifiers[0].statement is b.quantifiers[0].statement
+
+
+def _multiplying(w: Write) -> list[int]:
+    """Returns the quantifiers that can give several instances, by their identity."""
+    return [id(q.statement) for q in w.quantifiers if not q.single]
 
 
 def _two_sides(a: Write, b: Write) -> bool:

@@ -8,8 +8,11 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Label, near
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import table_words
 from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.table_entries import entries_of
+from sjdsl.compiler.ir.sorts import Level, sort_of
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")
@@ -23,13 +26,16 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     if unit == "word":
         _word(declared, scope)
         return
+    if declared.is_size and declared.by is not None:
+        raise scope.problems.fail(errors.Unsupported(declared.span, what="a size that is a table", help="a `param` can be one"))
     low, high = _limits(declared, unit, scope)
-    by, value = _value(declared.value, unit, scope)
+    level = None if declared.by is None else level_of(declared.by, scope)
+    by, value = _value(declared.value, unit, scope, level)
     if override is not None and declared.is_size:
         value = _overridden(declared, override, by, scope)
     outside = [(keys, n) for keys, n in zip(product(*by), _flat(value), strict=True) if not low - 1e-9 <= n <= high + 1e-9]
     if outside:
-        _report_outside(declared, outside, (low, high), scope)
+        _report_outside(declared, outside, (low, high), level, scope)
         if not isinstance(value, tuple):
             value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
     kind = "int" if unit in INTEGER_UNITS else "real"
@@ -44,10 +50,14 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
 
 
 def _report_outside(
-    declared: ast.Constant, outside: list[tuple[tuple[str, ...], float]], limits: tuple[float, float], scope: Scope
+    declared: ast.Constant,
+    outside: list[tuple[tuple[str, ...], float]],
+    limits: tuple[float, float],
+    level: Level | None,
+    scope: Scope,
 ) -> None:
     """Reports the numbers of one declaration that are outside its limits, as one mistake."""
-    spans = [_entry(declared.value, keys).span for keys, _ in outside]
+    spans = list(dict.fromkeys(_entry(declared.value, keys, level, scope).span for keys, _ in outside))
     labels = (*_where_limits(declared, spans[0]), *(Label(span, "and this") for span in spans[1:]))
     name, value, (low, high) = f"`{declared.name.text}`", outside[0][1], limits
     found = errors.OutOfLimits(spans[0], labels=labels, name=name, value=value, low=low, high=high, reason=_reason(declared, scope))
@@ -69,7 +79,7 @@ def _reason(declared: ast.Constant, scope: Scope) -> str:
     return f" ({reason.strip()})" if reason and declared.low is not None else ""
 
 
-def _overridden(declared: ast.Constant, override: object, by: tuple[tuple[str, ...], ...], scope: Scope) -> int | float:
+def _overridden(declared: ast.Constant, override: object, by: tuple[Level, ...], scope: Scope) -> int | float:
     whole = declared.unit.text in INTEGER_UNITS
     if by or isinstance(override, bool) or not isinstance(override, int | float) or (whole and override != int(override)):
         wanted = "a whole number" if whole else "a number"
@@ -91,8 +101,16 @@ def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, flo
     return own_low, own_high
 
 
-def _value(tree: ast.Expr | ast.Table, unit: str, scope: Scope) -> tuple[tuple[tuple[str, ...], ...], int | float | tuple[Any, ...]]:
-    """Returns the levels of words and the value (nested as the levels) of a number or table."""
+def _value(
+    tree: ast.Expr | ast.Table, unit: str, scope: Scope, level: Level | None = None
+) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
+    """Returns the levels and the value (nested as the levels) of a number or table. `level`: the first one, where it is declared."""
+    if level is not None:
+        trees = entries_of(tree, level, scope)
+        made = {id(entry): _value(entry, unit, scope) for entry in {id(entry): entry for entry in trees}.values()}
+        if len({by for by, _ in made.values()}) > 1:
+            raise scope.problems.fail(errors.UnequalRows(tree.span))
+        return (level, *made[id(trees[0])][0]), tuple(made[id(entry)][1] for entry in trees)
     if not isinstance(tree, ast.Table):
         return (), _number(tree, unit, scope)
     names = table_words(tree, scope)
@@ -146,14 +164,18 @@ def _word(declared: ast.Constant, scope: Scope) -> None:
     """A parameter whose entries are words: over the table's own words if they serve, else the first set that has them all."""
     if declared.is_size:
         raise scope.problems.fail(errors.WrongType(declared.span, wanted="a number for a `size`", given="a word"))
-    by: tuple[tuple[str, ...], ...] = ()
+    by: tuple[Level, ...] = ()
     entries: list[ast.Expr | ast.Table] = [declared.value]
-    if isinstance(declared.value, ast.Table):
+    if declared.by is not None:
+        by = (level_of(declared.by, scope),)
+        entries = entries_of(declared.value, by[0], scope)
+    elif isinstance(declared.value, ast.Table):
         by = (_declared_words(declared.value, table_words(declared.value, scope), scope),)
         order = {e.key.text: e.value for e in declared.value.entries}
         entries = [order[w] for w in by[0]]
-    values = [_one_word(e, scope) for e in entries]
-    sets = [*by, *scope.static.word_sets]
+    known = {id(e): _one_word(e, scope) for e in {id(e): e for e in entries}.values()}
+    values = [known[id(e)] for e in entries]
+    sets = [*(level for level in by if sort_of(level) == "word"), *scope.static.word_sets]
     words = next((s for s in sets if set(values) <= set(s)), None)
     if words is None:
         raise scope.problems.fail(errors.NeverEqual(declared.value.span))
@@ -171,8 +193,10 @@ def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
     return built.value
 
 
-def _entry(value: ast.Expr | ast.Table, keys: tuple[str, ...]) -> ast.Expr | ast.Table:
-    """Returns the entry of a table that was read without mistakes, or the number itself."""
+def _entry(value: ast.Expr | ast.Table, keys: tuple[str, ...], level: Level | None, scope: Scope) -> ast.Expr | ast.Table:
+    """Returns the entry of a table that was read without mistakes, or the number itself. `level`: the first one, where it is declared."""
+    if level is not None:
+        value, keys = entries_of(value, level, scope)[level.index(keys[0])], keys[1:]
     for key in keys:
         assert isinstance(value, ast.Table)
         value = next(e.value for e in value.entries if e.key.text == key)

@@ -75,7 +75,7 @@ def _types(game: Composition) -> Iterator[tuple[str, Span]]:
             yield declared.name.text, declared.type.span
     for metric in game.metrics.values():
         if isinstance(metric, ast.Event) and metric.by is not None:
-            yield metric.name.text, metric.by.names[0].span
+            yield metric.name.text, metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
 
 
 def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:

@@ -12,6 +12,7 @@ from sjdsl.compiler.elaborate.agents import declare_agents, declare_number, over
 from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
+from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.runtime.actions import HEADINGS
 
@@ -29,9 +30,15 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
     if num_agents is not None:
         override_number(game, overrides, num_agents, problems)
     scope = Scope(static, problems)
-    for declared in game.constants.values():
+    by_agent = [c for c in game.constants.values() if isinstance(c.by, ast.Name)]  # these need the number of agents, which sizes may say
+    for declared in (*(c for c in game.constants.values() if c not in by_agent), *by_agent):
+        if by_agent and declared is by_agent[0]:
+            declare_number(game, scope)
         with problems.survive(static.broken, Declared(declared.name.text)):
             constant(declared, scope, overrides.get(declared.name.text))
+    static.params = {name: static.params[name] for name in game.constants if name in static.params}
+    if not by_agent:
+        declare_number(game, scope)
     return static
 
 
@@ -52,11 +59,14 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
         if isinstance(item, ast.Field):
             if isinstance(item.type, ast.Words):
                 add(item.type.names)
-            if item.by is not None:
+            if isinstance(item.by, ast.Words):
                 add(item.by.names)
     for metric in game.metrics.values():
-        if isinstance(metric, ast.Event) and metric.by is not None:
+        if isinstance(metric, ast.Event) and isinstance(metric.by, ast.Words):
             add(metric.by.names)
+    for number in game.constants.values():
+        if isinstance(number.by, ast.Words):
+            add(number.by.names)
     static.word_sets.append(HEADINGS)
 
 
@@ -90,7 +100,10 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     for shape in game.shapes.values():
         with problems.survive(static.broken, Declared(shape.name.text, among="shapes")):
             static.shapes[shape.name.text] = shapes.declared(shape, scope)
-    declare_number(game, scope)
+    for name, event in static.events.items():
+        if event.by is not None:
+            with problems.survive():
+                static.event_levels[name] = level_of(event.by, scope)
     for kind in game.kinds.values():
         with problems.survive(static.broken, Declared(kind.name.text)):
             static.kinds[kind.name.text] = fields_of(kind.attributes, scope, "cell", kind.name.text)

@@ -3,12 +3,12 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.domains import domain, only_one_who, without
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_somebody, not_a_word
+from sjdsl.compiler.elaborate.keys import key_of
+from sjdsl.compiler.elaborate.lookup import as_agent, check_somebody
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
-from sjdsl.compiler.ir.implications import narrow_word
-from sjdsl.compiler.ir.types import integer
 from sjdsl.runtime.actions import HEADINGS
 
 FACINGS = (*HEADINGS, "same")
@@ -55,19 +55,12 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     if event is None:
         raise scope.problems.fail(errors.NoEvent(name.span, name=name.text, near=near(name.text, static.events)))
     word = None
-    row = ir.EventTotal(type=integer(0, float("inf")), name=name.text)
     if event.by is not None:
-        row = row.model_copy(update={"type": row.type.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})})
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
             raise scope.problems.fail(errors.WrongType(s.event.span, wanted=f"`{name.text}[word]`", given="the whole row"))
-        check_known_word(s.event.steps[0].key, name.text, row.type.by[0], scope)
-        key = narrow_word(scope.expression(s.event.steps[0].key), scope.facts)
-        if key.type.kind != "word":
-            raise wrong_type(scope, s.event.steps[0].key, "a word", key.type)
-        outside = [w for w in key.type.words if w not in row.type.by[0]]
-        if outside:
-            raise not_a_word(s.event.span, outside[0], name.text, row.type.by[0], scope)
-        word = key
+        if name.text not in static.event_levels:
+            raise Poisoned
+        word = key_of(s.event.steps[0].key, name.text, static.event_levels[name.text], scope)
     elif s.event.steps:
         raise scope.problems.fail(errors.WrongType(s.event.span, wanted="the event alone", given="an entry of it"))
     amount = None if s.by is None else scope.number(s.by, ("count",), "a count")

@@ -19,7 +19,8 @@ from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
+from sjdsl.compiler.ir.sorts import lowest_number, sort_of
+from sjdsl.compiler.ir.types import hull, integer, is_number, real, times, words
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
@@ -295,7 +296,10 @@ def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
         raise wrong_type(scope, e.arguments[0], "a row of numbers", row.type)
     names = row.type.by[0]
     if e.name.text != "mix":
-        type_ = ir.Type(kind="word", words=names)
+        if sort_of(names) == "agent":
+            raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, "agents have no order: ask for one with `where`")
+        first = lowest_number(names)
+        type_ = words(names) if sort_of(names) == "word" else integer(first, first + len(names) - 1)
         return ir.Lowest(type=type_, row=row, last=e.name.text == "highest", origin=e.span)
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)

@@ -5,6 +5,7 @@ from typing import Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text, not_a_word
 from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
@@ -41,7 +42,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: Holder, ki
     type_ = field_type(declared.type, name, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
-        type_ = type_.model_copy(update={"by": (tuple(dict.fromkeys(n.text for n in declared.by.names)),)})
+        type_ = type_.model_copy(update={"by": (level_of(declared.by, scope),)})
     capped = isinstance(declared.type, ast.Range) and declared.type.capped
     return ir.VarField(name=name, held_by=held_by, kind=kind, type=type_, capped=capped, start=start, origin=span)
 

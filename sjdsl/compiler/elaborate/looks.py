@@ -80,7 +80,7 @@ def _check_reads(test: ir.Expr, look: ast.Look, problems: Problems) -> None:
     """A picture is drawn from the fields of a cell or an agent alone."""
     for node in ir.walk(test):
         field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
-        between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word)
+        between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word | ir.Number)
         if ir.is_expression(node) and (not isinstance(node, READABLE) or field_of_other or between_cells):
             raise problems.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))
 

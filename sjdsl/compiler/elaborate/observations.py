@@ -15,6 +15,7 @@ from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.paths import attribute_types
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.compiler.elaborate.seen_conditions import check_places, joined, observer_scope
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.types import element, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -80,10 +81,12 @@ def _put_looks(seen: dict[Key, ir.Observable], game: Composition, static: Static
 
 
 def _entries(observable: ir.Observable) -> list[ir.Observable]:
-    """A `by` field is seen entry by entry."""
+    """A `by` field is seen entry by entry; labels of a row by agent or by numbers may speak of all its entries, and are one plane."""
     if not observable.type.by:
         return [observable]
     one = element(observable.type)
+    if observable.labels and sort_of(observable.type.by[0]) != "word":
+        return [observable.model_copy(update={"type": one})]
     return [observable.model_copy(update={"type": one, "word": word}) for word in observable.type.by[0]]
 
 

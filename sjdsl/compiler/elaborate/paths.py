@@ -5,19 +5,18 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.defines import use as use_define
+from sjdsl.compiler.elaborate.keys import key_of
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
     CELL_ATTRIBUTES,
-    check_known_word,
     check_placed,
     check_somebody,
     no_field,
-    not_a_word,
     unknown,
 )
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
-from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import describe, element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -68,9 +67,8 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
 
 def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
     type_ = integer(0, float("inf"), "count")
-    event = scope.static.events[e.name.text]
-    if event.by is not None and e.steps:
-        type_ = type_.model_copy(update={"by": (tuple(n.text for n in event.by.names),)})
+    if e.name.text in scope.static.event_levels and e.steps:
+        type_ = type_.model_copy(update={"by": (scope.static.event_levels[e.name.text],)})
     return ir.EventTotal(type=type_, name=e.name.text, origin=e.span)
 
 
@@ -166,20 +164,15 @@ def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
-    """Returns `row[key]`, the key a word of the row's set or a mix over it."""
+    """Returns `row[key]`, the key of the sort that the row is by, or a mix over its entries."""
     if not row.type.by:
         raise scope.problems.fail(errors.WrongType(step.span, wanted="a row or table before `[`", given=describe(row.type)))
-    check_known_word(step.key, row, row.type.by[0], scope)
-    key = narrow_word(scope.expression(step.key), scope.facts)
-    if key.type.kind not in ("word", "mix") or key.type.by:
-        raise scope.problems.fail(errors.WrongType(step.key.span, wanted="a word", given=describe(key.type)))
-    outside = [w for w in key.type.words if w not in row.type.by[0]]
-    if outside or (key.type.kind == "mix" and key.type.words != row.type.by[0]):
-        raise not_a_word(step.key.span, outside[0] if outside else "mix", row, row.type.by[0], scope)
+    level = row.type.by[0]
+    key = key_of(step.key, row, level, scope)
     if isinstance(row, ir.EventTotal):
-        if not isinstance(key, ir.Word):
-            raise scope.problems.fail(errors.WrongType(step.key.span, wanted="one word", given=describe(key.type)))
-        return row.model_copy(update={"word": key.value, "type": element(row.type)})
+        if not isinstance(key, ir.Word | ir.Number):
+            raise scope.problems.fail(errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type)))
+        return row.model_copy(update={"word": level[place_of(level, key.value)], "type": element(row.type)})  # type: ignore[arg-type]
     type_ = element(row.type)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):

@@ -12,6 +12,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.implications import Fact, facts
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import describe, is_number
 from sjdsl.near_names import nearest
 
@@ -51,6 +52,7 @@ class Static:
     defines: dict[str, ast.Define] = field(default_factory=dict)
     word_sets: list[tuple[str, ...]] = field(default_factory=list)
     events: dict[str, ast.Event] = field(default_factory=dict)
+    event_levels: dict[str, Level] = field(default_factory=dict)  # what those are counted by that have entries
     cells: dict[str, int] = field(default_factory=dict)
     num_agents: int = 1
     map_rows: int = 0

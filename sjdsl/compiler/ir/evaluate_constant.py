@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import place_of
 
 TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
@@ -23,6 +24,8 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return _value(e.value, params)
         case ir.At(row=row, key=ir.Word(value=word)):
             return _value(row, params)[row.type.by[0].index(word)]
+        case ir.At(row=row, key=ir.Number(value=number)):
+            return _value(row, params)[place_of(row.type.by[0], int(number))]
         case ir.SumRow():
             return sum(_value(e.row, params))
         case ir.Arithmetic(fn="neg"):

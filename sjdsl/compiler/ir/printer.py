@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_name, level_text
 
 
 def number_text(value: float) -> str:
@@ -67,7 +68,7 @@ def expression(e: ir.Expr) -> str:
         case ir.Named() | ir.Narrowed():
             return expression(e.value)
         case ir.EventTotal():
-            return e.name if e.word is None else f"{e.name}[{e.word}]"
+            return e.name if e.word is None else f"{e.name}[{entry_name(e.word)}]"
         case ir.MatrixClass():
             return f"{e.name}({expression(e.table)})"
         case _:
@@ -175,7 +176,7 @@ def _lines(value: object, label: str, depth: int, positions: bool, names: Mappin
 
 
 def _type(type_: ir.Type) -> str:
-    by = "".join(f" by {{ {', '.join(w)} }}" for w in type_.by)
+    by = "".join(f" by {level_text(level)}" for level in type_.by)
     match type_.kind:
         case "word" | "mix":
             return f"{type_.kind} {{ {', '.join(type_.words)} }}{by}"

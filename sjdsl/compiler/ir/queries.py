@@ -6,6 +6,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Shape
 from sjdsl.compiler.ir.game import Event, Game, GlyphMeaning, Kind, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
+from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.ir.statements import Remove, Send
 from sjdsl.compiler.ir.traverse import walk
 
@@ -66,7 +67,7 @@ def event_named(game: Game, name: str) -> Event:
 
 def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
     """Returns what is counted of an event, each with the name it is reported by: `(word, "eaten[red]")`, or `(None, "eaten")`."""
-    return tuple((word, f"{event.name}[{word}]") for word in event.by) or ((None, event.name),)
+    return tuple((word, f"{event.name}[{entry_name(word)}]") for word in event.by) or ((None, event.name),)
 
 
 def phases_of(game: Game) -> tuple[Phase, ...]:

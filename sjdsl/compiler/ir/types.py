@@ -3,6 +3,7 @@
 from math import inf
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import level_text
 
 INTEGER_UNITS = ("count", "steps", "cells")
 UNIT_LIMITS = {
@@ -42,7 +43,7 @@ def is_number(type_: ir.Type) -> bool:
 def describe(type_: ir.Type) -> str:
     """Returns what an author would call values of this type."""
     if type_.by:
-        return f"a row of {describe_plural(type_)} by {{ {', '.join(type_.by[0])} }}"
+        return f"a row of {describe_plural(type_)} by {level_text(type_.by[0])}"
     match type_.kind:
         case "word":
             return f"a word of {{ {', '.join(type_.words)} }}" if len(type_.words) > 1 else f"the word `{type_.words[0]}`"

@@ -23,7 +23,8 @@ from sjdsl.compiler.lower.axes import (
     taken,
     union,
 )
-from sjdsl.compiler.lower.expressions import declared_by, nobody, owner, to_words
+from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
+from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
@@ -54,10 +55,14 @@ class Target(Record):
         return None if self.who.axis is None else (self.who.axis,)
 
     def key(self, w: Writer) -> Value | None:
-        """Returns which entry of a row is written, a word of the row's own set; None for all of it."""
-        if not self.keys:
-            return None
-        return to_words(w.value(self.keys[0], self.scope.always()), self.keys[0].type.words, self.read.type.by[0], w)
+        """Returns the place of the entry of a row that is written; None for all of it."""
+        return row_key(self.keys[0], self.read.type.by[0], self.scope.always(), w) if self.keys else None
+
+    @property
+    def along(self) -> Axis | None:
+        """The axis that runs along the row that is written, one entry for each place; None where entries are found one by one."""
+        axis = whole_axis(self.keys[0], self.scope) if self.keys else None
+        return axis if axis is not None and self.own_axes is not None and axis not in self.own_axes else None
 
 
 def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
@@ -118,18 +123,20 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
 
 def _write(target: Target, value: Value, w: Writer) -> None:
     """Writes one field where the scope's mask holds."""
-    key = target.key(w)
-    own = target.own_axes
-    if own is None:
+    own, along = target.own_axes, target.along
+    key = target.key(w) if along is None else None
+    if own is None or (key is not None and any(a.size > 1 and a not in own for a in key.axes)):
         _scatter(target, key, value, w)
         return
+    stored = Value(w.current(target.attribute), state_reads.storage(target.declared, w), own, target.levels)
+    before = stored if along is None else unrolled(stored, along)
+    own = before.axes
     over = tuple(a for a in target.scope.axes if a not in own)
     mask = None if target.scope.mask is None else reduce("any", target.scope.mask, over)
     key = None if key is None else _of_the_one(key, over)
-    before = Value(w.current(target.attribute), state_reads.storage(target.declared, w), own, target.levels)
     after = _entries(before, mask, key, target, _of_the_one(value, over), w)
     if after != before:
-        w.assign(target.attribute, after.node)
+        w.assign(target.attribute, after.node if along is None else rolled(after.node, own, along))
 
 
 def _of_the_one(value: Value, over: tuple[Axis, ...]) -> Value:
@@ -164,7 +171,7 @@ def _entries(before: Value, mask: Value | None, key: Value | None, target: Targe
 
 def _is_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> array.Expression:
     """Returns which entries of the rows are those of a word that is computed."""
-    words: array.Expression = array.Arange(w.module.num_words(target.read.type.by[0]), "u8")
+    words: array.Expression = array.Arange(w.module.num_words(target.read.type.by[0]), key.dtype)
     words = array.Index(words, (*[array.NEW_AXIS] * len(axes), array.ALL)) if axes else words
     return array.Binary("==", _for_each_word(key, axes), words)
 
@@ -186,11 +193,16 @@ def _filled(before: Value, value: Value) -> Value:
 
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
     """Writes at computed places; instances that do not happen write past the end."""
-    assert target.who is not None
-    scope, index = target.scope, target.who.number
-    axes = union(index.axes, *(x.axes for x in (scope.mask, key, value) if x is not None))
-    at = w.keep(_place(target.who), Value(spread(select(scope.mask, index, _past_the_end(target.who, w)), axes), "i32", axes))
-    keys = (at.node, *([] if key is None else [aligned(key, axes)]))
+    scope = target.scope
+    if target.who is None:
+        assert key is not None
+        index, name, rest = as_dtype(key, "i32"), "to_entry", None
+        past = Value(w.module.num_words(target.read.type.by[0]), "i32")
+    else:
+        index, name, rest, past = target.who.number, _place(target.who), key, _past_the_end(target.who, w)
+    axes = union(index.axes, *(x.axes for x in (scope.mask, rest, value) if x is not None))
+    at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
+    keys = (at.node, *([] if rest is None else [aligned(rest, axes)]))
     levels = target.levels if key is None and value.axes else 0
     new = aligned(value, axes, levels) if value.axes else value.node
     w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
@@ -219,11 +231,17 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 def _add_number(target: Target, value: Value, w: Writer) -> None:
     scope = target.scope
     masked = _masked(value, scope)
+    sums = w.added.setdefault(target.attribute, [])
+    own = target.own_axes
+    if own is not None and target.along is not None:
+        entries = union(own, (target.along,))
+        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in entries))
+        node = rolled(aligned(total, entries), entries, target.along) if total.axes else total.node
+        sums.append(w.keep(f"{target.attribute}_added", Value(node, total.dtype, own if total.axes else (), 1 if total.axes else 0)))
+        return
     key = target.key(w)
     if key is not None:
         masked = _one_hot(masked, key, target, w)
-    sums = w.added.setdefault(target.attribute, [])
-    own = target.own_axes
     if own is not None:
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
         if total.axes or total.levels:  # a row that is the same for all is lined up too: JAX does not guess which axis is missing

@@ -5,6 +5,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.queries import heading_observable, kinds_by_glyph, marking_phases, shown_field, shows_attribute
+from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.runtime.planes import TokenPlane
@@ -180,7 +181,7 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
 
 
 def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> TokenPlane:
-    name = f"{prefix}{observable.field}" + (f"[{observable.word}]" if observable.word else "")
+    name = f"{prefix}{observable.field}" + (f"[{entry_name(observable.word)}]" if observable.word else "")
     words = shown_words(observable)
     if words:
         words = ("nobody", *words) if observable.what == "other" else words

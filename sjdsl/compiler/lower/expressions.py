@@ -11,7 +11,6 @@ from sjdsl.compiler.lower.aggregates import extreme, total
 from sjdsl.compiler.lower.axes import (
     FALSE,
     TRUE,
-    Axis,
     Value,
     aligned,
     as_dtype,
@@ -22,16 +21,15 @@ from sjdsl.compiler.lower.axes import (
     literal,
     select,
     summed,
-    taken,
     union,
 )
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.entries import entry, to_words
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
 from sjdsl.compiler.program import expressions as array
 
 LARGE = 8  # nodes of a defined condition from which on it keeps its name
 ARMS = 4  # of one nested selection
-ABSENT = 255  # the number of a word in a set that does not have it
 
 
 def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -172,55 +170,6 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
     sides = [binary("-", _in_frame(a, side, w), _in_frame(b, side, w), "i32") for side in ("row", "col")]
     rows, cols = (replace(side, node=array.call("jnp.abs", side.node)) for side in sides)
     return w.keep("distance", binary("+", rows, cols, "i32"))
-
-
-def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
-    """Returns one entry of a row or table: by a word, or the expected one by a mix."""
-    row, key = lower(e.row, scope, w), lower(e.key, scope, w)
-    if e.key.type.kind == "mix":
-        return _expected(row, key, w)
-    key = to_words(key, e.key.type.words, e.row.type.by[0], w)
-    if key.literal or not row.axes:
-        return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
-    if row.levels != 1:
-        instead = "write one of the words out with `case`"
-        raise NotSupported("a table of several levels by words that differ from member to member", e.origin, instead)
-    axes = union(row.axes, key.axes)
-    return Value(array.call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
-
-
-def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
-    """Returns a row lined up with axes, its levels last."""
-    if row.axes == axes:
-        return row.node
-    return array.Index(row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes))
-
-
-def _expected(row: Value, shares: Value, w: Writer) -> Value:
-    axes = union(row.axes, shares.axes)
-    left = aligned_row(shares, axes)
-    if row.levels > 1:
-        left = array.Index(left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)))
-    products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
-    return w.keep(
-        "expected" if row.levels == 1 else "expected_row",
-        Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1),
-    )
-
-
-def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: Writer, declared: ir.VarField | None = None) -> Value:
-    """Returns a word numbered in another set. `declared`: the field it is to be a value of, after which a literal is named."""
-    if given == wanted and not (value.literal and declared):
-        return value
-    if value.literal:
-        word = given[int(value.number)]
-        return w.module.word(word, wanted, declared) if word in wanted else literal(ABSENT, "u8")
-    numbers = [wanted.index(x) if x in wanted else ABSENT for x in given]
-    shift = numbers[-1] - (len(numbers) - 1)
-    if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
-        return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
-    table = array.as_array(array.constant([*numbers]), "u8")
-    return replace(value, node=array.Index(table, (value.node,)))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:

@@ -8,7 +8,8 @@ from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.queries import event_named
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, iota, joined, literal, reduce, select
 from sjdsl.compiler.lower.domains import in_set
-from sjdsl.compiler.lower.expressions import owner, real, to_words
+from sjdsl.compiler.lower.entries import row_key
+from sjdsl.compiler.lower.expressions import owner, real
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import ALL, Binary, Expression, Literal, Slice, Update, call, scalar
@@ -38,18 +39,18 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     if s.word is None:
         _count(s, attribute, None, amount, scope, w)
         return
-    key = to_words(w.value(s.word, scope.always()), s.word.type.words, event.by, w)
+    key = row_key(s.word, event.by, scope.always(), w)
     if key.literal:
         _count(s, attribute, key.node, amount, scope, w)
         return
     agents = _one_each(s.receiver, scope)
     if agents is not None and s.receiver is not None:  # all columns at once: one sum instead of an update for each
         column = w.axis("word", w.module.num_words(event.by))
-        here = scope.when(binary("==", key, iota(column, "u8"), "bool"))
+        here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
         got = per_agent(s.receiver, amount, here, w)
         deliver(attribute, (), replace(got, node=aligned(got, (agents, column))), w)  # the word may be the same for all agents
         return
-    for word in (w.module.word(name, event.by) for name in event.by):  # it differs from instance to instance: one column at a time
+    for word in (as_dtype(w.module.word(name, event.by), key.dtype) for name in event.by):  # it differs: one column at a time
         here = scope.when(binary("==", key, word, "bool"))
         _count(s, attribute, word.node, amount, here, w)
 

@@ -3,6 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, param_attribute
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
+from sjdsl.compiler.ir.sorts import Level, level_text, sort_of
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.statements import mark_size
@@ -62,8 +63,13 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
             default = array.call(
                 "jnp.repeat", array.Index(default, (array.ALL, array.NEW_AXIS)), w.module.num_words(field.type.by[0]), axis=array.Literal(1)
             )
-    meaning = f"{field.name}: {_meaning(field)}" + (f"; by {', '.join(field.type.by[0])}" if field.type.by else "")
+    meaning = f"{field.name}: {_meaning(field)}" + (f"; by {_level(field.type.by[0])}" if field.type.by else "")
     return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
+
+
+def _level(level: Level) -> str:
+    """Returns what the entries of a row are, for a comment."""
+    return ", ".join(level) if sort_of(level) == "word" else level_text(level)
 
 
 def _meaning(field: ir.VarField) -> str:
@@ -103,7 +109,7 @@ def params_fields(game: ir.Game) -> list[Field]:
     for param in game.params:
         dtype = {"int": "int32", "real": "float32", "word": "uint8"}[param.type.kind]
         shape = "[" + ", ".join(str(len(by)) for by in param.type.by) + "]"
-        by = "".join(f" by {{ {', '.join(words)} }}" for words in param.type.by)
+        by = "".join(f" by {level_text(level)}" for level in param.type.by)
         unit = "word" if param.type.kind == "word" else param.type.unit
         default = array.call("jnp.asarray", array.constant(param_value(param.value, param.type)), array.path(f"jnp.{dtype}"))
         found.append(Field(param_attribute(param.name), shape, dtype, f"{unit}{by}", default))
@@ -126,7 +132,7 @@ def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
     for event in game.events:
         size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_words(event.by)] if event.by else []))
         shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
-        comment = "counts of this step" + (f", by {', '.join(event.by)}" if event.by else "")
+        comment = "counts of this step" + (f", by {_level(event.by)}" if event.by else "")
         zeros = array.call("jnp.zeros", array.shape_of(size) if size else array.Sequence(()), INT32)
         found.append(Field(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", comment, zeros))
     return found

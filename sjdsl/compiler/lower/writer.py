@@ -8,6 +8,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
 from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, shape_named, shows_attribute
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.scope import IterationScope, Variable
@@ -67,12 +68,14 @@ class Module:
         else:
             owner, _ = self._word_sets.get(words, (None, ""))
         number = words.index(word)
-        if owner is None:
+        if owner is None or sort_of(words) != "word":
             return literal(number, "u8")
         return Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
 
     def num_words(self, words: tuple[str, ...]) -> Literal:
-        """Returns how many words a set has."""
+        """Returns how many words a set, or entries a row has."""
+        if sort_of(words) == "agent":
+            return self.agents
         _, declared = self._word_sets[words]
         return self.number(f"num_{declared}", len(words), ", ".join(words), "size")
 

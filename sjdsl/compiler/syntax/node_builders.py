@@ -70,8 +70,9 @@ def variant(span: Span, *items: Any) -> ast.Variant:
     return ast.Variant(span, name, clauses.get("title"), tuple(changes))
 
 
-def constant(span: Span, name: ast.Name, unit: ast.Name, value: Any, limits: Any = (None, None)) -> ast.Constant:
-    return ast.Constant(span, False, name, unit, value, *limits)
+def constant(span: Span, *items: Any) -> ast.Constant:
+    (name, unit, value, *limits), clauses = split(items)
+    return ast.Constant(span, False, name, clauses.get("by"), unit, value, *(limits[0] if limits else (None, None)))
 
 
 def size(span: Span, constant: ast.Constant) -> ast.Constant:
@@ -219,6 +220,14 @@ def int_(span: Span, digits: str) -> ast.Int:
 
 def dec(span: Span, digits: str) -> ast.Decimal:
     return ast.Decimal(span, float(digits))
+
+
+def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
+    """The key of a table is kept as it is written: a word, or numbers and signs."""
+    if len(key) == 1 and isinstance(key[0], ast.Name):
+        return ast.Entry(span, key[0], value)
+    text = " ".join(key)
+    return ast.Entry(span, ast.Name(replace(span, end=span.start + len(text)), text), value)
 
 
 def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:

@@ -1,0 +1,61 @@
+"""Reads the table of a param whose sort is declared: which entry each key stands for, with ranges and `otherwise` spelt out.
+
+param taste by agent : reward = { 0: 2, 1 .. 3: 1, otherwise: 0 }   ->   the value of each agent, as written
+"""
+
+from collections.abc import Iterator
+
+from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.elaborate.lookup import not_a_word
+from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.sorts import Level, lowest_number, sort_of
+
+Tree = ast.Expr | ast.Table
+OTHERWISE = "otherwise"
+
+
+def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
+    """Returns what is written for each entry; what is no table over the entries counts for all of them."""
+    if not isinstance(tree, ast.Table) or not any(_is_key(entry.key.text, level) for entry in tree.entries):
+        return [tree] * len(level)
+    found: dict[int, Tree] = {}
+    rest: ast.Entry | None = None
+    for entry in tree.entries:
+        if entry.key.text == OTHERWISE:
+            rest = entry
+            continue
+        for place in _places(entry, level, scope):
+            if place in found:
+                raise scope.problems.fail(errors.TableRepeats(entry.key.span, name=entry.key.text))
+            found[place] = entry.value
+    if rest is not None and (rest is not tree.entries[-1] or len(found) == len(level)):
+        raise scope.problems.fail((errors.OtherwiseNotLast if len(found) < len(level) else errors.NothingForOtherwise)(rest.span))
+    lacking = tuple(name for place, name in enumerate(level) if place not in found)
+    if rest is None and lacking:
+        raise scope.problems.fail(errors.TableLacks(tree.span, words=lacking))
+    return [found[place] if place in found or rest is None else rest.value for place in range(len(level))]
+
+
+def _is_key(text: str, level: Level) -> bool:
+    """Returns whether a key can only be one of this level, be it right or wrong."""
+    return text == OTHERWISE or (text in level if sort_of(level) == "word" else text[0].isdigit())
+
+
+def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
+    """Yields the places in a level that a key stands for."""
+    text, first = entry.key.text, lowest_number(level)
+    if sort_of(level) == "word":
+        if text not in level:
+            raise not_a_word(entry.key.span, text, "this table", level, scope)
+        yield level.index(text)
+        return
+    if not text[0].isdigit():
+        raise scope.problems.fail(errors.WordForNumber(entry.key.span, name=text))
+    ends = [int(part) for part in text.replace("..", " ").split()]
+    last = first + len(level) - 1 if text.endswith("..") else ends[-1]
+    if not first <= ends[0] <= last <= first + len(level) - 1:
+        raise scope.problems.fail(
+            errors.WordOutside(entry.key.span, word=text, owner="this table", words=(f"{first} .. {first + len(level) - 1}",))
+        )
+    yield from range(ends[0] - first, last - first + 1)

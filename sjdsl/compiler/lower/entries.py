@@ -1,0 +1,101 @@
+"""Lowers entries of rows and tables: the place that a key stands for, and rows whose entries an axis runs along.
+
+agent.trust[b] of two axes is the stored table itself, one side of it being the row: nothing is looked up.
+"""
+
+from dataclasses import replace
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import Level, lowest_number, place_of, sort_of
+from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, literal, taken, union
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program import expressions as array
+
+ABSENT = 255  # the number of a word in a set that does not have it
+
+
+def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
+    """Returns one entry of a row or table: by a key, or the expected one by a mix."""
+    row = w.value(e.row, scope)
+    if e.key.type.kind == "mix":
+        return _expected(row, w.value(e.key, scope), w)
+    along = whole_axis(e.key, scope)
+    if along is not None and along not in row.axes:
+        return unrolled(row, along)
+    key = row_key(e.key, e.row.type.by[0], scope, w)
+    if key.literal or not row.axes:
+        return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
+    if row.levels != 1:
+        instead = "write one of the words out with `case`"
+        raise NotSupported("a table of several levels by words that differ from member to member", e.origin, instead)
+    axes = union(row.axes, key.axes)
+    return Value(array.call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
+
+
+def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
+    """Returns the place of an entry in its row: of a word in the row's own set, of a number from the first one, of an agent its number."""
+    if isinstance(e, ir.Word) and sort_of(level) != "word":
+        return literal(place_of(level, e.value), "i32")
+    key = w.value(e, scope)
+    match sort_of(level):
+        case "word":
+            return to_words(key, e.type.words, level, w)
+        case "number":
+            return binary("-", as_dtype(key, "i32"), literal(lowest_number(level), "i32"), "i32")
+        case "agent":
+            return key
+
+
+def whole_axis(key: ir.Expr, scope: IterationScope) -> Axis | None:
+    """Returns the axis along which a key is each agent once, in the order of their numbers; None for all other keys."""
+    who = scope.variables[key.name] if isinstance(key, ir.Member) else None
+    return who.axis if isinstance(who, AgentVar) else None
+
+
+def unrolled(row: Value, along: Axis) -> Value:
+    """Returns a row as what it holds along an axis, one entry for each place."""
+    axes = union(row.axes, (along,))
+    place, first = axes.index(along), len(row.axes)
+    node = row.node if place == first else array.call("jnp.moveaxis", row.node, array.Literal(first), array.Literal(place))
+    return replace(row, node=node, axes=axes, levels=row.levels - 1)
+
+
+def rolled(node: array.Expression, axes: tuple[Axis, ...], along: Axis) -> array.Expression:
+    """Returns an array over axes with one of them last: what `unrolled` was given."""
+    place, last = axes.index(along), len(axes) - 1
+    return node if place == last else array.call("jnp.moveaxis", node, array.Literal(place), array.Literal(last))
+
+
+def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
+    """Returns a row lined up with axes, its levels last."""
+    if row.axes == axes:
+        return row.node
+    return array.Index(row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes))
+
+
+def _expected(row: Value, shares: Value, w: Writer) -> Value:
+    axes = union(row.axes, shares.axes)
+    left = aligned_row(shares, axes)
+    if row.levels > 1:
+        left = array.Index(left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)))
+    products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
+    return w.keep(
+        "expected" if row.levels == 1 else "expected_row",
+        Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1),
+    )
+
+
+def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: Writer, declared: ir.VarField | None = None) -> Value:
+    """Returns a word numbered in another set. `declared`: the field it is to be a value of, after which a literal is named."""
+    if given == wanted and not (value.literal and declared):
+        return value
+    if value.literal:
+        word = given[int(value.number)]
+        return w.module.word(word, wanted, declared) if word in wanted else literal(ABSENT, "u8")
+    numbers = [wanted.index(x) if x in wanted else ABSENT for x in given]
+    shift = numbers[-1] - (len(numbers) - 1)
+    if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
+        return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
+    table = array.as_array(array.constant([*numbers]), "u8")
+    return replace(value, node=array.Index(table, (value.node,)))
