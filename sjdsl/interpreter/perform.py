@@ -58,8 +58,8 @@ def _statement(
                 if _noted(drawn, writes).result:
                     _inside(statement.body, statement.left, left, here.binding(right.names).because(drawn), writes)
         case ir.When():
-            holding = [b.body for b in statement.branches if evaluate(b.test, here)][:1]
-            perform(holding[0] if holding else statement.otherwise, here, writes)
+            holding = next((b.body for b in statement.branches if evaluate(b.test, here)), statement.otherwise)
+            perform(holding, here, writes)
         case ir.Chance():
             drawn = _noted(chances.chance(statement, here), writes)
             body = statement.otherwise if drawn.result is None else statement.branches[drawn.result].body

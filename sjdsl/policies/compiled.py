@@ -97,6 +97,8 @@ class Chooser:
     def _walk(self, best: Array, enterable: Array, here: tuple[Array, Array, Array], present: Array, bits: Array) -> Array:
         """Returns the moves; where another agent stands in the way, half of them are drawn from those that enter nothing that is avoided."""
         heading, row, col = here
+        if not self._moves.actions:
+            return jnp.full(row.shape, self._stay, jnp.int32)
         places = [self._leads_to(number, heading, row, col) for number in range(len(self._moves.actions))]
         rows, cols = (jnp.stack([place[axis] for place in places], axis=-1) for axis in (0, 1))
         may = self._may_enter(rows, cols, enterable) | ((rows == row[:, None]) & (cols == col[:, None]))

@@ -23,7 +23,11 @@ game frame "Writes" {{
     moves relative
     field bag : 0 .. 9 = 0
     field last : agent = nobody
+    field seen by agent : 0 .. 9 = 0
+    field times by {{ none, ripe }} : 0 .. 9 capped = 0
   }}
+  field rank by agent : 0 .. 9 = 0
+  field line by 0 .. 2 : agent
   phase start {{ each agent {{ send agent to grass }} }}
   schedule rule
   phase rule {{ {body} }}
@@ -41,6 +45,19 @@ def codes(body: str) -> list[str]:
 
 
 SAFE = [
+    # an entry of a row by agent for each pair
+    "each agent as a { each agent as b { set a.seen[b] = b.index } }",
+    "each agent as b { each agent as a in disc(2) of b { set a.seen[b] = b.index + a.index } }",
+    "each agent as a { set rank[a] = a.index } each tree as t { each agent as b in disc(1) of t { give 1 to b } }",
+    "each agent as a { each agent as b where b is not a { when a.seen[b] < 9 { add 1 to a.seen[b] } } }",
+    "each agent as a { each agent as b { when b chose zap { set a.seen[b] = 1 } otherwise { set a.seen[b] = 2 } } }",
+    "each agent as a { each agent as b where b chose zap { set a.seen[b] = 1 } } each agent as x { each agent as y where y chose stay"
+    " { set x.seen[y] = y.index } }",
+    "match agent as a with agent as b in disc(2) of a { set a.seen[b] = b.index  set b.seen[a] = a.index }",
+    "match agent as a with agent as b in disc(2) of a { each agent as one in { a, b } { each agent as c { set one.seen[c] = c.index } } }",
+    "each agent as a { pick 2 agent as b { set b.seen[a] = a.index } }",
+    "each agent as a { each tree { each agent as b in disc(1) of tree { set b.seen[a] = 3 } } }",
+    "pick 1 agent as a { set line[0] = a } set line[1] = nobody",
     # one way of a statement that is met once
     "chance p { each agent { set agent.bag = 1 } } otherwise { each agent { set agent.bag = agent.index } }",
     "when step > 3 { pick 1 agent { set king = agent } } otherwise { set king = nobody }",
@@ -60,6 +77,19 @@ SAFE = [
     "each agent as a { first tree in fan(2, 1) of a { set a.bag = 1  set tree.fruit = none } }",
 ]
 REFUSED = [
+    # one entry for several instances: more than its two agents multiply
+    "each agent as a { each tree { each agent as b in disc(1) of tree { set b.seen[a] = count(tree as u in disc(1) of tree) } } }",
+    "each agent as a { each agent as b { set rank[b] = a.index } }",
+    "each agent as a { each agent as b { set b.seen[b] = a.index } }",
+    "each agent as a { each agent as b { each agent as c { set a.seen[c] = b.index } } }",
+    "each agent as a { first agent as b in fan(2, 1) of a { draw n from 0 .. 3 set a.seen[b] = n } }",
+    "each agent as a { set line[a.index] = a  set line[0] = a }",
+    # a whole row, and an entry of it
+    "each agent as a { set a.seen = 0  each agent as b { set a.seen[b] = b.index } }",
+    # conditions about the other agent of the pair
+    "each agent as a { each agent as b where a chose zap { set a.seen[b] = 1 } } each agent as x { each agent as y where y chose stay"
+    " { set x.seen[y] = 2 } }",
+    "pick 1 agent as a { set line[0] = a } set line[0] = nobody",
     # the branch is met once for each agent
     "each agent as a { chance p { each tree { set tree.fruit = none } } otherwise { each tree { set tree.fruit = ripe } } }",
     "each agent as a { when a.bag > 3 { set king = a } otherwise { set king = nobody } }",

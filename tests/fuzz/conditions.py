@@ -5,7 +5,7 @@ from math import inf
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.types import element
 from sjdsl.runtime.actions import HEADINGS
-from tests.fuzz.quantities import integer, real
+from tests.fuzz.quantities import integer, key_for, real
 from tests.fuzz.reading import Scope, Typed
 
 Word = tuple[str, tuple[str, ...]]  # text, and the words it can be
@@ -150,10 +150,10 @@ def word(scope: Scope, allowed: tuple[str, ...], depth: int, plain: bool = True)
 def _entry(scope: Scope, row: Typed, depth: int) -> Word | None:
     text, type_ = row
     while type_.by:
-        key = word(scope, type_.by[0], depth)
-        if key is None:
+        key = key_for(scope, type_.by[0], depth)
+        if not key:
             return None
-        text, type_ = f"{text}[{key[0]}]", element(type_)
+        text, type_ = f"{text}[{key}]", element(type_)
     return text, type_.words
 
 

@@ -3,6 +3,7 @@
 from random import Random
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_name, level_text, sort_of
 from sjdsl.compiler.ir.types import UNIT_LIMITS
 from tests.fuzz.declared import Event, Field, Kind, Number, Shape, World
 
@@ -22,6 +23,7 @@ GLYPHS = "gtpkeaxyzwvu"
 def declare(random: Random) -> World:
     """Returns a world with everything but rules."""
     w = World(random)
+    w.agents = random.choice((1, 2, 2, 3, 3, 4, 5))
     for _ in range(random.randint(2, 3)):
         w.word_sets.append(tuple(random.sample(WORDS, random.randint(2, 4))))
     for name in random.sample(SIZES, random.randint(1, 3)):
@@ -40,13 +42,12 @@ def declare(random: Random) -> World:
     w.word_sets = [s for s in w.word_sets if s in _declared_sets(w)] or [_some_words(w)]
     for name in random.sample(PARAMS, random.randint(2, 6)):
         w.params.append(param(w, name))
-    w.agents = random.choice((1, 2, 2, 3, 3, 4, 5))
     acts = [*random.sample(MOVES, random.randint(2, 6)), "stay", *random.sample(ACTIONS, random.randint(1, 3))]
     random.shuffle(acts)
     w.actions = tuple(acts) if random.random() < 0.97 else ("stay",)
     shapes(w)
     for name in random.sample(EVENTS, random.randint(1, 3)):
-        w.events.append(Event(name, random.choice(w.word_sets) if w.is_now(0.4) else (), w.is_now(0.5)))
+        w.events.append(Event(name, w.level() if w.is_now(0.4) else (), w.is_now(0.5)))
     _glyphs(w)
     _map(w)
     return w
@@ -54,7 +55,7 @@ def declare(random: Random) -> World:
 
 def _declared_sets(w: World) -> list[tuple[str, ...]]:
     fields = [*w.agent_fields, *w.fields, *(f for k in w.kinds.values() for f in k.fields)]
-    return list(dict.fromkeys(s for f in fields for s in (f.type.words, *f.type.by) if s))
+    return list(dict.fromkeys(s for f in fields for s in (f.type.words, *f.type.by) if s and sort_of(s) == "word"))
 
 
 def _some_words(w: World) -> tuple[str, ...]:
@@ -107,7 +108,8 @@ def param(w: World, name: str) -> Number:
         if made is not None:
             return made
         unit = "reward"
-    by = tuple(r.choice(w.word_sets) for _ in range(levels))
+    by = tuple(w.level() if not i and w.is_now(0.4) else r.choice(w.word_sets) for i in range(levels))
+    said = f" by {level_text(by[0])}" if by and (sort_of(by[0]) != "word" or w.is_now(0.2)) else ""
     whole = unit in ("count", "steps", "cells")
     low, high = UNIT_LIMITS[unit]
     limits = ""
@@ -131,7 +133,7 @@ def param(w: World, name: str) -> Number:
         return r.choice(("0", "0.25", "0.3", "0.125") if high < 1 else ("0.5", "0.7", "0.1", "1", "0"))
 
     type_ = ir.Type(kind="int" if whole else "real", unit=unit, low=low, high=high, by=by)
-    return Number(name, type_, f"param {name} : {unit} = {_table(w, by, value)}{limits}")
+    return Number(name, type_, f"param {name}{said} : {unit} = {_table(w, by, value, bool(said))}{limits}")
 
 
 def _words_param(w: World, name: str, table: bool) -> Number | None:
@@ -151,10 +153,22 @@ def _words_param(w: World, name: str, table: bool) -> Number | None:
     return Number(name, ir.Type(kind="word", words=words, by=by), text)
 
 
-def _table(w: World, by: tuple[tuple[str, ...], ...], value) -> str:
+def _table(w: World, by: tuple[tuple[str, ...], ...], value, said: bool = False) -> str:
+    """Returns a table, or, where what it is by is said, perhaps one value for all, or some and `otherwise`."""
     if not by:
         return value()
-    keys = list(by[0])
+    if said and w.is_now(0.3) and (len(by) == 1 or sort_of(by[0]) != "word"):
+        return _table(w, by[1:], value)
+    if said and (sort_of(by[0]) == "agent" or (len(by[0]) > 1 and w.is_now(0.5))):
+        known = [name for name in map(entry_name, by[0]) if not name.startswith("-")]
+        keys = w.random.sample(known, w.random.randint(0, len(known) - 1))
+        if sort_of(by[0]) == "number" and w.is_now(0.3) and int(by[0][-1]) > 0:
+            keys = [w.random.choice((f"{by[0][-1]} ..", f"{max(int(by[0][0]), 0)} .. {by[0][-1]}"))]
+            keys = [] if keys[0].startswith(f"{by[0][0]} .. ") else keys
+        return "{ " + ", ".join(f"{k}: {_table(w, by[1:], value)}" for k in [*keys, "otherwise"]) + " }"
+    if sort_of(by[0]) == "number" and by[0][0].startswith("-"):
+        return _table(w, by[1:], value)
+    keys = list(map(entry_name, by[0]))
     w.random.shuffle(keys)
     return "{ " + ", ".join(f"{k}: {_table(w, by[1:], value)}" for k in keys) + " }"
 
@@ -164,8 +178,8 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
     r = w.random
     sorts = ("word", "word", "word", "int", "int", "int", "capped", "capped", "agent", "real", "timer") + (("agents",) if sets else ())
     sort = sort or r.choice(sorts)
-    by = (r.choice(w.word_sets),) if sort != "timer" and w.is_now(0.4 if sort in ("int", "capped") else 0.06) else ()
-    rows = f" by {{ {', '.join(by[0])} }}" if by else ""
+    by = (w.level(),) if sort != "timer" and w.is_now(0.4 if sort in ("int", "capped") else 0.06) else ()
+    rows = f" by {level_text(by[0])}" if by else ""
     match sort:
         case "timer":
             return Field(name, ir.Type(kind="int", unit="steps", low=0), f"timer {name}", timer=True)

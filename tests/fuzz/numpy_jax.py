@@ -134,7 +134,8 @@ def where(condition: Any, a: Any, b: Any) -> Array:
 
 def _namespace() -> SimpleNamespace:
     same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "abs", "max", "min", "argmax", "clip", "minimum", "maximum", "take_along_axis",
-            "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like")  # fmt: skip
+            "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like",
+            "moveaxis")  # fmt: skip
     return SimpleNamespace(
         asarray=as_array,
         where=where,

@@ -11,6 +11,7 @@ from random import Random
 from hypothesis import strategies as st
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_name
 from tests.fuzz.checked import checks, metrics, observe
 from tests.fuzz.conditions import condition
 from tests.fuzz.declared import Define, Lines, Number, World
@@ -292,7 +293,7 @@ def _set(w: World) -> Lines:
     value = {"reward": "1.25", "probability": "0.25", "fraction": "0.25"}
     if rows and w.is_now(0.5):
         row = w.random.choice(rows)
-        return [f"set {row.name}[{w.random.choice(row.type.by[0])}] = {value.get(row.type.unit, '2')}"]
+        return [f"set {row.name}[{entry_name(w.random.choice(row.type.by[0]))}] = {value.get(row.type.unit, '2')}"]
     if not plain:
         return []
     chosen = w.random.choice(plain)

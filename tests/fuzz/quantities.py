@@ -3,6 +3,7 @@
 from math import inf
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.types import element, hull, interval
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.reading import Scope, Typed
@@ -113,15 +114,31 @@ def written(scope: Scope, kind: str, unit: str) -> Typed:
 
 def entry(scope: Scope, row: Typed, depth: int) -> Typed | None:
     """Returns one entry of a row or table."""
-    from tests.fuzz.conditions import word
-
     text, type_ = row
     while type_.by:
-        key = word(scope, type_.by[0], depth)
-        if key is None:
+        key = key_for(scope, type_.by[0], depth)
+        if not key:
             return None
-        text, type_ = f"{text}[{key[0]}]", element(type_)
+        text, type_ = f"{text}[{key}]", element(type_)
     return text, type_
+
+
+def key_for(scope: Scope, level: tuple[str, ...], depth: int) -> str:
+    """Returns what an entry of a row can be asked for by here; empty if nothing can."""
+    from tests.fuzz.conditions import somebody, word
+
+    match sort_of(level):
+        case "word":
+            found = word(scope, level, depth)
+            return found[0] if found else ""
+        case "agent":
+            known = somebody(scope) if scope.by_game else []
+            return scope.world.random.choice(known) if known else ""
+        case _:
+            low, high = int(level[0]), int(level[-1])
+            if depth <= 0 or scope.world.is_now(0.4):
+                return str(scope.world.random.randint(low, high))
+            return fitted(integer(scope, "count", depth - 1), low, high)
 
 
 def product(scope: Scope, unit: str, depth: int) -> Typed:
@@ -335,8 +352,8 @@ def expected(scope: Scope, unit: str) -> Typed | None:
                 text = f"{text}[mix({r.choice(filled)[0]})]"
                 type_ = element(type_).model_copy(update={"kind": "real"})
             else:
-                text, type_ = f"{text}[{r.choice(words)}]", element(type_)
-        if "mix(" in text:
+                text, type_ = f"{text}[{key_for(scope, words, 1) or '?'}]", element(type_)
+        if "mix(" in text and "?" not in text:
             return text, type_
     return None
 

@@ -3,11 +3,12 @@
 from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.conditions import condition, probability, somebody, word
 from tests.fuzz.declared import Lines
 from tests.fuzz.members import domain, shape_for, where
-from tests.fuzz.quantities import fitted, integer, real
+from tests.fuzz.quantities import fitted, integer, key_for, real
 from tests.fuzz.reading import Frame, Scope, Typed, Variable
 from tests.fuzz.writing import BOLD, Written, is_own, of_target_alone, write
 
@@ -225,8 +226,10 @@ def tally(scope: Scope, _phase: Phase) -> Lines:
     event = r.choice(w.events)
     text = event.name
     if event.by:
-        key = word(scope, event.by, 2)
-        text += f"[{key[0] if key else event.by[0]}]"
+        key = key_for(scope, event.by, 2) or (event.by[0] if sort_of(event.by) == "word" else "")
+        if not key:
+            return []
+        text += f"[{key}]"
     if r.random() < 0.4:
         text += f" by {fitted(integer(scope, 'count', 1), 0, 1000)}"
     if event.per_agent:

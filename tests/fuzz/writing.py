@@ -3,9 +3,10 @@
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import sort_of
 from tests.fuzz.conditions import agent_value, somebody, word
 from tests.fuzz.declared import Field, Lines
-from tests.fuzz.quantities import fitted, integer, real
+from tests.fuzz.quantities import fitted, integer, key_for, real
 from tests.fuzz.reading import Scope, Typed, Variable
 
 BOLD = 0.06  # how often a write is made that may well be refused
@@ -59,7 +60,10 @@ def write(scope: Scope, written: Written, depth: int) -> Lines:
 def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field, text: str, depth: int) -> Lines:
     w = scope.world
     keys = _keys(owner, f)
-    own = all(x.single for x in scope.frames) if owner is None else is_own(owner, scope)
+    entry = _own_entry(scope, owner, f) if w.is_now(0.8) else ""
+    own = bool(entry) or (all(x.single for x in scope.frames) if owner is None else is_own(owner, scope))
+    text += f"[{entry}]" if entry else ""
+    f = replace(f, type=f.type.model_copy(update={"by": ()})) if entry else f
     bold = w.is_now(BOLD)
     sums = f.type.kind in ("int", "real", "agents") and not f.timer
     if sums and w.is_now(0.55 if own else 0.8):
@@ -73,6 +77,15 @@ def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field,
     written.note(keys, "set")
     target = _target(inner, f, text, made)
     return [f"set {target} = {made[0]}"]
+
+
+def _own_entry(scope: Scope, owner: Variable | None, f: Field) -> str:
+    """Returns the agent whose entry of a row by agent each instance has for itself; empty if there is none."""
+    if not f.type.by or sort_of(f.type.by[0]) != "agent" or (owner is not None and owner.frame < 0):
+        return ""
+    left = {i for i, frame in enumerate(scope.frames) if not frame.single} - ({owner.frame} if owner is not None else set())
+    fitting = [v.name for v in scope.agents() if v.frame >= 0 and left <= {v.frame}]
+    return scope.world.random.choice(fitting) if fitting else ""
 
 
 def _keys(owner: Variable | None, f: Field) -> list[tuple[str, str, str]]:
@@ -94,8 +107,8 @@ def _target(scope: Scope, f: Field, text: str, made: Typed) -> str:
         return text
     if scope.world.is_now(0.3):
         return text
-    key = word(scope, f.type.by[0], 1)
-    return f"{text}[{key[0]}]" if key else text
+    key = key_for(scope, f.type.by[0], 1)
+    return f"{text}[{key}]" if key else text
 
 
 def value(scope: Scope, f: Field, depth: int) -> Typed | None:
@@ -132,7 +145,8 @@ def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: 
     if type_.kind == "agents":
         written.note(keys, sort)
         who = w.random.choice(somebody(scope) or ["nobody"])
-        return [f"add {who} to {_entry(scope, f, text)}"] if who != "nobody" else []
+        target = _entry(scope, f, text)
+        return [f"add {who} to {target}"] if who != "nobody" and target else []
     rows = [v for v in scope.values if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit in (type_.unit, "number")]
     if type_.by and not guarded:
         whole = w.is_now(0.4)
@@ -144,6 +158,8 @@ def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: 
             return [f"add {w.random.choice((a, f'{a} + {b}', f'{a} - {b}'))} to {text}"]
     written.note(keys, sort)
     target = _entry(scope, f, text)
+    if not target:
+        return []
     if not guarded:
         return [f"add {_number(scope, type_, depth)} to {target}"]
     step = w.random.choice((1, 1, 2, -1))
@@ -156,8 +172,8 @@ def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: 
 def _entry(scope: Scope, f: Field, text: str) -> str:
     if not f.type.by:
         return text
-    key = word(scope, f.type.by[0], 1)
-    return f"{text}[{key[0] if key else f.type.by[0][0]}]"
+    key = key_for(scope, f.type.by[0], 1) or (f.type.by[0][0] if sort_of(f.type.by[0]) == "word" else "")
+    return f"{text}[{key}]" if key else ""
 
 
 def _number(scope: Scope, type_: ir.Type, depth: int) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_named
 
 from . import pictures
 from .blocks import Block
@@ -235,7 +236,9 @@ def _entry(game: ir.Game, owner: str, name: str, value: Any, keys: list[str]) ->
         return value
     fields = {"": game.fields, "agent": game.agents.fields}.get(owner) or next(k for k in game.kinds if k.name == owner).fields
     words = next(f for f in fields if f.name == name).type.by[0]
-    return value[words.index(keys[0])]
+    place = entry_named(words, keys[0])
+    assert place is not None, keys
+    return value[place]
 
 
 def _check_seen(seen: re.Match[str], line: int, game: ir.Game, view: View) -> None:

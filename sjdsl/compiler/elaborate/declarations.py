@@ -26,6 +26,7 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
     _collect_words(game, static, problems)
     _check_names(game, static, problems)
     static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
+    static.own_number = num_agents is None and not overrides
     overrides = dict(overrides)
     if num_agents is not None:
         override_number(game, overrides, num_agents, problems)

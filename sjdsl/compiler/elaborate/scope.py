@@ -55,6 +55,7 @@ class Static:
     event_levels: dict[str, Level] = field(default_factory=dict)  # what those are counted by that have entries
     cells: dict[str, int] = field(default_factory=dict)
     num_agents: int = 1
+    own_number: bool = True  # whether that is the file's, and not a caller's
     map_rows: int = 0
     map_cols: int = 0
     used: set[Declared] = field(default_factory=set)

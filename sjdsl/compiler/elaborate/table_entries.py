@@ -29,8 +29,10 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
             if place in found:
                 raise scope.problems.fail(errors.TableRepeats(entry.key.span, name=entry.key.text))
             found[place] = entry.value
-    if rest is not None and (rest is not tree.entries[-1] or len(found) == len(level)):
-        raise scope.problems.fail((errors.OtherwiseNotLast if len(found) < len(level) else errors.NothingForOtherwise)(rest.span))
+    if rest is not None and rest is not tree.entries[-1]:
+        raise scope.problems.fail(errors.OtherwiseNotLast(rest.span))
+    if rest is not None and len(found) == len(level) and sort_of(level) != "agent":
+        raise scope.problems.fail(errors.NothingForOtherwise(rest.span))
     lacking = tuple(name for place, name in enumerate(level) if place not in found)
     if rest is None and lacking:
         raise scope.problems.fail(errors.TableLacks(tree.span, words=lacking))
@@ -54,8 +56,11 @@ def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
         raise scope.problems.fail(errors.WordForNumber(entry.key.span, name=text))
     ends = [int(part) for part in text.replace("..", " ").split()]
     last = first + len(level) - 1 if text.endswith("..") else ends[-1]
-    if not first <= ends[0] <= last <= first + len(level) - 1:
-        raise scope.problems.fail(
-            errors.WordOutside(entry.key.span, word=text, owner="this table", words=(f"{first} .. {first + len(level) - 1}",))
-        )
+    if sort_of(level) == "agent" and ends[0] <= ends[-1]:  # a table fits variants with fewer agents
+        if last >= len(level) and scope.static.own_number:
+            scope.problems.add(errors.NeverHappens(entry.key.span, problem=f"the agents are 0 .. {len(level) - 1}"))
+        last = min(last, len(level) - 1)
+    elif not first <= ends[0] <= last < first + len(level):
+        known = (f"{first} .. {first + len(level) - 1}",)
+        raise scope.problems.fail(errors.WordOutside(entry.key.span, word=text, owner="this table", words=known))
     yield from range(ends[0] - first, last - first + 1)

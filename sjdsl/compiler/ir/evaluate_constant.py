@@ -22,10 +22,8 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return params[e.name]
         case ir.Named():
             return _value(e.value, params)
-        case ir.At(row=row, key=ir.Word(value=word)):
-            return _value(row, params)[row.type.by[0].index(word)]
-        case ir.At(row=row, key=ir.Number(value=number)):
-            return _value(row, params)[place_of(row.type.by[0], int(number))]
+        case ir.At():
+            return _value(e.row, params)[place_of(e.row.type.by[0], _value(e.key, params))]
         case ir.SumRow():
             return sum(_value(e.row, params))
         case ir.Arithmetic(fn="neg"):

@@ -37,7 +37,7 @@ def _unread(s: ir.Stmt, rest: tuple[ir.Stmt, ...]) -> bool:
 
 
 def _drop_shapes(game: ir.Game) -> ir.Game:
-    used = {n.shape for n in ir.walk(game) if isinstance(n, ir.Near | ir.Mark)}
+    used = {n.shape for n in ir.walk(game) if isinstance(n, ir.Near | ir.Mark | ir.Aim)}
     kept = tuple(s for s in game.shapes if s.name in used)
     if len(kept) == len(game.shapes):
         return game
