@@ -43,6 +43,7 @@ class Composition:
     moves: ast.Moves | None = None
     agent_fields: dict[str, ast.Field | ast.Timer] = field(default_factory=dict)
     forbids: dict[str, ast.Forbid] = field(default_factory=dict)
+    agent_blocks: dict[str, ast.Blocks] = field(default_factory=dict)
     shapes: dict[str, ast.Shape] = field(default_factory=dict)
     defines: dict[str, ast.Define] = field(default_factory=dict)
     schedule: ast.Schedule | None = None
@@ -248,8 +249,8 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
                 _drop(game, section.name)
 
 
-def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid]]:
-    entries: list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid]] = []
+def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks]]:
+    entries: list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks]] = []
     for attribute in agents.attributes:
         match attribute:
             case ast.Acts():
@@ -258,6 +259,8 @@ def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves |
                 entries.append(("moves", attribute))
             case ast.Forbid():
                 entries.append((forbid_key(attribute), attribute))
+            case ast.Blocks():
+                entries.append((f"blocks {', '.join(what.text for what in attribute.what)}", attribute))
             case ast.Field() | ast.Timer():
                 entries.append((attribute.name.text, attribute))
     return entries
@@ -279,6 +282,8 @@ def _apply_agents(game: Composition, agents: ast.Agents) -> None:
                 game.moves = attribute
             case ast.Forbid():
                 game.forbids[key] = attribute
+            case ast.Blocks():
+                game.agent_blocks[key] = attribute
             case ast.Field() | ast.Timer():
                 game.agent_fields[key] = attribute
 

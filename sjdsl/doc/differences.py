@@ -8,7 +8,7 @@ from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
 from sjdsl.doc.checks import check_line, episode, event_line, measure_line
 from sjdsl.doc.defines import explained, vocabulary
-from sjdsl.doc.entities import blocking, field_line, forbidden, starts
+from sjdsl.doc.entities import blocking, field_line, forbidden, lane_ends, starts
 from sjdsl.doc.numbers import limits_of, unit_of
 from sjdsl.doc.observation import seen, unseen_fields, views
 from sjdsl.doc.order import schedule_changes
@@ -121,6 +121,7 @@ def _agents(a: Vocabulary, b: Vocabulary) -> list[Change]:
     if any(v.has(ir.Move) for v in (a, b)):
         found += by_name({"moves": FRAMES[g.relative]} for g in (old, new))
     found += _lines("fields", old.fields, new.fields)
+    found += texts("lanes that end at agents", lane_ends(a), lane_ends(b))
     return found + texts("forbidden actions", forbidden(a), forbidden(b))
 
 

@@ -40,9 +40,16 @@ def agents(v: Vocabulary) -> list[str]:
     found = [f"{counted(who.number, 'agent')}. {place}", "", *table(("number", "action", "what it does"), rows), ""]
     if who.fields:
         found += ["Each agent has:", "", *bullets(map(field_line, who.fields)), ""]
+    found += [*bullets(lane_ends(v)), ""] if who.blocks else []
     if who.forbids:
         found += ["When a step begins, some actions may be forbidden; an agent that chooses one stays:", "", *bullets(forbidden(v)), ""]
     return found
+
+
+def lane_ends(v: Vocabulary) -> list[Line]:
+    """Returns the shapes whose lanes end at agents."""
+    ends = [(f"a lane of {code(b.what)} ends at an agent", b.condition) for b in v.game.agents.blocks]
+    return [Line(text if test is None else f"{text} if {condition(test, v)}") for text, test in ends]
 
 
 def _meaning(action: int, name: str, v: Vocabulary) -> str:

@@ -50,6 +50,10 @@ def _blocking(shape: ir.Shape, v: Vocabulary) -> str:
     found = []
     if always:
         found.append(f"A lane ends at the first {' or '.join(always)} cell, which still belongs to it.")
+    agents = [block for block in v.game.agents.blocks if block.what == shape.name]
+    if agents:
+        some = "some agents" if all(block.condition is not None for block in agents) else "the first agent"
+        found.append(f"A lane ends at {some}, whose cell still belongs to it (see Agents).")
     if sometimes:
         found.append(f"{codes(sometimes)} cells can end a lane, too (see Kinds of cell).")
     return " ".join(found) or "Nothing on the map ends a lane."

@@ -245,10 +245,25 @@ def cells_in(near: ir.Near, here: Instance) -> dict[Cell, int]:
 
 
 def is_blocked(cell: Cell, what: str, agent: int | None, here: Instance) -> bool:
-    """Returns whether the cell's kind blocks `what`: agents, or the shape of that name. `agent` moves, or is the anchor."""
+    """Returns whether the cell's kind blocks `what`: agents, or the shape of that name (or an agent on it does).
+
+    `agent` moves, or is the anchor.
+    """
+    if what != "agents" and _agent_stops(cell, what, here):
+        return True
     kind = here.board.kinds[here.board.kind_of[cell]]
     names = {kind.name: cell} if agent is None else {kind.name: cell, "agent": agent}
     return any(block.what == what and (block.condition is None or evaluate(block.condition, here.only(names))) for block in kind.blocks)
+
+
+def _agent_stops(cell: Cell, shape: str, here: Instance) -> bool:
+    """Returns whether an agent stands on the cell that ends the lanes of the shape."""
+    blocks = [block for block in here.board.game.agents.blocks if block.what == shape]
+    other = agent_on(cell, here.world) if blocks else None
+    if other is None:
+        return False
+    inside = here.only({"agent": other})
+    return any(block.condition is None or evaluate(block.condition, inside) for block in blocks)
 
 
 def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:

@@ -177,6 +177,10 @@ def agents(w: World) -> Lines:
         test = condition(Scope(w, "forbid").having(Variable("agent")), 2)
         if not any(line.startswith(f"forbid {some} when") for line in lines):
             lines.append(f"forbid {some} when {test}")
+    ends = [s.text for s in w.shapes if s.blockable]
+    if ends and w.is_now(0.3):
+        test = condition(Scope(w, "forbid").having(Variable("agent")), 1)
+        lines.append(f"blocks {w.random.choice(ends)}" + (f" when {test}" if w.is_now(0.5) else ""))
     number = str(w.agents)
     sizes = [s.name for s in w.sizes if s.value == w.agents]
     return braces(f"agents {w.random.choice([*sizes, number])}", lines)

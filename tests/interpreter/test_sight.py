@@ -132,6 +132,13 @@ def test_what_cannot_be_seen_is_refused(line: str, code: str) -> None:
     assert code in [diagnostic.code for diagnostic in refused.value.diagnostics]
 
 
+def test_agents_block_shapes_only() -> None:
+    text = GAME.replace("acts stay", "acts stay  blocks agents")
+    with pytest.raises(CompileError, match="agents always block each other") as refused:
+        build(Source("sight.sj", text.format(observe="show agent.bag")))
+    assert refused.value.diagnostics[0].code == "SJ113"
+
+
 def test_the_place_of_one_who_may_be_away_is_asked_with_care() -> None:
     text = GAME.replace("phase rest {{ }}", "phase rest {{ each agent where agent.col > 2 {{ remove agent }} }}")
     for label in ("near_by where distance(agent, everyone) < 2, far_off", "at_left where everyone.col < 2, at_right"):

@@ -108,7 +108,7 @@ class Forbid(Node):
 class Agents(Node):
     span: Span
     number: Expr | None
-    attributes: tuple[Acts | Moves | Field | Timer | Forbid, ...]
+    attributes: tuple[Acts | Moves | Field | Timer | Forbid | Blocks, ...]
 
 
 class Shape(Node):

@@ -4,6 +4,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.elaborate.blocking import blocked
 from sjdsl.compiler.elaborate.fields import one_field
 from sjdsl.compiler.elaborate.lookup import action_number
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
@@ -61,6 +62,7 @@ def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Ag
         relative=game.moves is None or game.moves.frame.text == "relative",
         fields=tuple(static.agent_fields.values()),
         forbids=_forbids(game, static, problems),
+        blocks=_blocks(game, static, problems),
         origin=game.agents_span,
     )
 
@@ -97,6 +99,21 @@ def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.
                     raise problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))
             numbers = tuple(_forbidden(a, scope) for a in forbid.actions) or tuple(range(len(static.actions)))
             found.append(ir.Forbid(actions=numbers, condition=test, origin=forbid.span))
+    return tuple(found)
+
+
+def _blocks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Block, ...]:
+    """Returns the shapes whose lanes end at agents, perhaps only at those for whom a condition holds."""
+    found: list[ir.Block] = []
+    scope = Scope(static, problems, part="blocks").bind("agent", ir.Member(name="agent", who="agent"))
+    for blocks in game.agent_blocks.values():
+        with problems.survive():
+            for what in blocks.what:
+                if what.text == "agents":
+                    help_ = "agents always block each other: no two are on one cell; name the shapes whose lanes end at an agent"
+                    raise problems.fail(errors.WrongSort(what.span, name="agents", what="the agents", wanted="a shape", help=help_))
+            test = None if blocks.condition is None else scope.condition(blocks.condition)
+            found += blocked(blocks, test, scope)
     return tuple(found)
 
 

@@ -9,6 +9,7 @@ from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.agents import declare_agents, declare_number, override_number
+from sjdsl.compiler.elaborate.blocking import blocked
 from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
@@ -178,15 +179,4 @@ def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block
     if attribute.condition is not None:
         inner = scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
         test = inner.bind("agent", ir.Member(name="agent", who="agent")).condition(attribute.condition)
-    found = []
-    for what in attribute.what:
-        if Declared(what.text, among="shapes") in scope.static.broken:
-            continue
-        if what.text != "agents" and what.text not in scope.static.shapes:
-            scope.problems.unknown(what, ["agents", *scope.static.shapes], "what a cell can block")
-            continue
-        if what.text != "agents" and scope.static.shapes[what.text].see_through:
-            problem = f"the shape `{what.text}` sees through everything"
-            scope.problems.add(errors.NeverHappens(what.span, problem=problem))
-        found.append(ir.Block(what=what.text, condition=test, origin=attribute.span))
-    return found
+    return blocked(attribute, test, scope)

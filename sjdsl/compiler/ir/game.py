@@ -41,7 +41,10 @@ class VarField(Node):
 
 
 class Block(Node):
-    """`what`: `agents` or a shape's name. The condition reads the cell (Member `kind`) and `agent` (mover or anchor)."""
+    """`what`: `agents` or a shape's name. The condition reads the cell (Member `kind`) and `agent` (mover or anchor).
+
+    Of agents that end the lanes of a shape it reads Member `agent`, who stands in the way.
+    """
 
     what: str
     condition: Expr | None = None
@@ -75,6 +78,7 @@ class Agents(Node):
     relative: bool
     fields: tuple[VarField, ...] = ()
     forbids: tuple[Forbid, ...] = ()
+    blocks: tuple[Block, ...] = ()
 
 
 class Phase(TurnNode):

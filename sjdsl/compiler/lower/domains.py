@@ -9,7 +9,20 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import ALL, NEW_AXIS, Binary, DType, Expression, Index, Literal, Reduce, Sequence, call, constant
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    NEW_AXIS,
+    Binary,
+    DType,
+    Expression,
+    Index,
+    Literal,
+    Reduce,
+    Sequence,
+    call,
+    constant,
+    path,
+)
 
 
 class Swept(Record):
@@ -142,8 +155,13 @@ def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
     """Whether some cell of the map ends a lane of the shape; off the map there is nothing to be shielded."""
     if shape.see_through or not any(len(lane) > 1 for lane in shape.lanes):
         return False
-    conditional = any(b.what == shape.name and b.condition is not None for k in w.module.game.kinds for b in k.blocks)
-    return conditional or w.module.layout.count(w.module.layout.blocking_glyphs(shape.name)) > 0
+    return _by_state(shape, w) or w.module.layout.count(w.module.layout.blocking_glyphs(shape.name)) > 0
+
+
+def _by_state(shape: ir.Shape, w: Writer) -> bool:
+    """Whether the state decides where a lane of the shape ends: a condition on cells, or agents in the way."""
+    cells = any(b.what == shape.name and b.condition is not None for k in w.module.game.kinds for b in k.blocks)
+    return cells or any(b.what == shape.name for b in w.module.game.agents.blocks)
 
 
 def shape_name(shape: str) -> str:
@@ -199,7 +217,7 @@ def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value
     on_map = Value(Index(inside, (cells.node,)), "bool", cells.axes)
     if not has_inner_blocks(shape, w):
         return on_map
-    if any(b.what == shape.name and b.condition is not None for k in w.module.game.kinds for b in k.blocks):
+    if _by_state(shape, w):
         return w.keep(f"{ident}_reached", _walked(shape, on_map, cells, w))
     if axis.size > 32:
         what = f"a shape of {axis.size} cells that something on the map blocks (at most 32)"
@@ -221,10 +239,23 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
         for block in kind.blocks:
             if block.what == shape.name and block.condition is not None and layout.num_cells((kind.name,)):
                 blocked = binary("|", blocked, blocked_by(block, kind, cells, w), "bool")
+    for block in w.module.game.agents.blocks:
+        if block.what == shape.name:
+            blocked = binary("|", blocked, _agents_block(block, cells, w), "bool")
     blocked = w.keep(f"{shape.name}_blocked", blocked)
     starts = constant([at == 0 for lane in shape.lanes for at in range(len(lane))])
     first = w.module.constant(f"{shape.name}_starts", starts, f"first cells of the lanes of {shape.name}", "bool")
     return Value(call("reached", blocked.node, on_map.node, first), "bool", cells.axes)
+
+
+def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
+    """Returns on which of the cells an agent stands that ends lanes."""
+    standing = stand_on(cells, path("state.position"))
+    if block.condition is not None:
+        axis = w.axis("blocker", w.module.agents)
+        scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
+        standing = Binary("&", standing, spread(w.value(block.condition, scope), (axis,)))
+    return Value(Reduce("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
 def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: AgentVar | None = None) -> Value:

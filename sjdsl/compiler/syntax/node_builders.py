@@ -105,7 +105,7 @@ def map_(span: Span, content: ast.String | tuple[ast.String, ...]) -> ast.Map:
 
 
 def agents(span: Span, *items: Any) -> ast.Agents:
-    attributes = tuple(i for i in items if isinstance(i, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid))
+    attributes = tuple(i for i in items if isinstance(i, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks))
     return ast.Agents(span, items[0] if len(items) > len(attributes) else None, attributes)
 
 

@@ -19,6 +19,8 @@ game lanes "Lanes, groups and blocking" {
     moves relative
     field score : 0 .. 20 capped = 0
     field team  : { red, blue } = red
+    blocks fork when agent.team is blue
+    blocks sweep
   }
   shape fork { "x.x"
                "x.x"
