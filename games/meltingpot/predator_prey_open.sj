@@ -6,21 +6,17 @@ game predator_prey_open "Predator and Prey: Open" {
   about our_paradigm "stag hunt"  # ours: safety needs company, food tempts away from it
 
   size players : count = 13 in 2 .. 32  size hunters : count = 3 in 1 .. 31     # Melting Pot: the first agents are predators
-  size company : cells = 3                             # Melting Pot: how far away others count
-  size energy : count = 18  size eager : count = 13    # Melting Pot: all stamina; enough to eat acorns
-  param length : steps = 1000  episode length          # Melting Pot
+  size company : cells = 3  param length : steps = 1000  episode length         # Melting Pot: how far away others count; an episode
+  size energy : count = 18  size eager : count = 13                  # Melting Pot: all stamina; enough to eat acorns
   param snack : reward = 1  param nibble : reward = 6  param meal : reward = 1  # Melting Pot: apples; each third of an acorn; prey
-  # Melting Pot: an acorn takes so long; its thirds are eaten 3, 2 and 1 times 5 before the end
-  param chewing : steps = 26  size third : steps = 5
-  # Melting Pot: between attempts to eat an acorn; of a predator that has eaten, and bites on; of prey attacked in company
-  param pause : steps = 6 in 0 .. 255  param hold : steps = 5 in 1 .. 255  param alarm : steps = 5 in 0 .. 255
+  param chewing : steps = 26  size third : steps = 5  # Melting Pot: an acorn takes so long; its thirds end 3, 2 and 1 times 5 before
+  param pause : steps = 6 in 0 .. 255                                # Melting Pot: between attempts to eat an acorn
+  param hold : steps = 5 in 1 .. 255  param alarm : steps = 5 in 0 .. 255  # Melting Pot: predators that have eaten bite on; prey is alarmed
   size effort : count = 4  size absence : steps = 200  # Melting Pot: stamina that eating a predator takes; of one who was eaten
-  param growth : probability = { apple: 0.007, acorn: 0.01 }                    # Melting Pot: that one grows, per empty place and step
-  param quick  : steps       = { prey: 1, predator: 0 } in 0 .. 200  # Melting Pot: steps in which one cannot move after an action, ...
-  param slow   : steps       = { prey: 2, predator: 1 } in 0 .. 200             # Melting Pot: ... at stamina 6 and below, ...
-  param spent  : steps       = { prey: 4, predator: 6 } in 0 .. 200             # Melting Pot: ... without stamina
-  param maybe  : probability = 0.33333                 # Melting Pot: odds of 1 to 2, in Random Forest
-
+  param growth : probability = { apple: 0.007, acorn: 0.01 }         # Melting Pot: that one grows, per empty place and step
+  param quick  : steps       = { prey: 1, predator: 0 } in 0 .. 200  # Melting Pot: steps without moving after an action, ...
+  param slow : steps = { prey: 2, predator: 1 } in 0 .. 200  param spent : steps = { prey: 4, predator: 6 } in 0 .. 200  # Melting Pot
+  param maybe : probability = 0.33333                                # Melting Pot: odds of 1 to 2, in Random Forest
   kind floor "." { field home : { none, prey, predator } = none  glyph "P" with home = prey  glyph "X" with home = predator }
   kind wall  "#" { blocks agents }
   kind grass "g" {
@@ -33,16 +29,13 @@ game predator_prey_open "Predator and Prey: Open" {
     field food : { apple, acorn } = apple  glyph "n" with food = acorn  field fruit : { none, ripe } = ripe
     field sort : { sure, unsure } = sure  glyph "N" with food = acorn with sort = unsure
   }
-  group ground = floor, grass, tree
-  map "maps/predator_prey_open.txt"  # Melting Pot
+  group ground = floor, grass, tree  map "maps/predator_prey_open.txt"  # Melting Pot
   agents players {
     acts stay, forward, backward, step_left, step_right, turn_left, turn_right, bite  # Melting Pot: in this order
     moves relative
     field role : { prey, predator } = prey  field mouth : { empty, holding, eating } = empty
-    field badge : 0 .. players = 0  # others see it: prey have colours of their own
-    field stamina : 0 .. energy capped = energy  field bar : 0 .. eager = eager       # bar: what others see of it
-    field biters : set of agent  field fate : { alive, caught } = alive
-    timer chews  timer tried  timer busy  timer tired  timer alert
+    field badge : 0 .. players = 0  field stamina : 0 .. energy capped = energy  field bar : 0 .. eager = eager  # badge, bar: for others
+    field biters : set of agent  field fate : { alive, caught } = alive  timer chews  timer tried  timer busy  timer tired  timer alert
     forbid forward, backward, step_left, step_right, turn_left, turn_right when agent.tired > 1 or agent.busy > 1 or agent.mouth is eating
   }
   shape jaws = line(1)  define bites(who) = who.role is predator and (who chose bite or who.busy > 0)  # Melting Pot
@@ -57,17 +50,16 @@ game predator_prey_open "Predator and Prey: Open" {
     each grass where grass.sort is unsure { chance 1 - maybe { set grass.stands = no_ } }
     each tree where tree.sort is unsure { chance 1 - maybe { set tree.stands = no_  set tree.fruit = none } }
   }
-  schedule tick -> digest -> walk -> gather -> aim -> hunt -> sit -> tire -> leave -> grow
+  schedule tick -> digest -> walk -> gather -> aim -> hunt -> sit -> tire -> leave -> grow  phase walk { move each agent }
   phase digest {
     each agent where agent.mouth is eating {
       when agent.chews == third or agent.chews == 2 * third or agent.chews == 3 * third { give nibble to agent }
-      when agent.chews == 0 { set agent.mouth = empty  tally acorns_eaten for agent }
+      when agent.chews == 0 { set agent.mouth = empty  tally acorns for agent }
     }
   }
-  phase walk { move each agent }
   phase gather {
     each agent on tree where agent.moved and agent.role is prey and tree.fruit is ripe {
-      when tree.food is apple { set tree.fruit = none  give snack to agent  tally apples_eaten for agent }
+      when tree.food is apple { set tree.fruit = none  give snack to agent  tally apples for agent }
       otherwise when agent.mouth is empty { set tree.fruit = none  set agent.mouth = holding }
     }
   }
@@ -108,11 +100,9 @@ game predator_prey_open "Predator and Prey: Open" {
     }
   }
   phase grow { each tree where tree.fruit is none and tree.stands is yes_ { chance growth[tree.food] { set tree.fruit = ripe } } }
-  look tree                                                 as "#e4edd6"
   look tree where tree.fruit is ripe and tree.food is apple as green apple
   look tree where tree.fruit is ripe and tree.food is acorn as brown apple
   look agent where agent.role is predator                   as red animal
-  look agent where agent.mouth in { holding, eating }       with brown apple
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show tree as { apple where tree.fruit is ripe and tree.food is apple, acorn where tree.fruit is ripe, floor }
@@ -120,11 +110,8 @@ game predator_prey_open "Predator and Prey: Open" {
     show agent.role  show agent.mouth  show agent.stamina  show agent.badge
     show other.role  show other.mouth  show other.bar  show other.badge  show other.alert as { alarmed where other.alert > 0, calm }
   }
-  metrics { event apples_eaten  event acorns_eaten  event caught  event eaten }
-  checks {
-    symmetric agents  expect caught == 0 with never(bite) over 10 episodes
-    always count(agent where agent.mouth is not empty and agent.role is predator) == 0
-  }
+  metrics { event apples  event acorns  event caught  event eaten }  checks { expect caught == 0 with never(bite) over 10 episodes }
+  checks { symmetric agents  always count(agent where agent.mouth is not empty and agent.role is predator) == 0 }
   policy gatherer "eats apples" { seek tree where tree.food is apple and tree.fruit is ripe }
   policy hunter "bites the nearest prey" { aim jaws at agent as other where other.role is prey choose bite }
   variant alley_hunt "Apples in a maze of dead ends" { set hunters = 5  map "maps/predator_prey_alley_hunt.txt" }   # Melting Pot

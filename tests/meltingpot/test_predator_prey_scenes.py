@@ -81,13 +81,13 @@ def test_an_acorn_is_eaten_in_thirds_by_who_is_rested() -> None:
     rewards = [scene.step("stay, forward").reward[1] for _ in range(26)]
     assert [step for step, reward in enumerate(rewards, 1) if reward] == [11, 16, 21]
     assert sum(rewards) == 18
-    scene.has({"agent.mouth": {1: "empty"}, "event acorns_eaten": [0, 1, 0]})
+    scene.has({"agent.mouth": {1: "empty"}, "event acorns": [0, 1, 0]})
 
 
 def test_apples_are_eaten_and_acorns_taken_by_who_enters() -> None:
     scene = put("XXhhPP", "......", "a>n.gg  1", "<....^  02", params={"quick": {"prey": 0, "predator": 0}})
     scene.step().has({"reward": 0}).step("stay, forward").has({"agent.mouth": {1: "holding"}, "tree.fruit": ["ripe", "ripe", "none"]})
-    scene.step("stay, backward").has({"reward": [0, 1, 0], "event apples_eaten": [0, 1, 0]})
+    scene.step("stay, backward").has({"reward": [0, 1, 0], "event apples": [0, 1, 0]})
 
 
 def test_grass_keeps_predators_out_where_it_stands() -> None:

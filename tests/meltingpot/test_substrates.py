@@ -6,11 +6,14 @@ from pathlib import Path
 import pytest
 
 from sjdsl.cli.melting_pot_page import build_of, melting_pot_problems
+from sjdsl.compiler import ast
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game, main_games, melting_pot_games
 from sjdsl.substrates import Substrate, substrates, written_substrates
+from tests.games.test_game_texts import SOURCE, all_sections, lines_of, lines_within
 
+MOST_LINES = 120  # of a file; its maps are files of their own
 PAGE = Path(__file__).parents[2] / "docs" / "meltingpot.md"
 # Source: `SUBSTRATES` in meltingpot/configs/substrates/__init__.py; two parts of a name stand for all their endings.
 NAMES = {
@@ -100,3 +103,21 @@ def test_a_page_of_something_else_is_found(tmp_path: Path) -> None:
         f"{stray}: of no substrate",
         f"{tmp_path / 'meltingpot.md'}: not what the table of substrates says",
     ]
+
+
+@pytest.mark.parametrize("game", melting_pot_games())
+def test_a_family_is_short(game: str) -> None:
+    assert len(find_game(game).read_text(encoding="utf-8").splitlines()) <= MOST_LINES
+
+
+@pytest.mark.parametrize("game", melting_pot_games())
+def test_each_size_and_param_says_where_it_is_from(game: str) -> None:
+    """On one of its lines, or on the line of a comment above it."""
+    source = read_source(find_game(game))
+    lines = {line.number: line for line in lines_of(source.text)}
+    for section in all_sections(parse(source).game.sections):
+        if isinstance(section, ast.Constant):
+            rows = lines_within(source, section.span)
+            above = lines.get(min(rows) - 1)
+            said = [lines[row].comment for row in rows] + ([above.comment] if above and not above.code.strip() else [])
+            assert any(map(SOURCE.search, said)), section.name.text
