@@ -49,17 +49,20 @@ def _is_closed(e: ir.Expr, board: Board) -> bool:
 
 
 def _binds_all(e: ir.Expr) -> bool:
-    used: set[str] = set()
-    bound: set[str] = set()
-    for node in ir.walk(e):
-        match node:
-            case ir.Member() | ir.Local():
-                used.add(node.name)
-            case ir.Domain():
-                bound |= {node.var.name} if node.on is None else {node.var.name, node.on.name}
-            case _:
-                pass
-    return used <= bound
+    return not _free_names(e)
+
+
+def _free_names(node: ir.Node) -> set[str]:
+    """Returns the variables of a node that it does not bind itself; a domain may bind a name that means something else around it."""
+    if isinstance(node, (ir.Member, ir.Local)):
+        return {node.name}
+    if not isinstance(node, (ir.Count, ir.Sum, ir.Extreme)):
+        return set().union(*map(_free_names, ir.children(node)))
+    domain, value = node.domain, getattr(node, "value", None)
+    inside = set().union(*(_free_names(part) for part in (domain.where, value) if part is not None))
+    outside = [part for part in (domain.restriction, *ir.children(node)) if part is not None and part is not domain and part is not value]
+    bound = {member.name for member in (domain.var, domain.on) if member is not None}
+    return (inside - bound).union(*map(_free_names, outside))
 
 
 def _name(e: "ir.Member | ir.Local", here: Instance) -> Value:
