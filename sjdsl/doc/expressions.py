@@ -176,7 +176,8 @@ def _arm(arm: ir.Arm) -> str:
 
 def _named(e: ir.Named, v: Vocabulary) -> str:
     if e.name not in v.defined:
-        return value(e.value, v)
+        counted = isinstance(e.value, ir.Number) and e.name.startswith("count(")
+        return f"{value(e.value, v)} ({code(e.name)} of the map)" if counted else value(e.value, v)
     about = [v.refer(free) if isinstance(free, ir.Member) else variable(free.name) for free in free_variables(e.value)]
     return code(e.name) + (f" of {' and '.join(about)}" if about else "")
 

@@ -21,6 +21,6 @@ game pond {
     }
   }
   observe { window ahead 2, behind 1, left 1, right 1 }
-  checks { require count(agent) > 1 }
+  checks { require count(agent on water) > 1 }
   metrics { event eaten }
 }

@@ -62,7 +62,7 @@ def _read_map(game: Composition, static: Static, overrides: Overrides, problems:
         static.map_rows = static.map_cols = 1
         return ()
     static.cells = count_cells(rows, glyphs)
-    static.map_rows, static.map_cols = len(rows), len(rows[0])
+    static.rows, static.map_rows, static.map_cols = rows, len(rows), len(rows[0])
     return rows
 
 

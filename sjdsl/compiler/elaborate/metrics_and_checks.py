@@ -11,6 +11,7 @@ from sjdsl.compiler.elaborate.declaration_labels import numbers_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.lookup import action_number
+from sjdsl.compiler.elaborate.map_counts import of_the_map
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.printer import expression as text
@@ -18,16 +19,16 @@ from sjdsl.compiler.ir.types import describe, is_number
 
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
-    """Returns the conditions of all `require`s, about numbers only; proofs elsewhere rely on them."""
+    """Returns the conditions of all `require`s, about numbers and the map only; proofs elsewhere rely on them."""
     found = []
     for check in _written(game):
         if isinstance(check, ast.Require):
             with scope.problems.survive():
-                test = scope.condition(check.condition)
+                test = of_the_map(scope.condition(check.condition), scope.static)
                 for node in ir.walk(test):
                     if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
                         raise scope.problems.fail(
-                            errors.NotFixed(node.origin or check.span, what="what a `require` reads (numbers, not the state)")
+                            errors.NotFixed(node.origin or check.span, what="what a `require` reads (numbers and the map, not the state)")
                         )
                 found.append(test)
     return tuple(found)
@@ -92,7 +93,8 @@ def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
     match check:
         case ast.Require():
-            return ir.Check(sort="require", values=(scope.condition(check.condition),), origin=check.span)
+            test = of_the_map(scope.condition(check.condition), scope.static)
+            return ir.Check(sort="require", values=(test,), origin=check.span)
         case ast.Always():
             return ir.Check(sort="always", values=(scope.condition(check.condition),), origin=check.span)
         case ast.Once():

@@ -56,6 +56,7 @@ class Static:
     cells: dict[str, int] = field(default_factory=dict)
     num_agents: int = 1
     own_number: bool = True  # whether that is the file's, and not a caller's
+    rows: tuple[str, ...] = ()
     map_rows: int = 0
     map_cols: int = 0
     used: set[Declared] = field(default_factory=set)

@@ -18,6 +18,8 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
     match e:
         case ir.Number() | ir.Truth() | ir.Word():
             return e.value
+        case ir.Nobody():
+            return None
         case ir.ParamRef():
             return params[e.name]
         case ir.Named():
