@@ -30,7 +30,7 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
 
   agents players {
     acts stay, forward, backward, step_left, step_right, turn_left, turn_right, zap, sow_red, sow_green, sow_blue  # Melting Pot
-    moves relative
+    moves relative  blocks seeds
     field taste : { red, green } = red
     field bag   : { red, green, blue } = red         # the colour last sown
     field coat  : { none, red, green, blue } = none  # the colour last planted: everybody sees it
@@ -39,13 +39,11 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
     forbid forward, backward, step_left, step_right, turn_left, turn_right when agent.stunned > 0  # Melting Pot: who is stunned can sow
   }
   shape seeds = line(3)  shape zap = fan(3, 1)  # Melting Pot
-  define bushes(hue)     = count(bush where bush.colour is hue)
-  define share(hue)      = count(bush where bush.colour is hue) / count(bush)
-  define commonest       = max(bushes(red), bushes(green), bushes(blue))
-  define alike(b)        = case b.colour { red: bushes(red), green: bushes(green), blue: bushes(blue) }
-  define sows(one)       = one chose sow_red or one chose sow_green or one chose sow_blue
-  # Melting Pot: seeds stop at players
-  define reached(one, b) = count(agent as a in seeds of one where distance(one, a) < distance(one, b)) == 0
+  define bushes(hue) = count(bush where bush.colour is hue)
+  define share(hue)  = count(bush where bush.colour is hue) / count(bush)
+  define commonest   = max(bushes(red), bushes(green), bushes(blue))
+  define alike(b)    = case b.colour { red: bushes(red), green: bushes(green), blue: bushes(blue) }
+  define sows(one)   = one chose sow_red or one chose sow_green or one chose sow_blue
 
   phase start {
     each agent { send agent to floor  when 2 * agent.index >= players { set agent.taste = green } }  # Melting Pot
@@ -65,8 +63,7 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
   }
   phase sow(deed, hue) { each agent where agent chose deed { mark seeds of agent  set agent.bag = hue  set agent.empty = loading } }
   phase plant {
-    match agent as sower with first bush in seeds of sower where sows(sower) and bush.fruit is unripe and bush.colour is not sower.bag
-        and reached(sower, bush) {
+    match agent as sower with first bush in seeds of sower where sows(sower) and bush.fruit is unripe and bush.colour is not sower.bag {
       set bush.colour = sower.bag  set bush.young = patience  set sower.coat = sower.bag  tally planted[sower.bag] for sower
     }
   }

@@ -33,7 +33,7 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
 
   agents players {
     acts stay, forward, backward, step_left, step_right, turn_left, turn_right, interact  # Melting Pot: in this order
-    moves relative
+    moves relative  blocks beam
     field bag    by { coop, defect } : 0 .. room capped = 1
     field badge  : 0 .. players = 0  # others see it: players have colours of their own
     field owed   : reward

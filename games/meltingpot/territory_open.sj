@@ -32,7 +32,7 @@ game territory_open "Territory: Open" {
 
   agents players {
     acts stay, forward, backward, step_left, step_right, turn_left, turn_right, zap, paint  # Melting Pot: in this order
-    moves relative
+    moves relative  blocks zap
     field badge : 0 .. players = 0  # others see it: players have colours of their own
     field hits : 0 .. strikes capped = 0  timer recovering  timer stunned  timer hot
     forbid zap when agent.hot > 0   # Melting Pot: who is stunned can still paint

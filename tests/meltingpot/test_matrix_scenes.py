@@ -72,6 +72,15 @@ def test_the_third_hit_destroys_a_resource_and_goes_on() -> None:
     scene.step("interact").has({"event met": 1, "patch.damage": 0, "patch.stock": ["ripe", "ripe", "none"], "event destroyed[coop]": 1})
 
 
+def test_who_ends_a_lane_shields_what_is_behind() -> None:
+    rows = ("PPP.12", "......", "......", "P..1P.")
+    scene = stage("prisoners_dilemma", rows=rows).put("PPP.12", "......", "......", ">.<1P.").step("interact").has({"patch.damage": 0})
+    assert scene.value("marks aim") == {(2, 0), (2, 1), (2, 2), (3, 1), (3, 2)}
+    stage("prisoners_dilemma", rows=rows).put("PPP.12", "......", "..<...  1", ">..1P.  0").step("interact").has(
+        {"patch.damage": [0, 0, 1]}
+    )
+
+
 def test_the_beam_is_three_lanes_of_three_and_rests_for_two_steps() -> None:
     scene = put("PPP.12", "......", ".>....", "..P<P.").step("interact")
     assert scene.value("marks aim") == {(r, c) for r in (1, 2, 3) for c in (1, 2, 3, 4) if (r, c) not in {(2, 1), (1, 4), (3, 4)}}

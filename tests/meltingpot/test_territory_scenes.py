@@ -35,6 +35,11 @@ def test_the_zap_that_breaks_a_brick_goes_on() -> None:
     behind.has({"agent.hits": [0, 1, 0], "brick.damage": {SECOND: 2}})
 
 
+def test_who_is_hit_shields_the_brick_behind() -> None:
+    scene = put("P....>#.  2", ".R^<.R..  10", "........", "P.R.R..P", fields={"brick.damage": {SECOND: 2}}).step("zap")
+    scene.has({"agent.hits": [0, 1, 0], "brick.damage": {LEFT: 0, SECOND: 2}, "event blows": 0})
+
+
 def test_who_is_stunned_paints_and_does_nothing_else() -> None:
     """For 25 steps; its own zap is cool four steps later."""
     scene = put("P.....#.", ".RR<.R..  1", "...^....  0", "P.R.R..<  2", params={"frozen": 3, "cooling": 2}).step("zap")
