@@ -6,6 +6,7 @@ import dm_env
 import numpy as np
 import pytest
 
+from sjdsl import make
 from sjdsl.interop.dm_env import TILE, Substrate, build, get_config
 
 LENGTH = 6
@@ -144,3 +145,10 @@ def test_pictures_show_no_more_than_is_seen(tmp_path: Path) -> None:
             assert np.array_equal(second["RGB"][:, place * tile : (place + 1) * tile], expected)
         place = 3 + column - own
         assert np.array_equal(first["RGB"][:, place * tile : (place + 1) * tile], here)
+
+
+@pytest.mark.parametrize("name", ["clean_up", "coins", "coop_mining"])
+def test_a_name_of_both_is_the_substrate_unless_a_variant_is_given(name: str) -> None:
+    assert Substrate(name).env.hash == make(name, variant="meltingpot").hash
+    assert Substrate(name, variant=None).env.hash == make(name).hash
+    assert Substrate(name, variant="socialjax").env.hash == make(name, variant="socialjax").hash

@@ -81,6 +81,15 @@ def test_every_file_is_a_substrate() -> None:
         assert parse(read_source(find_game(name))).game.name.text == name
 
 
+def test_families_are_found_by_name_and_meant_by_near_names() -> None:
+    assert find_game("territory_open").parent.name == "meltingpot"
+    assert find_game("territory").parent.name == "games"
+    with pytest.raises(FileNotFoundError, match="did you mean `territory_open`"):
+        find_game("teritory_open")
+    with pytest.raises(FileNotFoundError, match="no bundled game `meltingpot/territory_open`"):
+        find_game("meltingpot/territory_open")
+
+
 def test_each_difference_is_a_sentence() -> None:
     for entry in written_substrates():
         for text in (*entry.differs, *entry.wanting):

@@ -14,6 +14,7 @@ from sjdsl.compiler.diagnostics.explanations import explain
 assert "site-packages" in sjdsl.__file__, sjdsl.__file__
 assert sjdsl.make("coins").num_agents == 2
 assert sjdsl.make("my_game.sj").num_agents == 1
+assert sjdsl.make("territory_open", variant="rooms").num_agents == 9
 assert sjdsl.trainers.load_preset("quick").game == "coins"
 assert explain("SJ101")
 """
@@ -28,7 +29,8 @@ def test_it_works_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "my_game.sj").write_text(GAME)
     shell = installed / "empty/bin"
     assert "generated/my_game.py" in run_in(shell / "sjdsl", "compile", "my_game.sj", cwd=tmp_path)
-    assert "clean_up" in run_in(shell / "sjdsl", "list", cwd=tmp_path)
+    listed = run_in(shell / "sjdsl", "list", cwd=tmp_path)
+    assert "clean_up" in listed and "territory_open" in listed
     assert "no problems" in run_in(shell / "sjdsl", "check", "my_game.sj", "coins", cwd=tmp_path)
     run_in(shell / "python", "-c", USE, cwd=tmp_path)
 
