@@ -97,5 +97,7 @@ def _values(type_: ir.Type) -> str | list[str]:
             return f"{type_.low:g} .. {type_.high:g}"
         case "agent":
             return "agent"
+        case "cell":
+            return f"cell of {' or '.join(type_.kinds)}"
         case _:
             return "set of agent"

@@ -105,6 +105,8 @@ def _lies(restriction: ir.Restriction, v: Vocabulary, plural: bool, is_agent: bo
             if restriction.value.type.kind == "agents":
                 return f"that {'are' if plural else 'is'} among {what}"
             return f"that {'are' if plural else 'is'} {what}"
+        case ir.InCell():
+            return f"that {'are' if plural else 'is'} {value(restriction.value, v)}"
         case ir.Among():
             return f"that {'are' if plural else 'is'} one of {joined((v.refer(m) for m in restriction.members), 'or')}"
         case _:

@@ -143,6 +143,8 @@ def _values(type_: ir.Type) -> str:
             return f"a whole number from {number(type_.low)} to {number(type_.high)}{unit}"
         case "agent":
             return "an agent or nobody"
+        case "cell":
+            return f"a cell ({', '.join(type_.kinds)}) or nowhere"
         case "agents":
             return "a set of agents"
         case _:
@@ -152,5 +154,5 @@ def _values(type_: ir.Type) -> str:
 def start_text(start: int | float | str | None, field: ir.VarField) -> str:
     """Returns the starting value of a field."""
     if start is None:
-        return "empty" if field.type.kind == "agents" else "nobody"
+        return {"agents": "empty", "cell": "nowhere"}.get(field.type.kind, "nobody")
     return code(start) if isinstance(start, str) else number(start)

@@ -10,7 +10,20 @@ from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, number, table_value, variable
 
 SIGNS = {"+": "+", "-": "-", "*": "×", "/": "÷"}
-ATOMS = (ir.Number, ir.Word, ir.Nobody, ir.ParamRef, ir.Member, ir.Local, ir.FieldRead, ir.Attribute, ir.Step, ir.SumRow, ir.EventTotal)
+ATOMS = (
+    ir.Number,
+    ir.Word,
+    ir.Nobody,
+    ir.Nowhere,
+    ir.ParamRef,
+    ir.Member,
+    ir.Local,
+    ir.FieldRead,
+    ir.Attribute,
+    ir.Step,
+    ir.SumRow,
+    ir.EventTotal,
+)
 CLASSES = {
     "prisoners_dilemma": "a prisoner's dilemma (T > R > P > S and 2R > T + S)",
     "stag_hunt": "a stag hunt (R > T ≥ P > S)",
@@ -27,6 +40,8 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return code(e.value)
         case ir.Nobody():
             return "nobody"
+        case ir.Nowhere():
+            return "nowhere"
         case ir.ParamRef():
             return _parameter(e, v)
         case ir.Member():
@@ -38,7 +53,7 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
         case ir.Attribute():
             return f"the {e.name} of {value(e.owner, v)}"
         case ir.Distance():
-            return f"the distance between {v.refer(e.left)} and {v.refer(e.right)}"
+            return f"the distance between {value(e.left, v)} and {value(e.right, v)}"
         case ir.At():
             return entry(e, v, _default_entry(e, v))
         case ir.Step():

@@ -7,7 +7,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import phases_of
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members
-from sjdsl.doc.statements import chosen, drawn, paired, probability
+from sjdsl.doc.statements import chosen, drawn, one_cell, paired, probability
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, table, variable
 
@@ -55,8 +55,11 @@ def _draws(s: ir.Stmt, around: tuple[str, ...], v: Vocabulary) -> Found:
             yield around, "who enters a cell that several agents want: one of them, all equally likely"
         case ir.Shift():
             yield around, "who enters a cell that several agents are sent to: one of them, all equally likely"
+            if s.facing is None:
+                yield around, "which way it looks there: one of four, all equally likely"
         case ir.Send():
-            yield around, f"which free {members(s.domain, v)} it is sent to: all equally likely"
+            if one_cell(s.domain) is None:
+                yield around, f"which free {members(s.domain, v)} it is sent to: all equally likely"
             if s.facing is None:
                 yield around, "which way it looks there: one of four, all equally likely"
     for inner, body in _inside(s, v):

@@ -56,7 +56,7 @@ NOTES: tuple[tuple[tuple[type, ...], Line], ...] = (
     ),
     (
         (ir.Shift,),
-        Line("agents that are sent some cells away go at once: the cells on the way must be on the map, open to the agent and empty; the last one may also be left in the same phase by an agent that is sent; of several that are sent to one cell, one is drawn at random"),
+        Line("agents that are sent some cells away, or to one cell, go at once: the cells on the way must be on the map, open to the agent and empty; the last one may also be left in the same phase by an agent that is sent; of several that are sent to one cell, one is drawn at random"),
     ),
     ((ir.Mix,), Line("the mean of a table weighted by a row: each entry times the row's number for its word, divided by the row's sum, all summed; of a table with two words per entry, the first word is meant, and what remains is a row")),
     ((ir.Case,), Line("of several values with conditions, exactly one condition holds")),

@@ -29,7 +29,7 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
     sorts = (
         (ir.Move, "agents move"),
         (ir.Send, "agents are sent elsewhere"),
-        (ir.Shift, "agents are sent some cells away"),
+        (ir.Shift, "agents are sent to one cell"),
         (ir.Remove, "agents are taken away"),
         (ir.Give, "gives rewards"),
         (ir.Mark, "marks cells"),

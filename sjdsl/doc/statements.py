@@ -170,10 +170,8 @@ def _tally(s: ir.Tally, v: Vocabulary) -> str:
 
 def _send(s: ir.Send, v: Vocabulary) -> str:
     """Returns whom a `send` sends, where to, when, and how they look there."""
-    look = "looking in a random direction"
-    if s.facing is not None:
-        look = "looking as before" if s.facing == "same" else f"looking {s.facing}"
-    goal = f"a random free {members(s.domain, v)}, {look}"
+    only = one_cell(s.domain)
+    goal = f"{f'a random free {members(s.domain, v)}' if only is None else value(only, v)}, {_look(s.facing)}"
     if s.after is not None:
         wait = counted(s.after.value, "tick") if isinstance(s.after, ir.Number) else f"{value(s.after, v)} ticks"
         stay = "; while there is no free cell then, it stays away" if s.stay else ""
@@ -181,11 +179,29 @@ def _send(s: ir.Send, v: Vocabulary) -> str:
     return f"{value(s.who, v)} is sent to {goal}" + ("; if there is no free cell left, it stays where it is" if s.stay else "")
 
 
+def one_cell(d: ir.Domain) -> ir.Expr | None:
+    """Returns the cell that a destination is, if it is one that a field holds."""
+    match d.where:
+        case ir.Same(left=ir.Member(name=name), right=right) if name == d.var.name and right.type.kind == "cell":
+            return right
+        case _:
+            return None
+
+
+def _look(facing: str | None) -> str:
+    if facing is None:
+        return "looking in a random direction"
+    return "looking as before" if facing == "same" else f"looking {facing}"
+
+
 TURNED = ("the way it looks", "to its right", "back", "to its left")
 
 
 def _shift(s: ir.Shift, v: Vocabulary) -> str:
     """Returns whom a `send … by` sends, how far and which way."""
+    if s.to is not None:
+        return f"{value(s.who, v)} is sent to {value(s.to, v)}, {_look(s.facing)}; if it cannot go there, it stays where it is"
+    assert s.steps is not None
     match s:
         case ir.Shift(heading=ir.Attribute(name="heading", owner=owner)) if owner == s.who:
             way = TURNED[s.quarters]
@@ -198,8 +214,7 @@ def _shift(s: ir.Shift, v: Vocabulary) -> str:
             assert s.heading is not None
             way = f"in the direction {value(s.heading, v)}"
     far = counted(s.steps.value, "cell") if isinstance(s.steps, ir.Number) else f"{value(s.steps, v)} cells"
-    look = "looking as before" if s.facing == "same" else f"looking {s.facing}"
-    return f"{value(s.who, v)} is sent {far} {way}, {look}; if the way is not free, it stays where it is"
+    return f"{value(s.who, v)} is sent {far} {way}, {_look(s.facing)}; if the way is not free, it stays where it is"
 
 
 def tick_lines(v: Vocabulary) -> list[Line]:

@@ -128,16 +128,15 @@ def _field(e: ir.FieldRead, here: Instance) -> Value:
 
 
 def _distance(e: ir.Distance, here: Instance) -> int:
-    a, b = _place_of(e.left, here), _place_of(e.right, here)
+    a, b = cell_of(e.left, here), cell_of(e.right, here)
+    assert a is not None and b is not None, f"the place of somebody who is away, or nowhere: {e}"
     return abs(a.row - b.row) + abs(a.col - b.col)
 
 
-def _place_of(member: ir.Member, here: Instance) -> Cell:
-    """Returns the cell that a variable is, or that its agent stands on."""
-    owner = evaluate(member, here)
-    cell = here.world.position[owner] if isinstance(owner, int) else owner
-    assert isinstance(cell, Cell), f"the place of `{member.name}`, which is away"
-    return cell
+def cell_of(e: ir.Expr, here: Instance) -> Cell | None:
+    """Returns the cell that an expression is, or that its agent stands on."""
+    owner = evaluate(e, here)
+    return here.world.position[owner] if isinstance(owner, int) else owner
 
 
 def _attribute(e: ir.Attribute, here: Instance) -> Value:
@@ -297,6 +296,8 @@ def _agents(restriction: ir.Restriction | None, here: Instance) -> set[int]:
             return {agent for agent, cell in enumerate(here.world.position) if cell in cells}
         case ir.InAgents():
             return set(agents_in(evaluate(restriction.value, here)))
+        case ir.InCell():
+            raise AssertionError("agents are not members of a cell")
         case ir.Among():
             return {here.names[m.name] for m in restriction.members}
         case _:
@@ -315,6 +316,9 @@ def _cells(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
         case ir.Among():
             chosen = {here.names[m.name] for m in domain.restriction.members}
             return [(cell, number) for number, cell in enumerate(all_cells) if cell in chosen]
+        case ir.InCell():
+            held = evaluate(domain.restriction.value, here)
+            return [(cell, number) for number, cell in enumerate(all_cells) if cell == held]
         case ir.InAgents():
             raise AssertionError("cells are not members of a set of agents")
         case _:
@@ -346,6 +350,7 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Word: lambda e, _: e.value,
     ir.Truth: lambda e, _: e.value,
     ir.Nobody: lambda _, __: None,
+    ir.Nowhere: lambda _, __: None,
     ir.ParamRef: lambda e, here: here.world.params[e.name],
     ir.Attribute: _attribute,
     ir.Distance: _distance,

@@ -1,17 +1,21 @@
-"""Interprets `send x by n DIRECTION`: the way of each agent, and all who are sent in one phase settled together."""
+"""Interprets `send x by n DIRECTION` and `send x to CELL`: the way of each agent, and all who are sent in one phase settled together."""
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.evaluate import evaluate, is_blocked
+from sjdsl.interpreter.evaluate import cell_of, evaluate, is_blocked
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import agent_on
 from sjdsl.interpreter.shapes import cell_at
-from sjdsl.interpreter.state import HEADINGS, Cell, World
+from sjdsl.interpreter.state import HEADINGS, World
 from sjdsl.interpreter.writes import Shifting
 
 
 def shifting(agent: int, statement: ir.Shift, here: Instance) -> Shifting:
     """Returns where a statement sends an agent; to its own cell if the way there is not free."""
-    place, steps = here.world.position[agent], evaluate(statement.steps, here)
+    place = here.world.position[agent]
+    if statement.to is not None:
+        return Shifting(agent, statement, place and (evaluate(statement.to, here) or place))
+    assert statement.steps is not None
+    steps = evaluate(statement.steps, here)
     heading = _heading(agent, statement, here)
     target = place
     if place is not None and heading is not None and steps > 0:
@@ -27,19 +31,13 @@ def _heading(agent: int, statement: ir.Shift, here: Instance) -> int | None:
     if statement.heading is not None:
         return (HEADINGS.index(evaluate(statement.heading, here)) + statement.quarters) % 4
     assert statement.other is not None
-    place, other = here.world.position[agent], _cell_of(statement.other, here)
+    place, other = here.world.position[agent], cell_of(statement.other, here)
     if place is None or other is None or place == other:
         return None
     rows, cols = other.row - place.row, other.col - place.col
     upright = here.world.heading[agent] in (0, 2) if abs(rows) == abs(cols) else abs(rows) > abs(cols)
     toward = (0 if rows < 0 else 2) if upright else (3 if cols < 0 else 1)
     return (toward + statement.quarters) % 4
-
-
-def _cell_of(e: ir.Expr, here: Instance) -> Cell | None:
-    """Returns the cell that an expression is, or that its agent stands on."""
-    owner = evaluate(e, here)
-    return here.world.position[owner] if isinstance(owner, int) else owner
 
 
 def shift(shifts: list[Shifting], here: Instance, world: World) -> None:
@@ -61,5 +59,11 @@ def shift(shifts: list[Shifting], here: Instance, world: World) -> None:
             del goes[agent]
     for agent, sent in goes.items():
         world.position[agent] = sent.target
-        if sent.statement.facing != "same":
-            world.heading[agent] = HEADINGS.index(sent.statement.facing)
+        match sent.statement.facing:
+            case "same":
+                pass
+            case None:
+                assert sent.statement.heading_stream is not None
+                world.heading[agent] = here.word(sent.statement.heading_stream, agent) >> 30
+            case facing:
+                world.heading[agent] = HEADINGS.index(facing)

@@ -170,6 +170,8 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
             assert value in declared.type.words, (declared.name, value)
         case "agent" | "agents":
             assert all(agent in range(board.agents) for agent in agents_in(value)), (declared.name, value)
+        case "cell":
+            assert value is None or board.kind_of[value] in declared.type.kinds, (declared.name, value)
         case _:
             raise AssertionError(declared)
 

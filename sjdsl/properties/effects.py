@@ -24,7 +24,7 @@ def reads(node: ir.Node) -> Iterator[Part]:
                 yield (n.name,)
             case ir.Attribute(name="row" | "col", owner=owner) if not (isinstance(owner, ir.Member) and owner.who == "cell"):
                 yield PLACE
-            case ir.Distance() if "agent" in (n.left.who, n.right.who):
+            case ir.Distance() if any(isinstance(place, ir.Member) and place.who == "agent" for place in (n.left, n.right)):
                 yield PLACE
             case ir.Step():
                 yield STEP

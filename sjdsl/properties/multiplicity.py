@@ -52,6 +52,8 @@ def _members(domain: ir.Domain, board: Board) -> int:
             return min(among, shapes.size(board.shapes[domain.restriction.shape]))
         case ir.InAgents():
             return 1 if domain.restriction.value.type.kind == "agent" else among
+        case ir.InCell():
+            return 1
         case ir.Among():
             return min(among, len(domain.restriction.members))
         case _:

@@ -43,6 +43,8 @@ def _held(stored: np.ndarray, type_: ir.Type) -> Value:
             return type_.words[int(stored)]
         case "agent":
             return None if stored < 0 else int(stored)
+        case "cell":
+            return None if stored < 0 else Cell(*divmod(int(stored), 256))
         case "agents":
             return frozenset(agent for agent in range(32) if int(stored) >> agent & 1)
         case "real":

@@ -125,7 +125,7 @@ def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
             case ir.Send(facing="east" | "west" as facing):
                 return node.model_copy(update={"facing": MIRRORED[facing]})
             case ir.Shift():
-                look = MIRRORED.get(node.facing, node.facing)
+                look = node.facing and MIRRORED.get(node.facing, node.facing)
                 heading = None if node.heading is None else mirrored_heading(node.heading)
                 return node.model_copy(update={"facing": look, "heading": heading, "quarters": -node.quarters % 4})
             case _:

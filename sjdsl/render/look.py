@@ -202,6 +202,8 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLo
             return FieldLook(field.name, attribute, sort, "word", words, colours_of(words), pictures)
         case "agents":
             return FieldLook(field.name, attribute, "bar", "agents", full=game.agents.number)
+        case "cell":
+            return FieldLook(field.name, attribute, "bar", "number", full=float(1 << 16))
         case "agent":
             return FieldLook(field.name, attribute, "edge", "agent", colours=tuple(map(agent_colour, range(game.agents.number))))
         case _:

@@ -51,6 +51,10 @@ def _numbers(stored: Array, field: StateField, num_agents: int) -> Array:
             shifts = jnp.arange(min(num_agents, 8 * stored.dtype.itemsize)).astype(stored.dtype)
             one = jnp.ones((), stored.dtype)
             return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(jnp.float32)
+        case "cell":
+            somewhere = stored >= 0
+            parts = (somewhere, (stored >> 8) / 255 * somewhere, (stored & 255) / 255 * somewhere)
+            return jnp.stack([part.astype(jnp.float32) for part in parts], axis=-1)
         case "condition":
             return stored.astype(jnp.float32)
         case "number":

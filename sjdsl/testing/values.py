@@ -4,13 +4,14 @@ Written: a word is a text, a number a number, an agent its number, nobody None, 
 `by` field stands under its word, its number, or the number of its agent: `{"raw": 2}`, `{0: 2}`.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.interpreter.state import Cell
 from sjdsl.near_names import meant
 
 LARGEST = 2**31 - 1
@@ -50,6 +51,12 @@ def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
             return written
         case "agent":
             return None if written is None else _agent(name, written, agents)
+        case "cell":
+            if written is None:
+                return None
+            if isinstance(written, str) or not isinstance(written, Sequence) or len(written) != 2:
+                raise ValueError(f"`{name}` is a cell, (row, column), or None for nowhere, not {written!r}")
+            return Cell(*map(int, written))
         case "agents":
             if isinstance(written, str) or not isinstance(written, Collection):
                 raise ValueError(f"`{name}` is a set of numbers of agents, not {written!r}")
@@ -83,13 +90,16 @@ def written(value: Any, type_: ir.Type) -> Any:
 
 def stored(value: Any, type_: ir.Type) -> Any:
     """Returns a value of the interpreter as the compiled state stores it: words and agents as numbers, sets as bits, rows as lists."""
-    if isinstance(value, tuple):
-        return [stored(entry, type_) for entry in value]
+    if isinstance(value, tuple) and type_.by:
+        inner = type_.model_copy(update={"by": type_.by[1:]})
+        return [stored(entry, inner) for entry in value]
     match type_.kind:
         case "word":
             return type_.words.index(value)
         case "agent":
             return -1 if value is None else value
+        case "cell":
+            return -1 if value is None else 256 * value.row + value.col
         case "agents":
             return sum(1 << agent for agent in value)
         case _:

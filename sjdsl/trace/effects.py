@@ -143,6 +143,8 @@ def _used(sort: str, agent: int, account: Account, board: Board, by: Sequence[Do
     for statement in (done.statement for done in by):
         if isinstance(statement, ir.Shift) and sort == "place" and (at := (statement.stream, agent)) in numbers:
             yield Used("who comes first", *at, numbers[at])
+        if isinstance(statement, ir.Shift) and sort == "heading" and (at := (statement.heading_stream or 0, agent)) in numbers:
+            yield Used("which heading", *at, numbers[at])
         if isinstance(statement, ir.Move) and sort == "place":
             own = ((stream, n) for stream, n in numbers if stream == statement.stream and n % board.agents == agent)
             yield from (Used("who comes first", *at, numbers[at]) for at in own)

@@ -30,7 +30,7 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
     kind = type_.kind if type_ is not None else ""
     match value:
         case None:
-            return "nobody"
+            return "nowhere" if kind == "cell" else "nobody"
         case frozenset():
             return "{ " + ", ".join(f"agent {agent}" for agent in sorted(value)) + " }" if value else "nobody"
         case Cell():

@@ -51,6 +51,8 @@ def held(value: np.ndarray, type_: ir.Type) -> Any:
             return type_.words[int(value)]
         case "agent":
             return None if value < 0 else int(value)
+        case "cell":
+            return None if value < 0 else Cell(*divmod(int(value), 256))
         case "agents":
             return frozenset(agent for agent in range(64) if int(value) >> agent & 1)
         case "real":

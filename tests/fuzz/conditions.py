@@ -26,7 +26,18 @@ def condition(scope: Scope, depth: int) -> str:
                 return f"{left} {joined} {right}"
     if scope.sort == "numbers":
         return compared(scope, depth)
-    choices = [compared, compared, words_compared, words_compared, whereabouts, whereabouts, agents_compared, within, defined]
+    choices = [
+        compared,
+        compared,
+        words_compared,
+        words_compared,
+        whereabouts,
+        whereabouts,
+        agents_compared,
+        cells_compared,
+        within,
+        defined,
+    ]
     for make in r.sample(choices, len(choices)):
         made = make(scope, depth)
         if made:
@@ -96,6 +107,19 @@ def agents_compared(scope: Scope, _depth: int) -> str:
     found += [f"{a} is {b}" for a in (*holders, *members) for b in (*holders, *members) if a != b]
     found += [f"{a} is not {b}" for a in members for b in members if a != b]
     found += [f"{a} in {s}" for a in (*holders, *members) for s in sets]
+    return r.choice(found) if found else ""
+
+
+def cells_compared(scope: Scope, _depth: int) -> str:
+    """Returns `a is b`, `a is nowhere` between cells."""
+    r = scope.world.random
+    if scope.sort == "observable":  # where a cell of a window is, is not known
+        return ""
+    held = [(text, type_.kinds) for text, type_ in scope.single_values("cell")]
+    members = [(v.name, v.kinds) for v in scope.cells()]
+    found = [f"{text} {not_} nowhere" for text, _ in held for not_ in ("is", "is not")]
+    pairs = [(a, b) for a in (*held, *members) for b in held if a != b and set(a[1]) & set(b[1])]
+    found += [f"{a[0]} {r.choice(('is', 'is not'))} {b[0]}" for a, b in pairs]
     return r.choice(found) if found else ""
 
 

@@ -177,6 +177,7 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
     """Returns a field of any type; `sets`: also a set of agents."""
     r = w.random
     sorts = ("word", "word", "word", "int", "int", "int", "capped", "capped", "agent", "real", "timer") + (("agents",) if sets else ())
+    sorts += ("cell",) if w.kinds else ()
     sort = sort or r.choice(sorts)
     by = (w.level(),) if sort != "timer" and w.is_now(0.4 if sort in ("int", "capped") else 0.06) else ()
     rows = f" by {level_text(by[0])}" if by else ""
@@ -189,6 +190,10 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
             return Field(name, ir.Type(kind="word", words=words, by=by), text)
         case "agent":
             return Field(name, ir.Type(kind="agent", by=by), f"field {name}{rows} : agent{' = nobody' if w.is_now(0.3) else ''}")
+        case "cell":
+            of = r.choice([*w.kinds, *w.groups])
+            type_ = ir.Type(kind="cell", kinds=w.kinds_of(of), by=by)
+            return Field(name, type_, f"field {name}{rows} : cell of {of}{' = nowhere' if w.is_now(0.3) else ''}")
         case "agents":
             return Field(name, ir.Type(kind="agents", by=by), f"field {name}{rows} : set of agent")
         case "real":

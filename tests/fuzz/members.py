@@ -61,7 +61,8 @@ def _place(scope: Scope, kinds: tuple[str, ...], shape: bool, counted: bool) -> 
         found = shape_for(scope, anchor.is_agent)
         return f" in {found[0]} of {anchor.name}", found[1]
     if kinds:
-        return "", 10**6
+        held = [text for text, type_ in scope.single_values("cell") if set(type_.kinds) & set(kinds)]
+        return (f" in {r.choice(held)}", 1) if held and r.random() < 0.4 else ("", 10**6)
     sets = [text for text, _ in scope.single_values("agents")]
     if sets and r.random() < 0.3:
         return f" in {r.choice(sets)}", 64

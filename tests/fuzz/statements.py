@@ -253,8 +253,12 @@ def send(scope: Scope, phase: Phase) -> Lines:
     kind = r.choice([n for n in (*w.kinds, *w.groups) if w.num_cells(w.kinds_of(n)) or w.is_now(0.1)])
     later = w.is_now(0.4)
     named = scope if is_own(who, scope) and not later else of_target_alone(scope, who)
-    text = destination(replace(named, sort="start") if later else named, kind)
-    certain = " where " not in text and w.num_cells(w.kinds_of(kind)) >= w.agents
+    held = [text for text, _ in named.single_values("cell")]
+    if held and w.is_now(0.4):
+        text, kind = r.choice(held), ""
+    else:
+        text = destination(replace(named, sort="start") if later else named, kind)
+    certain = kind and " where " not in text and w.num_cells(w.kinds_of(kind)) >= w.agents
     phase.written.places += 1
     delay = f" after {r.choice(('1', '2', '3', _delay(scope)))}" if later else ""
     facing = f" facing {r.choice(('north', 'east', 'south', 'west', 'same'))}" if w.is_now(0.5) else ""

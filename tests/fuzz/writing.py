@@ -131,6 +131,10 @@ def value(scope: Scope, f: Field, depth: int) -> Typed | None:
             return real(scope, "reward", depth)[0], one
         case "agent":
             return agent_value(scope), one
+        case "cell":
+            cells = [v.name for v in scope.cells() if set(v.kinds) <= set(type_.kinds)] * 3
+            cells += [text for text, t in scope.single_values("cell") if set(t.kinds) <= set(type_.kinds)]
+            return w.random.choice([*cells, "nowhere"]), one
         case _:
             sets = [text for text, _ in scope.single_values("agents")]
             return w.random.choice([*sets, "nobody"]), one

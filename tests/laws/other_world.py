@@ -86,8 +86,11 @@ def _agents(values: list[Any], s: Symmetry) -> list[Any]:
 
 
 def _value(value: Value, type_: ir.Type, s: Symmetry) -> Value:
-    """Returns a value of a field, which may name agents."""
+    """Returns a value of a field, which may name agents and cells."""
+    if type_.kind == "cell" and not type_.by:
+        return None if value is None else s.cell(value)
     if isinstance(value, tuple):
+        type_ = type_.model_copy(update={"by": type_.by[1:]})
         return tuple(_value(v, type_, s) for v in value)
     match type_.kind:
         case "agents":

@@ -62,6 +62,8 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
                 found[statement.stream] = Stream((*around, agents))
             case ir.Shift():
                 found[statement.stream] = Stream((agents,))
+                if statement.heading_stream is not None:
+                    found[statement.heading_stream] = Stream((agents,), "heading")
             case ir.Send():
                 for change in (lambda stream: stream, return_stream):
                     found[change(statement.order_stream)] = Stream((agents,), "order")

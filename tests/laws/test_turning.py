@@ -43,7 +43,7 @@ def test_random_programs() -> None:
     assert tried.drawn > 40 * FEW
 
 
-@pytest.mark.parametrize("name", ["pushing", "own_destinations"])
+@pytest.mark.parametrize("name", ["pushing", "own_destinations", "cells"])
 def test_sends(name: str) -> None:
     """Pushes turn with the map, also where two directions are equally far; so do destinations that depend on who is sent."""
     game = build(read_source(SENDS / f"{name}.sj")).game

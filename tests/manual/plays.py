@@ -229,6 +229,8 @@ def _decoded(value: Any, type_: ir.Type, agents: int) -> Any:
             return type_.words[value]
         case "agent":
             return None if value < 0 else value
+        case "cell":
+            return None if value < 0 else list(divmod(value, 256))
         case "agents":
             return frozenset(i for i in range(agents) if value >> i & 1)
         case _:

@@ -35,8 +35,8 @@ WORDS_OF_RULES = {
     "whose fields are seen": observations.OWNERS,
     "frames of moves": ("relative", "compass"),
     "checks": ("random", "never", "falling", "rising", "agents", "mirror"),
-    "values": ("step", "nobody", "yes", "no"),
-    "field types": ("agent", "reward"),
+    "values": ("step", "nobody", "nowhere", "yes", "no"),
+    "field types": ("agent", "cell", "reward"),
 }
 
 

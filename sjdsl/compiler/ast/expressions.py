@@ -48,7 +48,15 @@ class NamedType(Node):
     name: Name
 
 
-Type = Words | Range | NamedType
+class CellType(Node):
+    """`cell of gate`; `sort`: the first word."""
+
+    span: Span
+    sort: Name
+    of: Name
+
+
+Type = Words | Range | NamedType | CellType
 By = Words | Numbers | Name  # what the entries of a row are told apart by; the name of a sort is `agent`
 
 

@@ -108,11 +108,11 @@ class Tally(Node):
 
 
 class Send(Node):
-    """stay: the name after `otherwise` (must be `stay`)."""
+    """To a domain of cells, or to the cell of a path; stay: the name after `otherwise` (must be `stay`)."""
 
     span: Span
     who: Path
-    domain: Domain
+    domain: Domain | Path
     after: Expr | None
     facing: Name | None
     stay: Name | None

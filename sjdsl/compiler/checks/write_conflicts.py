@@ -148,7 +148,7 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                 depends = _names(s.domain, around) | (frozenset() if s.after is None else _names(s.after, around))
                 yield _write("place", PLACE, (), s.who, value, depends, s, around)
             case ir.Shift():
-                parts = (s.steps, s.heading, s.other)
+                parts = (s.to, s.steps, s.heading, s.other)
                 by: Form = ("shift", s.quarters, s.facing, *(None if part is None else form(part) for part in parts))
                 depends = frozenset(name for part in parts if part is not None for name in _names(part, around))
                 yield _write("place", PLACE, (), s.who, by, depends, s, around)

@@ -6,7 +6,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, declared_name, interval_text, not_a_word
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, declared_name, interval_text, kinds_of_cell, not_a_word, or_nowhere
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
@@ -65,6 +65,12 @@ def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
         case "agent":
             if not as_agent(value):
                 raise wrong_type(scope, s.value, "an agent or nobody", value.type)
+        case "cell":
+            value = or_nowhere(value)
+            kinds = kinds_of_cell(value)
+            if kinds is None or not set(kinds) <= set(type_.kinds):
+                given = value.type if kinds is None else ir.Type(kind="cell", kinds=kinds)
+                raise wrong_type(scope, s.value, f"{describe(type_)} or nowhere", given)
         case "agents":
             if not isinstance(value, ir.Nobody) and value.type.kind != "agents":
                 raise wrong_type(scope, s.value, "a set of agents or nobody", value.type)

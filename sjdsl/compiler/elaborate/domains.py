@@ -85,8 +85,12 @@ def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member,
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
+            if var.who == "cell" and value.type.kind == "cell" and not value.type.by:
+                if not set(var.kinds) & set(value.type.kinds):
+                    raise scope.problems.fail(errors.NeverOneCell(restriction.span))
+                return ir.InCell(value=value, origin=restriction.span)
             if var.who != "agent" or (value.type.kind != "agents" and not as_agent(value)):
-                raise wrong_type(scope, restriction, "a shape of something, or a field that holds agents", value.type)
+                raise wrong_type(scope, restriction, "a shape of something, or a field that holds agents or a cell", value.type)
             return ir.InAgents(value=value, origin=restriction.span)
 
 
@@ -122,6 +126,8 @@ def most_members(d: ir.Domain, scope: Scope) -> int:
         case ir.Among():
             return min(everywhere, len(d.restriction.members))
         case ir.InAgents() if d.restriction.value.type.kind == "agent":
+            return 1
+        case ir.InCell():
             return 1
         case _:
             return everywhere

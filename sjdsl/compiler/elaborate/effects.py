@@ -4,11 +4,14 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.domains import domain, only_one_who, without
 from sjdsl.compiler.elaborate.keys import key_of
-from sjdsl.compiler.elaborate.lookup import as_agent, check_somebody
+from sjdsl.compiler.elaborate.lookup import as_agent, check_somebody, kinds_of_cell
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.ir.free_variables import free_variables
+from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.runtime.actions import HEADINGS
 
 FACINGS = (*HEADINGS, "same")
@@ -79,19 +82,24 @@ def facing(name: ast.Name | None, scope: Scope) -> str | None:
 
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = agent(s.who, scope)
-    around = scope if s.after is None else only_one_who(scope, who, LATER)
-    destination, _ = domain(s.domain, without(around, (s.domain.bind or s.domain.kind).text))
-    if destination.var.who != "cell" or destination.on is not None or destination.restriction is not None:
-        raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
     after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")
     if s.after is not None and after is not None and after.type.low < 0:
         raise scope.problems.fail(errors.Negative(s.after.span, name="the delay"))
     if isinstance(after, ir.Number) and after.value == 0:
         after = None
+    around = scope if s.after is None else only_one_who(scope, who, LATER)
+    held = _cell(s.domain, around)
     look = facing(s.facing, scope)
     if s.stay is not None and s.stay.text != "stay":
         raise scope.problems.fail(errors.UnknownName(s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"))
+    if held is not None and s.stay is None:
+        raise scope.problems.fail(errors.TakenOrNowhere(s.span, place=text(held)))
     place = use.streams.header(s.domain.span, s.domain.span.end)
+    if held is not None and after is None:
+        header = use.streams.header(s.span, s.span.end)
+        stream, turned = use.streams.of_statement(header), use.streams.of_statement(f"heading of {header}")
+        return ir.Shift(who=who, to=held, facing=look, stream=stream, heading_stream=turned, origin=s.span)  # type: ignore[arg-type]
+    destination = _destination(s.domain, around) if held is None else _only(held, s.domain.span)
     pool = use.pools.setdefault(place, len(use.pools))
     return ir.Send(
         who=who,
@@ -104,3 +112,34 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         heading_stream=use.streams.shared("heading of those sent to", place),
         origin=s.span,
     )
+
+
+def _cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
+    """Returns the one cell that a destination is: that of a field, or of a variable that has the name of no kind; None for a domain."""
+    if isinstance(d, ast.Domain):
+        static, name = scope.static, d.kind.text
+        whole = d.bind is None and d.on is None and d.restriction is None and d.where is None
+        if not whole or static.kinds_of(name) or not (name in scope.variables or name in static.fields or name in scope.withheld):
+            return None
+        d = ast.Path(d.span, d.kind, ())
+    cell = scope.expression(d)
+    if not kinds_of_cell(cell):
+        raise wrong_type(scope, d, "a kind of cell, or a field that holds a cell,", cell.type)
+    return cell
+
+
+def _destination(d: ast.Domain | ast.Path, scope: Scope) -> ir.Domain:
+    assert isinstance(d, ast.Domain)
+    built, _ = domain(d, without(scope, (d.bind or d.kind).text))
+    if built.var.who != "cell" or built.on is not None or built.restriction is not None:
+        raise scope.problems.fail(errors.WrongType(d.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
+    return built
+
+
+def _only(cell: ir.Expr, span: Span) -> ir.Domain:
+    """Returns the domain of one cell."""
+    kinds = kinds_of_cell(cell) or ()
+    taken = {v.name for v in free_variables(cell)}
+    name = next(n for n in ("cell", "cell_", "cell__") if n not in taken)
+    var = ir.Member(name=name, who="cell", kinds=kinds, origin=span)
+    return ir.Domain(var=var, where=ir.Same(left=var, right=cell, origin=span), origin=span)

@@ -14,7 +14,16 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain, most_members
 from sjdsl.compiler.elaborate.extremes import extreme as over_domain
-from sjdsl.compiler.elaborate.lookup import action_number, as_agent, check_known_word, check_placed, kinds_named, not_a_word
+from sjdsl.compiler.elaborate.lookup import (
+    action_number,
+    as_agent,
+    check_known_word,
+    check_placed,
+    kinds_named,
+    kinds_of_cell,
+    not_a_word,
+    or_nowhere,
+)
 from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed
@@ -122,11 +131,19 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
         return ir.Same(left=left, right=right, origin=e.span)
     if kinds == {"agents", "agent"} and isinstance(right, ir.Nobody):
         return ir.IsEmpty(container=left, origin=e.span)
+    if any(x.type.kind == "cell" for x in (left, right)):
+        left, right = or_nowhere(left), or_nowhere(right)
+    cells = [kinds_of_cell(x) for x in (left, right)]
+    if None not in cells:
+        if all(cells) and not set(cells[0] or ()) & set(cells[1] or ()):
+            raise scope.problems.fail(errors.NeverOneCell(e.span))
+        return ir.Same(left=left, right=right, origin=e.span)
     if all(as_agent(x) for x in (left, right)):
         return ir.Same(left=left, right=right, origin=e.span)
     help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
-    wanted = "a word or an agent"
-    bad = (e.left, left) if left.type.kind not in ("word", "agent", "agents") and not as_agent(left) else (e.right, right)
+    wanted = "a word, an agent or a cell"
+    single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None
+    bad = (e.right, right) if single else (e.left, left)
     raise wrong_type(scope, bad[0], wanted, bad[1].type, help_)
 
 

@@ -10,7 +10,7 @@ from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, c
 from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
 
-FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "reward")
+FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "reward")
 
 Holder = Literal["agent", "cell", "world"]  # what has the field
 
@@ -53,6 +53,8 @@ def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
             return words(tuple(dict.fromkeys(n.text for n in declared.names)))
         case ast.Range():
             return _range_type(declared, scope)
+        case ast.CellType():
+            return _cell_type(declared, scope)
         case ast.NamedType():
             if declared.name.text == "agent":
                 return ir.AGENTS if declared.set_of else ir.AGENT
@@ -60,6 +62,14 @@ def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
                 return ir.Type(kind="real", unit="reward")
             instead = {guess: help_.format(name=field) for guess, help_ in guesses.TYPES.items()}
             raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields", instead)
+
+
+def _cell_type(declared: ast.CellType, scope: Scope) -> ir.Type:
+    if declared.sort.text != "cell":
+        raise scope.problems.unknown(declared.sort, ("cell", "set"), "what is of something")
+    if declared.of.text not in scope.static.cell_types:
+        raise scope.problems.unknown(declared.of, scope.static.cell_types, "the kinds and groups")
+    return ir.Type(kind="cell", kinds=scope.static.cell_types[declared.of.text])
 
 
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
@@ -76,7 +86,7 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
 def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | float | str | None:
     """Returns the starting value: written, or 0 for rewards, nobody for agents."""
     if declared.start is None:
-        if type_.kind in ("agent", "agents"):
+        if type_.kind in ("agent", "agents", "cell"):
             return None
         if type_.unit == "reward":
             return 0.0
@@ -92,6 +102,8 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
     value = scope.expression(tree)
     match value:
         case ir.Nobody() if type_.kind in ("agent", "agents"):
+            return None
+        case ir.Nowhere() if type_.kind == "cell":
             return None
         case ir.Word() if type_.kind == "word":
             if value.value not in type_.words:

@@ -15,11 +15,30 @@ from sjdsl.compiler.ir.printer import expression as text
 
 AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
 CELL_ATTRIBUTES = ("row", "col")
+NOWHERE = "nowhere"  # the value of a field that holds no cell; a word where a field has such a word
 
 
 def as_agent(e: ir.Expr) -> bool:
     """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
     return (isinstance(e, ir.Member) and e.who == "agent") or e.type.kind == "agent"
+
+
+def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
+    """Returns the kinds that a cell can be of: of a variable, or of a value of type cell; none of `nowhere`. None: it is no cell."""
+    if isinstance(e, ir.Member) and e.who == "cell":
+        return e.kinds
+    return e.type.kinds if e.type.kind == "cell" and not e.type.by else None
+
+
+def or_nowhere(e: ir.Expr) -> ir.Expr:
+    """Returns no cell for the word `nowhere` of some field, where a cell is wanted."""
+    return ir.Nowhere(origin=e.origin) if isinstance(e, ir.Word) and e.value == NOWHERE else e
+
+
+def check_somewhere(cell: ir.Expr, span: Span, scope: Scope) -> None:
+    """Says so if a cell that a field holds can be nowhere, as far as the guards around tell."""
+    if not isinstance(cell, ir.Member) and not is_known(ir.Not(value=ir.Same(left=cell, right=ir.Nowhere())), scope.facts):
+        raise scope.problems.fail(errors.CanBeNowhere(span, path=text(cell)))
 
 
 def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:

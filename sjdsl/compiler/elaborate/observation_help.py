@@ -64,6 +64,7 @@ def attribute_unseen(owner: str, name: ast.Name, problems: Problems) -> Poisoned
 def labels(path: str, kind: str) -> str:
     """Returns labels, as an example, for a field of agents or numbers; nothing for words, which are shown as they are."""
     examples = {"agent": f"mine where {path} is agent, theirs", "agents": f"ours where agent in {path}, theirs"}
+    examples |= {"cell": f"somewhere where {path} is not nowhere, unset"}
     if kind == "word":
         return ""
     return f" as {{ {examples.get(kind, f'some where {path} > 0, none_left')} }}"

@@ -213,6 +213,8 @@ def _check_plain(show: ast.Show, what: What, type_: ir.Type, problems: Problems)
             help=f"write {told}",
         )
         raise problems.fail(wrong)
+    if type_.kind == "cell":
+        raise problems.fail(errors.Unsupported(show.span, what="showing a field that holds a cell without labels", help=f"write {told}"))
     if type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
         problem = "showing a number that is not a count from 0 to 255"
         raise problems.fail(errors.Unsupported(show.span, what=problem, help=f"show it with labels, {told}"))

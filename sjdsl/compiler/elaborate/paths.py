@@ -9,8 +9,11 @@ from sjdsl.compiler.elaborate.keys import key_of
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
     CELL_ATTRIBUTES,
+    NOWHERE,
     check_placed,
     check_somebody,
+    check_somewhere,
+    kinds_of_cell,
     no_field,
     unknown,
 )
@@ -62,6 +65,8 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         return event_total(e, scope)
     if static.is_word(name):
         return ir.Word(type=words((name,)), value=name, origin=e.span)
+    if name == NOWHERE:
+        return ir.Nowhere(origin=e.span)
     raise unknown(e.name, scope)
 
 
@@ -74,7 +79,7 @@ def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
 
 def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     """Returns `owner.name`: a field or a read-only attribute of an agent or a cell."""
-    if isinstance(owner, ir.Member) and owner.who == "cell":
+    if kinds_of_cell(owner) is not None:
         return cell_member(owner, name, scope)
     if (isinstance(owner, ir.Member) and owner.who == "agent") or owner.type.kind == "agent":
         return agent_member(owner, name, scope)
@@ -127,8 +132,11 @@ def distance(e: ast.Call, scope: Scope) -> ir.Expr:
     return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
 
 
-def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Member:
+def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Expr:
     """Returns an agent or a cell that has a place; `said`: what asks for it."""
+    if place.type.kind == "cell" and not place.type.by:
+        check_somewhere(place, tree.span, scope)
+        return place
     if isinstance(place, ir.Nobody) or not (isinstance(place, ir.Member) or place.type.kind == "agent"):
         given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
         raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
@@ -143,24 +151,26 @@ def _written(tree: ast.Expr) -> str:
     return tree.name.text if isinstance(tree, ast.Path) else "…"
 
 
-def cell_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
+def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     static = scope.static
+    check_somewhere(owner, name.span, scope)
+    kinds = kinds_of_cell(owner) or ()
     if name.text in CELL_ATTRIBUTES:
         type_ = integer(0, max((static.map_rows if name.text == "row" else static.map_cols) - 1, 0), "cells")
         return ir.Attribute(type=type_, owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     found = []
-    for kind in owner.kinds:
+    for kind in kinds:
         fields = static.kinds[kind]
         if Declared(name.text, kind) in static.broken:
             raise Poisoned
         if name.text not in fields:
-            what = f"the kind `{kind}`" if len(owner.kinds) == 1 else f"the kind `{kind}` of the group"
+            what = f"the kind `{kind}`" if len(kinds) == 1 else f"the kind `{kind}` of the group"
             raise no_field(name, what, [*fields, *CELL_ATTRIBUTES], guesses.PLACES, scope.problems)
         found.append(fields[name.text])
         static.used.add(Declared(name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
         raise scope.problems.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
-    return ir.FieldRead(type=found[0].type, owner=owner, held_by="cell", kinds=owner.kinds, name=name.text, origin=name.span)
+    return ir.FieldRead(type=found[0].type, owner=owner, held_by="cell", kinds=kinds, name=name.text, origin=name.span)
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:

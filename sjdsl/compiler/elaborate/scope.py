@@ -45,6 +45,7 @@ class Static:
     kinds: dict[str, dict[str, ir.VarField]] = field(default_factory=dict)  # the fields of each
     glyphs: list[tuple[Span, ir.GlyphMeaning]] = field(default_factory=list)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    cell_types: dict[str, tuple[str, ...]] = field(default_factory=dict)  # what `cell of NAME` can be, known before any field is
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
     actions: tuple[str, ...] = ()

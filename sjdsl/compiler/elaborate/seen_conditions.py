@@ -50,6 +50,6 @@ def _asks_place(node: ir.Node) -> bool:
         case ir.Attribute(owner=ir.Member(name="everyone"), name="row" | "col"):
             return True
         case ir.Distance():
-            return "everyone" in (node.left.name, node.right.name)
+            return any(isinstance(place, ir.Member) and place.name == "everyone" for place in (node.left, node.right))
         case _:
             return False

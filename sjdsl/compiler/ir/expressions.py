@@ -2,18 +2,18 @@
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
-from sjdsl.compiler.ir.node import AGENT, CONDITION, INSTANCE, Expression, Node, RestrictionNode, Type
+from sjdsl.compiler.ir.node import AGENT, CELL, CONDITION, INSTANCE, Expression, Node, RestrictionNode, Type
 
 # Pydantic checks that a child is *some* expression; the closed union is for `match` and the type checker. (Discriminated unions
 # would make every model's schema contain every other: half a second at import.)
 if TYPE_CHECKING:
     Expr: TypeAlias = (
-        "Number | Word | Truth | Nobody | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
+        "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
         "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
         "Chose | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Extreme | Case | "
         "Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
     )
-    Restriction: TypeAlias = "Near | InAgents | Among"
+    Restriction: TypeAlias = "Near | InAgents | InCell | Among"
 else:
     Expr = Annotated[Expression, INSTANCE]
     Restriction = Annotated[RestrictionNode, INSTANCE]
@@ -47,6 +47,12 @@ class Nobody(Expression):
     type: Type = AGENT
 
 
+class Nowhere(Expression):
+    """No cell."""
+
+    type: Type = CELL
+
+
 class ParamRef(Expression):
     """A run-time parameter; a whole table if `type.by`."""
 
@@ -71,7 +77,7 @@ class Local(Expression):
 
 
 class FieldRead(Expression):
-    """A field at the start of the phase. `owner` is a Member, an expression of type agent, or None for a world field.
+    """A field at the start of the phase. `owner` is a Member, an expression of type agent or cell, or None for a world field.
 
     `kinds`: the kinds of the owner, for a cell's field. A whole row if `type.by`.
     """
@@ -95,8 +101,8 @@ class Distance(Expression):
     """The steps along rows and columns between two agents or cells, whatever stands between: |row - row| + |col - col|."""
 
     type: Type
-    left: Member
-    right: Member
+    left: Expr
+    right: Expr
 
 
 class At(Expression):
@@ -132,7 +138,7 @@ class Compare(Expression):
 
 
 class Same(Expression):
-    """Both are words (perhaps of different sets), both agents, or both members; the same one."""
+    """Both are words (perhaps of different sets), both agents, or both cells; the same one."""
 
     type: Type = CONDITION
     left: Expr
@@ -325,6 +331,12 @@ class Near(RestrictionNode):
 
 class InAgents(RestrictionNode):
     """The members of a field of type agent or set of agent."""
+
+    value: Expr
+
+
+class InCell(RestrictionNode):
+    """The cell that a field holds, if it holds one."""
 
     value: Expr
 

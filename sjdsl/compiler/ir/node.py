@@ -62,13 +62,15 @@ class Type(BaseModel):
     """What values an expression has.
 
     kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent` (one or nobody),
-      `agents` (a set), `mix` (shares over `words`), `member` (a variable of a domain: an agent or a cell).
+      `agents` (a set), `cell` (one of `kinds`, or nowhere), `mix` (shares over `words`), `member` (a variable of a domain: an agent or
+      a cell).
     by: word sets of the table or row levels, outermost first; empty for a single value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
-    kind: Literal["word", "int", "real", "condition", "agent", "agents", "mix", "member"]
+    kind: Literal["word", "int", "real", "condition", "agent", "agents", "cell", "mix", "member"]
     words: tuple[str, ...] = ()
+    kinds: tuple[str, ...] = ()
     unit: Unit = "number"
     low: float = float("-inf")
     high: float = float("inf")
@@ -78,3 +80,4 @@ class Type(BaseModel):
 CONDITION = Type(kind="condition")
 AGENT = Type(kind="agent")
 AGENTS = Type(kind="agents")
+CELL = Type(kind="cell")

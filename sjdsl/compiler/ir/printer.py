@@ -23,6 +23,8 @@ def expression(e: ir.Expr) -> str:
             return "yes" if e.value else "no"
         case ir.Nobody():
             return "nobody"
+        case ir.Nowhere():
+            return "nowhere"
         case ir.ParamRef() | ir.Member() | ir.Local():
             return e.name
         case ir.FieldRead():
@@ -30,7 +32,7 @@ def expression(e: ir.Expr) -> str:
         case ir.Attribute():
             return f"{expression(e.owner)}.{e.name}"
         case ir.Distance():
-            return f"distance({e.left.name}, {e.right.name})"
+            return f"distance({expression(e.left)}, {expression(e.right)})"
         case ir.At():
             return f"{expression(e.row)}[{expression(e.key)}]"
         case ir.Step():
@@ -122,7 +124,7 @@ def domain(d: ir.Domain) -> str:
     match d.restriction:
         case ir.Near():
             parts.append(f"in {d.restriction.shape} of {d.restriction.anchor.name}")
-        case ir.InAgents():
+        case ir.InAgents() | ir.InCell():
             parts.append(f"in {expression(d.restriction.value)}")
         case ir.Among():
             parts.append(f"in {{ {', '.join(m.name for m in d.restriction.members)} }}")
@@ -182,6 +184,8 @@ def _type(type_: ir.Type) -> str:
             return f"{type_.kind} {{ {', '.join(type_.words)} }}{by}"
         case "int" | "real":
             return f"{type_.kind} {type_.unit} {type_.low:g} .. {type_.high:g}{by}"
+        case "cell":
+            return f"cell of {' | '.join(type_.kinds)}{by}"
         case _:
             return type_.kind + by
 

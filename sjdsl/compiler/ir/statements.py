@@ -137,18 +137,20 @@ class Send(Statement):
 
 
 class Shift(Statement):
-    """To the cell so many `steps` away, if the way is free. All shifts of one phase are settled together.
+    """To one cell: `to`, or the one so many `steps` away if the way is free. All shifts of one phase are settled together.
 
     The way: in the direction of the word `heading`, or toward the agent or cell `other`, turned by so many `quarters` to the right.
     """
 
     who: Expr
-    steps: Expr
+    to: Expr | None = None
+    steps: Expr | None = None
     heading: Expr | None = None
     other: Expr | None = None
     quarters: int = 0
-    facing: Literal["north", "east", "south", "west", "same"]
+    facing: Literal["north", "east", "south", "west", "same"] | None = None
     stream: int
+    heading_stream: int | None = None
 
 
 class Remove(Statement):

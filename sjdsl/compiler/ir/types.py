@@ -57,6 +57,8 @@ def describe(type_: ir.Type) -> str:
             return "an agent"
         case "agents":
             return "a set of agents"
+        case "cell":
+            return f"a cell of {' or '.join(type_.kinds)}" if type_.kinds else "a cell"
         case "mix":
             return "a mix of words"
         case "member":

@@ -46,9 +46,10 @@ def _check_streams(game: ir.Game) -> None:
                     | ir.Chance(stream=stream)
                     | ir.Match(stream=stream)
                     | ir.Move(stream=stream)
-                    | ir.Shift(stream=stream)
                 ):
                     streams[stream] += 1
+                case ir.Shift():
+                    streams.update(stream for stream in (node.stream, node.heading_stream) if stream is not None)
                 case ir.Send() if node.pool not in pools:
                     pools.add(node.pool)
                     streams.update((node.order_stream, node.heading_stream))

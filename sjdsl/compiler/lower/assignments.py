@@ -6,7 +6,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields
-from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
     Axis,
@@ -88,6 +88,8 @@ def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) 
         return literal(0, w.module.set_dtype) if target.type.kind == "agents" else nobody(w)
     if isinstance(e, ir.Case) and e.type.kind == "word":  # the words of the field at once, not those of the arms first
         e = e.model_copy(update={"type": target.type})
+    if target.type.kind == "cell":
+        return cell_values.kept(e, scope, w)
     value = w.value(e, scope.always())
     match target.type.kind:
         case "word":

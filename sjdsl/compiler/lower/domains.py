@@ -5,7 +5,7 @@ from itertools import combinations
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
@@ -122,6 +122,10 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     if isinstance(d.restriction, ir.Near):
         site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return extended(scope, axis, d, CellVar(site, d.var.kinds), iota(axis), axis.extent).when(ok)
+    if isinstance(d.restriction, ir.InCell):
+        held = cell_values.variable(d.restriction.value, d.var.kinds, scope, w)
+        inner = extended(scope, None, d, held, held.site, w.module.num_cells(d.var.kinds))
+        return inner.when(state_reads.is_site(held.site, d.var.kinds, w))
     if d.restriction is not None:
         raise NotSupported("a list of cells in braces", d.origin, "write the statement for each of the cells by itself")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))

@@ -28,7 +28,7 @@ def _state_field(attribute: str, type_: ir.Type) -> StateField:
     match type_.kind:
         case "word":
             return StateField(attribute, "word", size=len(type_.words))
-        case "agent" | "agents" | "condition":
+        case "agent" | "agents" | "cell" | "condition":
             return StateField(attribute, type_.kind)
     limited = isfinite(type_.low) and isfinite(type_.high) and type_.low < type_.high
     return StateField(attribute, "number", low=type_.low, high=type_.high) if limited else StateField(attribute, "number")

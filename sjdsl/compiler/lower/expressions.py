@@ -6,7 +6,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
-from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.aggregates import extreme, total
 from sjdsl.compiler.lower.axes import (
     FALSE,
@@ -43,6 +43,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return literal(e.value, "bool")
         case ir.Nobody():
             return nobody(w)
+        case ir.Nowhere():
+            return cell_values.nowhere(w)
         case ir.ParamRef():
             return _param(e)
         case ir.Member():
@@ -118,7 +120,14 @@ def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
     """Returns the variable whose field is read: one in scope, or the agent an expression gives."""
     if isinstance(e, ir.Member):
         return scope.variables[e.name]
+    if e.type.kind == "cell":
+        return cell_values.variable(e, e.type.kinds, scope, w)
     return AgentVar(w.value(e, scope))
+
+
+def is_cell(e: ir.Expr) -> bool:
+    """Returns whether an expression is a cell: a variable, or a value."""
+    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.who == "cell")
 
 
 def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:
@@ -193,6 +202,8 @@ def test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmp
             left, right = _numbers((e.left, e.right), scope, w)
             return binary(e.fn, left, right, "bool")
         case ir.Same():
+            if is_cell(e.left):
+                return binary("==", cell_values.kept(e.left, scope, w), cell_values.kept(e.right, scope, w), "bool")
             left, right = lower(e.left, scope, w), lower(e.right, scope, w)
             if e.left.type.kind == "word":
                 left, right = _common_words(e, left, right, w)

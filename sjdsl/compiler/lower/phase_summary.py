@@ -44,7 +44,7 @@ def _statement(s: ir.Stmt) -> str:
         case ir.Send():
             return f"sends {_value(s.who)} to {' or '.join(s.domain.var.kinds)}" + (" after a delay" if s.after is not None else "")
         case ir.Shift():
-            return f"sends {_value(s.who)} by some cells"
+            return f"sends {_value(s.who)} {'by some cells' if s.to is None else f'to {_value(s.to)}'}"
         case ir.Remove():
             return f"removes {_value(s.who)}"
         case ir.Move():
@@ -68,7 +68,7 @@ def _domain(d: ir.Domain) -> str:
     match d.restriction:
         case ir.Near():
             return f"{name}{on} in {d.restriction.shape} of {d.restriction.anchor.name}"
-        case ir.InAgents():
+        case ir.InAgents() | ir.InCell():
             return f"{name}{on} in {_value(d.restriction.value) or 'a set'}"
         case ir.Among():
             return f"{name}{on} of {' and '.join(m.name for m in d.restriction.members)}"
@@ -87,6 +87,8 @@ def _value(e: ir.Expr) -> str:
             return f"{e.value:g}"
         case ir.Nobody():
             return "nobody"
+        case ir.Nowhere():
+            return "nowhere"
         case ir.FieldRead():
             return f"{_value(e.owner)}.{e.name}" if e.owner is not None else e.name
         case ir.At():

@@ -1,10 +1,10 @@
-"""Lowers `send x by n DIRECTION`: the cells on the way of each agent, and all who are sent in one phase settled together."""
+"""Lowers `send x by n DIRECTION` and `send x to CELL`: the cells on the way of each agent, and all who are sent in one phase settled together."""
 
 from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.axes import Value, as_dtype, binary, both, indexed, invert, iota, literal, reduce, select
 from sjdsl.compiler.lower.domains import blocked_by, stand_on
 from sjdsl.compiler.lower.draws import KEY
@@ -30,6 +30,16 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
     assert isinstance(who, AgentVar)
     sent = w.keep("sent", per_agent(s.who, scope, w)).node
     at = state_reads.position(who, w)
+    if s.to is not None:
+        there = cell_values.frame(cell_values.kept(s.to, scope, w), w)
+        target = w.keep("target", select(both(binary("!=", there, state_reads.nowhere(w), "bool"), state_reads.present(who, w)), there, at))
+        return Shifted(s, sent, w.keep("target", Value(of_each(s.who, target, scope, w), "i32")).node)
+    return Shifted(s, sent, w.keep("target", Value(of_each(s.who, _some_cells_on(s, who, at, scope, w), scope, w), "i32")).node)
+
+
+def _some_cells_on(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Writer) -> Value:
+    """Returns the last cell of the way, or the agent's own if the way is not free."""
+    assert s.steps is not None
     steps = as_dtype(w.value(s.steps, scope.always()), "i32")
     heading, there = _heading(s, who, at, scope, w)
     stride = w.module.constant(
@@ -38,8 +48,7 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
     by = w.keep("stride", Value(array.Index(stride, (heading.node,)), "i32", heading.axes))
     goes = both(binary(">", steps, literal(0, "i32"), "bool"), there, _is_free(s, who, at, by, steps, w))
     target = w.keep("goal", binary("+", at, binary("*", by, steps, "i32"), "i32"))
-    target = w.keep("target", select(goes, target, at))
-    return Shifted(s, sent, w.keep("target", Value(of_each(s.who, target, scope, w), "i32")).node)
+    return w.keep("target", select(goes, target, at))
 
 
 def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Writer) -> tuple[Value, Value | None]:
@@ -81,6 +90,7 @@ def _turned(heading: Value, quarters: int) -> Value:
 
 def _is_free(s: ir.Shift, who: AgentVar, at: Value, by: Value, steps: Value, w: Writer) -> Value | None:
     """Returns whether every cell on the way is on the map, open to the agent, and (but for the last one) empty."""
+    assert s.steps is not None
     most = int(s.steps.type.high)
     if most == 0:
         return None
@@ -127,8 +137,14 @@ def settle(moves: list[Shifted], w: Writer) -> None:
     came = array.Binary("!=", w.current("position"), before)
     for move in moves:
         facing = move.statement.facing
-        if facing != "same":
-            who = array.Binary("&", move.who, came)
+        if facing == "same":
+            continue
+        number: array.Expression
+        if facing is None:
+            assert move.statement.heading_stream is not None
+            bits = array.call("random_bits", KEY, w.stream(move.statement.heading_stream), w.module.agents)
+            number = array.call("below", bits, array.Literal(4))
+        else:
             number = w.module.number(facing, HEADINGS.index(facing))
-            w.assign("heading", array.Where(who, number, w.current("heading")))
+        w.assign("heading", array.Where(array.Binary("&", move.who, came), number, w.current("heading")))
     w.origin = None

@@ -4,7 +4,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, param_attribute
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 from sjdsl.compiler.ir.sorts import Level, level_text, sort_of
-from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.statements import mark_size
 from sjdsl.compiler.lower.writer import Writer
@@ -80,6 +80,8 @@ def _meaning(field: ir.VarField) -> str:
             return "agents as bits"
         case "agent":
             return "an agent's id, -1 nobody"
+        case "cell":
+            return f"a cell of {', '.join(field.type.kinds)}, 256 * row + column, -1 nowhere"
         case _ if field.timer:
             return "steps left"
         case _ if field.type.unit == "reward":
@@ -95,6 +97,8 @@ def _start(value: object, field: ir.VarField, w: Writer) -> array.Literal:
             node = w.module.word(value, field.type.words, field).node  # type: ignore[arg-type]
         case "agent":
             node = nobody(w).node
+        case "cell":
+            node = cell_values.nowhere(w).node
         case "agents":
             node = array.Literal(0)
         case _:

@@ -61,7 +61,7 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
             return "u8" if type_.low >= 0 and high <= 255 else "i32"
         case "real":
             return "f32"
-        case "agent":
+        case "agent" | "cell":
             return "i32"
         case "agents":
             return w.module.set_dtype

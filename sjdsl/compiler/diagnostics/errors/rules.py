@@ -53,6 +53,11 @@ class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
     hints = ("write `otherwise stay` after it: who cannot go there stays",)
 
 
+class TakenOrNowhere(NoFreeCell):
+    says = "somebody may stand on `{place}`, or it may be nowhere"
+    hints = ("write `otherwise stay` after it: who cannot go there stays",)
+
+
 class TooFewForOne(TooFewFreeCells):
     says = "{cells:cell} of the map certainly fit `{place}` for agent {agent}, and {agents:agent} with lower numbers may take them first"
     hints = ("take a map with more such cells, or a condition that leaves each agent cells of its own",)

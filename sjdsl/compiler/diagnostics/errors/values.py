@@ -125,6 +125,11 @@ class NeverEqual(Diagnostic, code="SJ206", title="These can never be equal"):
     says = "these two can never be equal: they have no word in common"
 
 
+class NeverOneCell(NeverEqual):
+    says = "these two can never be one cell: they are of different kinds"
+    hints = ()
+
+
 class ZeroDivisor(Diagnostic, code="SJ207", title="Division by zero"):
     says = "this divisor can be 0"
     hints = ("give the parameter a range that leaves out 0, or write a `require`",)
@@ -140,6 +145,11 @@ class CanBeNobody(Diagnostic, code="SJ209", title="Nobody there"):
     says = "`{path}` can be nobody here"
     hints = ("guard it with `{path} is not nobody`",)
     path: str
+
+
+class CanBeNowhere(CanBeNobody):
+    says = "`{path}` can be nowhere here"
+    hints = ("guard it with `{path} is not nowhere`",)
 
 
 class ShapeParam(Diagnostic, code="SJ210", title="A number that sets a shape"):

@@ -1,0 +1,16 @@
+sj 1
+game pond {
+  episode 20
+  kind shore "."
+  kind gate "g" { field fruit : { none, ripe } = ripe }
+  kind water "~"
+  map { "..g~" }
+  agents 2 { acts stay, go  field home : cell of gate }
+  phase start { each agent { send agent to shore } }
+  schedule rest -> tick
+  phase rest {
+    each agent on gate { set agent.home = gate }
+    each agent on shore where agent chose go and agent.home is shore { give 1 to agent }
+    each agent where agent chose go { each shore in agent.home { give 1 to agent } }
+  }
+}
