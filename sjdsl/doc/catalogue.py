@@ -13,7 +13,7 @@ from sjdsl.doc.written import Written
 PICTURES = "pictures"
 INTRODUCTION = """These games come with sjdsl. Each is a text of about eighty lines in [games/](../games), and this page is generated from them with
 `make docs` (or `sjdsl doc --all`). `sjdsl doc GAME` prints all the rules of a game in plain English, and `sjdsl diff GAME --variants A B`
-prints what a variant changes.
+prints what a variant changes. The further families of Melting Pot have a page of their own, [meltingpot.md](meltingpot.md).
 
 Paradigm, long term impact, multi task and difficulty are those of the SocialJax paper (ICLR 2026), for the games it has. Columns that begin
 with `our` are our own judgement. A comment beside the line in the game gives the reason."""
