@@ -11,6 +11,8 @@ from lark import Lark
 
 import sjdsl.grammar
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import read_tree
 from tests.fuzz.programs import Program
 
 SIGNS = ("CMP", "SIGN", "TIMES")  # terminals that are several signs
@@ -35,8 +37,11 @@ class Grammar:
         for name, text in {"": program.text, **program.files}.items():
             if name.endswith(".txt"):
                 continue
-            self.parser.parse(text)
-            self.used.update(f"{t.type} {t}" for t in self.parser.lex(text) if t.type in SIGNS)
+            reader, (tokens, _) = self.parser.parse_interactive(""), read_tree(Source(name or "program.sj", text))
+            for token in tokens:
+                reader.feed_token(token)
+            reader.feed_eof(tokens[-1])
+            self.used.update(f"{t.type} {t}" for t in tokens if t.type in SIGNS)
 
     def missing(self) -> list[str]:
         return [a for a in self.alternatives if not self.used[a]]

@@ -279,7 +279,7 @@ def shift(scope: Scope, phase: Phase) -> Lines:
     phase.written.places += 1
     far = r.choice(("0", "1", "1", "1", "2", "3", fitted(integer(named, "cells", 1), 0, 4)))
     headings = word(named, HEADINGS, 1)
-    ways = ["ahead", "back", "left", "right", *HEADINGS[:2], *([headings[0]] if headings else [])]
+    ways = ["ahead", "back", "left", "right", *HEADINGS[:2], *([headings[0]] if headings and " " not in headings[0] else [])]
     ways += [f"{how} {v.name}" for v in named.variables for how in ("away from", "toward") if v.name != who.name]
     facing = f" facing {r.choice((*HEADINGS, 'same'))}" if w.is_now(0.4) else ""
     return [f"send {who.name} by {far} {r.choice(ways)}{facing} otherwise stay"]
