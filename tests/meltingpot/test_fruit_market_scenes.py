@@ -47,8 +47,12 @@ def test_offers_that_fit_are_traded_and_gone() -> None:
 
 @pytest.mark.parametrize(
     ("first", "second", "bananas", "col"),
-    [("banana_2_1", "apple_2_2", 5, 3), ("banana_1_1", "apple_1_1", 0, 3)]
-    + [("banana_1_1", "apple_1_1", 5, 5), ("banana_1_1", "banana_1_1", 5, 3)],
+    [
+        ("banana_2_1", "apple_2_2", 5, 3),
+        ("banana_1_1", "apple_1_1", 0, 3),
+        ("banana_1_1", "apple_1_1", 5, 5),
+        ("banana_1_1", "banana_1_1", 5, 3),
+    ],
     ids=["asks too much", "cannot pay", "too far", "the same fruit"],
 )
 def test_other_offers_are_not(first: str, second: str, bananas: int, col: int) -> None:
