@@ -267,7 +267,24 @@ def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves |
 
 
 def forbid_key(forbid: ast.Forbid) -> str:
-    return "forbid " + (", ".join(a.text for a in forbid.actions) or "all")
+    return "forbid " + (", ".join(map(chosen_text, forbid.actions)) or "all")
+
+
+def chosen_text(action: ast.Chosen) -> str:
+    """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
+    if action.arguments is None:
+        return action.name.text
+    return f"{action.name.text}({', '.join(map(_argument_text, action.arguments))})"
+
+
+def _argument_text(argument: ast.Expr) -> str:
+    match argument:
+        case ast.Path():
+            return path_text(argument)
+        case ast.Int():
+            return str(argument.value)
+        case _:
+            return ".."
 
 
 def _apply_agents(game: Composition, agents: ast.Agents) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
+from sjdsl.doc.actions import action_names
 from sjdsl.doc.figures import Figure, Figures
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.released import released_section
@@ -71,7 +72,7 @@ def _facts(e: Entry) -> list[str]:
     rows = [
         ("agents", str(game.agents.number)),
         ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells"),
-        ("actions", codes(game.agents.actions)),
+        ("actions", codes(action_names(game.agents))),
         ("window", _window(game.window)),
         *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),
         ("sources", "; ".join(map(plain, game.cites))),

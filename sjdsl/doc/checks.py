@@ -4,6 +4,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import sort_of
+from sjdsl.doc.actions import chosen_names
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members
 from sjdsl.doc.expressions import value
@@ -96,7 +97,7 @@ def policy(p: ir.Policy, v: Vocabulary) -> str:
         case "random":
             return "choose all actions equally likely"
         case "never":
-            return f"choose all actions but {joined(map(v.action, p.actions))} equally likely"
+            return f"choose all actions but {joined(chosen_names(p.actions, v))} equally likely"
         case "seek":
             assert p.domain is not None
             return f"walk to the nearest {members(p.domain, v)} (the agent: the one who walks)"

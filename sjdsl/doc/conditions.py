@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from sjdsl.compiler import ir
 from sjdsl.doc.expressions import case, operand, payoff_class, side, value
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import codes, variable
+from sjdsl.doc.wording import code, codes, joined, variable
 
 COMPARED = {
     "<": ("is less than", "is at least"),
@@ -75,6 +75,8 @@ def say(e: ir.Expr, v: Vocabulary, holds: bool = True) -> Saying | None:
             return Saying(e.container, f"{is_} empty")
         case ir.Chose():
             return Saying(e.agent, f"{'chose' if holds else 'did not choose'} {v.action(e.action)}")
+        case ir.ChoseWith():
+            return Saying(e.agent, f"{'chose' if holds else 'did not choose'} {_asked(e, v)}")
         case ir.StandsOn():
             return Saying(e.agent, f"{'stands' if holds else 'does not stand'} on {v.a_cell(e.kinds)}")
         case ir.Attribute(name="moved"):
@@ -85,6 +87,20 @@ def say(e: ir.Expr, v: Vocabulary, holds: bool = True) -> Saying | None:
             return say(e.value, v, not holds)
         case _:
             return None
+
+
+def _asked(e: ir.ChoseWith, v: Vocabulary) -> str:
+    """Returns an action with the arguments it is asked for: `offer` with `apples` 1 and `pears` 2."""
+    return f"{code(e.action)} with {arguments(e.given, v)}" if e.given else code(e.action)
+
+
+def arguments(given: tuple[ir.Given, ...], v: Vocabulary) -> str:
+    """Returns the arguments of an action: `apples` 1 and `pears` 2."""
+    said = []
+    for g in given:
+        is_agent = g.type.kind == "agent" and isinstance(g.value, ir.Number)
+        said.append((f"{code(g.name)} " if g.name else "") + ("agent " if is_agent else "") + side(g.value, v))
+    return joined(said)
 
 
 def _logic(e: ir.Logic, v: Vocabulary, holds: bool) -> str:

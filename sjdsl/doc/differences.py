@@ -5,10 +5,11 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.doc.actions import forbidden
 from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
 from sjdsl.doc.checks import check_line, episode, event_line, measure_line
 from sjdsl.doc.defines import explained, vocabulary
-from sjdsl.doc.entities import blocking, field_line, forbidden, lane_ends, starts
+from sjdsl.doc.entities import blocking, field_line, lane_ends, starts
 from sjdsl.doc.numbers import limits_of, unit_of
 from sjdsl.doc.observation import seen, unseen_fields, views
 from sjdsl.doc.order import schedule_changes

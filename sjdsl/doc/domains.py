@@ -82,7 +82,7 @@ def relative(test: ir.Expr, member: ir.Member, v: Vocabulary) -> str:
         case ir.FieldRead(owner=owner, name=name) | ir.Attribute(owner=owner, name=name) if _is(owner, member):
             shown = code(name) if isinstance(saying.subject, ir.FieldRead) else name
             return f"whose {shown} {saying.says}"
-        case ir.Member() if _is(saying.subject, member) and isinstance(_bare(test), ir.Chose):
+        case ir.Member() if _is(saying.subject, member) and isinstance(_bare(test), ir.Chose | ir.ChoseWith):
             return f"that {saying.says}"
     return ""
 

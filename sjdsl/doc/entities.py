@@ -2,26 +2,11 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import kind_named, starts_of
+from sjdsl.doc.actions import action_rows, forbidden
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.shapes import shapes
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, fenced, joined, number, table
-
-RELATIVE = {
-    "turn_left": "turns a quarter to the left",
-    "turn_right": "turns a quarter to the right",
-    "step_left": "steps to the cell on its left",
-    "step_right": "steps to the cell on its right",
-    "forward": "steps to the cell in front of it",
-    "backward": "steps to the cell behind it",
-}
-EVERY = "every action"
-COMPASS = RELATIVE | {
-    "step_left": "steps one cell west",
-    "step_right": "steps one cell east",
-    "forward": "steps one cell north",
-    "backward": "steps one cell south",
-}
 
 
 def entities(v: Vocabulary) -> list[str]:
@@ -35,9 +20,8 @@ def entities(v: Vocabulary) -> list[str]:
 def agents(v: Vocabulary) -> list[str]:
     """Returns who acts, what with, and what an agent carries along."""
     who = v.game.agents
-    rows = [(str(i), code(name), _meaning(i, name, v)) for i, name in enumerate(who.actions)]
     place = "Each has a number (its `index`, from 0), a cell of its own (its `row` and `col`) and a `heading`: north, east, south or west."
-    found = [f"{counted(who.number, 'agent')}. {place}", "", *table(("number", "action", "what it does"), rows), ""]
+    found = [f"{counted(who.number, 'agent')}. {place}", "", *table(("number", "action", "what it does"), action_rows(v)), ""]
     if who.fields:
         found += ["Each agent has:", "", *bullets(map(field_line, who.fields)), ""]
     found += [*bullets(lane_ends(v)), ""] if who.blocks else []
@@ -50,32 +34,6 @@ def lane_ends(v: Vocabulary) -> list[Line]:
     """Returns the shapes whose lanes end at agents."""
     ends = [(f"a lane of {code(b.what)} ends at an agent", b.condition) for b in v.game.agents.blocks]
     return [Line(text if test is None else f"{text} if {condition(test, v)}") for text, test in ends]
-
-
-def _meaning(action: int, name: str, v: Vocabulary) -> str:
-    said = []
-    if name == "stay":
-        said.append("nothing")
-    elif name in RELATIVE:
-        moves = RELATIVE if v.game.agents.relative else COMPASS
-        said.append(moves[name] if v.phases_with(ir.Move) else "nothing by itself: no phase lets agents move")
-    asking = [label for label, nodes in v.phases.items() if any(isinstance(n, ir.Chose) and n.action == action for n in nodes)]
-    if asking:
-        said.append(f"what phase {codes(asking)} says")
-    return "; ".join(said) or "nothing"
-
-
-def forbidden(v: Vocabulary) -> list[Line]:
-    """Returns which actions count as `stay`, and when."""
-    stay = v.game.agents.actions.index("stay")
-    others = set(range(len(v.game.agents.actions))) - {stay}
-    found = []
-    for forbid in v.game.agents.forbids:
-        names = [v.action(a) for a in forbid.actions if a != stay]
-        what = EVERY if others <= set(forbid.actions) and len(others) > 1 else joined(names)
-        counts = "count" if len(names) > 1 and what != EVERY else "counts"
-        found.append(Line(f"{what} of an agent {counts} as {code('stay')} while {condition(forbid.condition, v)}"))
-    return found
 
 
 def kinds(v: Vocabulary) -> list[str]:

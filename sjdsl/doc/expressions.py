@@ -50,6 +50,8 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return variable(e.name)
         case ir.FieldRead():
             return f"the {code(e.name)} of {'the world' if e.owner is None else value(e.owner, v)}"
+        case ir.ArgumentOf():
+            return f"the {f'{code(e.name)} in the ' if e.name else ''}{code(e.action)} of {value(e.agent, v)}"
         case ir.Attribute():
             return f"the {e.name} of {value(e.owner, v)}"
         case ir.Distance():
@@ -89,9 +91,9 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return f"the sum of {operand(e.value, v)} over all {v.members(e.domain)}"
         case ir.Extreme():
             return _extreme(e, v)
-        case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty() | ir.Chose():
+        case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
             return f"whether {v.condition(e)}"
-        case ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():
+        case ir.Chose() | ir.ChoseWith() | ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():
             return f"whether {v.condition(e)}"
         case _:
             assert_never(e)

@@ -3,7 +3,7 @@
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.doc.conditions import condition
+from sjdsl.doc.conditions import arguments, condition
 from sjdsl.doc.domains import members
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, article, bullets, capital, code, counted, joined, plain
@@ -62,7 +62,7 @@ def policy_lines(policy: ir.ScriptedPolicy, v: Vocabulary) -> list[Line]:
 def _rule(rule: ir.PolicyRule, v: Vocabulary) -> str:
     match rule:
         case ir.Act():
-            return f"if {condition(rule.condition, v)}, choose {v.action(rule.action)}"
+            return f"if {condition(rule.condition, v)}, choose {_taken(rule, v)}"
         case ir.Go():
             around = _around(rule.avoided, v, "; what is sought may be entered all the same")
             return f"walk to the nearest {members(rule.domain, v)}{around}, and stay there"
@@ -71,9 +71,15 @@ def _rule(rule: ir.PolicyRule, v: Vocabulary) -> str:
             inside = f"in the {code(rule.shape)} {'of' if directed else 'around'} the agent"
             how = "walk and turn" if directed else "walk"
             around = _around(rule.avoided, v)
-            return f"{how} until {article(members(rule.domain, v))} is {inside}{around}; then choose {v.action(rule.action)}"
+            return f"{how} until {article(members(rule.domain, v))} is {inside}{around}; then choose {_taken(rule, v)}"
         case _:
             assert_never(rule)
+
+
+def _taken(rule: ir.Act | ir.Aim, v: Vocabulary) -> str:
+    if not rule.chosen:
+        return v.action(rule.action)
+    return f"{code(rule.chosen)} with {arguments(rule.given, v)}"
 
 
 def _around(avoided: ir.Domain | None, v: Vocabulary, but: str = "") -> str:

@@ -72,7 +72,7 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
     match rule:
         case "otherwise":
             found.branches.add(start)
-        case "call" | "turn" | "count" | "total" | "extreme" if end > start:
+        case "call" | "turn" | "count" | "total" | "extreme" | "action" if end > start:
             found.tight.add(start + 1)
         case "signed" | "entry":
             found.tight.add(start + 1)

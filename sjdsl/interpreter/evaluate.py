@@ -5,9 +5,11 @@ lanes end where a condition holds, so that these three are one recursion.
 """
 
 from collections.abc import Callable, Iterable
+from itertools import islice, product
 from typing import Any, Literal, assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.ir.sorts import Level, place_of, sort_of
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
@@ -99,6 +101,31 @@ def _is_in_range(e: ir.InRange, here: Instance) -> bool:
 def _stands_on(e: ir.StandsOn, here: Instance) -> bool:
     cell = here.world.position[evaluate(e.agent, here)]
     return cell is not None and here.board.kind_of[cell] in e.kinds
+
+
+def _chose_with(e: ir.ChoseWith, here: Instance) -> bool:
+    taken = arguments_of(action_named(here.board.game, e.action), here.actions[evaluate(e.agent, here)])
+    return taken is not None and all(evaluate(given.value, here) == value for given, value in zip(e.given, taken, strict=False))
+
+
+def _argument_of(e: ir.ArgumentOf, here: Instance) -> Value:
+    taken = arguments_of(action_named(here.board.game, e.action), here.actions[evaluate(e.agent, here)])
+    assert taken is not None, f"the arguments of `{e.action}`, which was not chosen"
+    return taken[e.number]
+
+
+def arguments_of(action: ir.ActionWithArguments, number: int) -> tuple[Value, ...] | None:
+    """Returns the arguments of an action with this number; None if it is another action's."""
+    if number not in action.numbers:
+        return None
+    values: list[Iterable[Value]] = []
+    for argument in action.arguments:
+        if argument.type.kind == "word":
+            values.append(argument.type.words)
+        else:
+            low = int(argument.type.low) if argument.type.kind == "int" else 0
+            values.append(range(low, low + argument.count))
+    return next(islice(product(*values), number - action.first, None))
 
 
 def _logic(e: ir.Logic, here: Instance) -> bool:
@@ -375,6 +402,8 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.InSet: lambda e, here: evaluate(e.value, here) in agents_in(evaluate(e.container, here)),
     ir.IsEmpty: lambda e, here: not agents_in(evaluate(e.container, here)),
     ir.Chose: lambda e, here: here.actions[evaluate(e.agent, here)] == e.action,
+    ir.ChoseWith: _chose_with,
+    ir.ArgumentOf: _argument_of,
     ir.Unoccupied: lambda e, here: agent_on(evaluate(e.cell, here), here.world) is None,
     ir.StandsOn: _stands_on,
     ir.Not: lambda e, here: not evaluate(e.value, here),

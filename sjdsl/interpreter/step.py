@@ -1,15 +1,15 @@
 """Interprets one reset and one step: forbidden actions, the turns of the schedule, rewards, events, metrics, the end."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, assert_never
 
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import event_named
+from sjdsl.compiler.ir.queries import action_named, event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
-from sjdsl.interpreter.evaluate import entry_place, evaluate
+from sjdsl.interpreter.evaluate import arguments_of, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
 from sjdsl.interpreter.overflow import watched
@@ -83,8 +83,21 @@ def _measured(measure: ir.Measure, here: Instance) -> Value:
 
 def _forbidden(board: Board, world: World, agent: int) -> set[int]:
     here, agents = Instance(board, world, names={"agent": agent}), board.game.agents
-    found = {action for forbid in agents.forbids if evaluate(forbid.condition, here) for action in forbid.actions}
+    found = {action for forbid in agents.forbids for action in _closed(forbid, here)}
     return found - {agents.actions.index("stay")}
+
+
+def _closed(forbid: ir.Forbid, here: Instance) -> Iterator[int]:
+    """Yields the actions that one `forbid` closes; the arguments that it names have their values while it looks at an action."""
+    if not forbid.names:
+        yield from forbid.actions if evaluate(forbid.condition, here) else ()
+        return
+    for action in forbid.actions:
+        values = arguments_of(action_named(here.board.game, forbid.action), action)
+        assert values is not None, (forbid, action)
+        named = {name: value for name, value in zip(forbid.names, values, strict=True) if name}
+        if evaluate(forbid.condition, here.binding(named)):
+            yield action
 
 
 def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, ...]:

@@ -77,7 +77,7 @@ class Chooser:
         rule, params = lowered.rule, self._env.params
         if isinstance(rule, ir.Act):
             assert lowered.condition is not None
-            return lowered.condition(state, params), jnp.full_like(here[0], rule.action)
+            return lowered.condition(state, params), self._taken(lowered, state)
         if lowered.sought is None:
             return jnp.zeros_like(wanted), jnp.zeros_like(here[0])
         members = self._board(lowered.sought, state)
@@ -87,12 +87,29 @@ class Chooser:
             enterable = enterable & (~closed | members if isinstance(rule, ir.Go) else ~closed)
         if isinstance(rule, ir.Go):
             turns = 4 if self._moves.turns_matter else 1
-            goals, done = jnp.repeat(members[:, None], turns, axis=1), self._stay
+            goals, done = jnp.repeat(members[:, None], turns, axis=1), jnp.int32(self._stay)
         else:
-            goals, done = self._poses(rule, members), rule.action
+            goals, done = self._poses(rule, members), self._taken(lowered, state)
+        if not self._moves.actions:  # nobody walks: a rule applies to those who are there already
+            return self._is_there(goals, here), jnp.broadcast_to(done, here[0].shape)
         arrived, found, best = first_moves(self._moves, goals, enterable, here, wanted)
         walks = self._walk(best, enterable, here, present, bits)
         return found, jnp.where(arrived, done, walks)
+
+    def _is_there(self, goals: Array, here: tuple[Array, Array, Array]) -> Array:
+        """Returns which agents are where a rule leads, `[N]` bool. goals: `[K, P, H, L]` boards."""
+        heading, row, col = here
+        agents = jnp.arange(row.shape[0])
+        own = goals[agents if goals.shape[0] > 1 else 0, heading if goals.shape[1] > 1 else jnp.zeros_like(heading)]
+        return contains(own, agents[:, None], row[:, None], col[:, None])[:, 0]
+
+    def _taken(self, lowered: LoweredRule, state: Any) -> Array:
+        """Returns the action that each agent ends in by a rule, `[N]` int32."""
+        assert not isinstance(lowered.rule, ir.Go)
+        if lowered.taken is None:
+            return jnp.full(self._env.num_agents, lowered.rule.action, jnp.int32)
+        taken: Array = lowered.taken(state, self._env.params)
+        return taken
 
     def _walk(self, best: Array, enterable: Array, here: tuple[Array, Array, Array], present: Array, bits: Array) -> Array:
         """Returns the moves; where another agent stands in the way, half of them are drawn from those that enter nothing that is avoided."""

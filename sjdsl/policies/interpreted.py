@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import blocks_always
+from sjdsl.compiler.ir.queries import action_named, blocks_always
 from sjdsl.interpreter.board import Board, board_of
-from sjdsl.interpreter.evaluate import evaluate, members_of
+from sjdsl.interpreter.evaluate import arguments_of, evaluate, members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD, lanes_from
 from sjdsl.interpreter.state import Cell, World
@@ -71,7 +71,7 @@ def choose(policy: ir.ScriptedPolicy, game: ir.Game, world: World, agent: int, b
         match rule:
             case ir.Act():
                 if evaluate(rule.condition, here):
-                    return rule.action
+                    return _taken(rule, here)
             case ir.Go() | ir.Aim():
                 taken = _towards(rule, here, Pose(cell, world.heading[agent]), bits, stay)
                 if taken is not None:
@@ -91,13 +91,22 @@ def _towards(rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, 
     else:
         enterable = ground.open - closed
         goals = set(_poses(rule, members, ground))
-        done = rule.action
+        done = _taken(rule, here)
     if pose in goals:
         return done
     distance = _distances(ground, goals, enterable)
     if pose not in distance:
         return None
     return _move(ground, pose, distance, enterable, here, bits)
+
+
+def _taken(rule: ir.Act | ir.Aim, here: Instance) -> int:
+    """Returns the number of the action that a rule ends in."""
+    if not rule.chosen:
+        return rule.action
+    action = action_named(here.board.game, rule.chosen)
+    wanted = tuple(evaluate(given.value, here) for given in rule.given)
+    return next(number for number in action.numbers if arguments_of(action, number) == wanted)
 
 
 def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:

@@ -16,8 +16,10 @@ from sjdsl.compiler.emit.expressions import text
 from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.game import BESIDE_THE_RULES
 from sjdsl.compiler.ir.names import KERNELS
+from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.lower import NotSupported, new_module, state_reads
 from sjdsl.compiler.lower.axes import TRUE, Value, iota, spread
+from sjdsl.compiler.lower.chosen import action_number
 from sjdsl.compiler.lower.domains import enter, is_empty
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
@@ -44,12 +46,16 @@ class Cells:
 
 @dataclass(frozen=True, eq=False)
 class LoweredRule:
-    """A rule with functions of the state: `condition` gives `[N]` bool; `sought`, `avoided` are None where there can be none."""
+    """A rule with functions of the state: `condition` gives `[N]` bool; `sought`, `avoided` are None where there can be none.
+
+    taken: gives the action each agent ends in, `[N]` int32, of a rule that says one with arguments; None: always `rule.action`.
+    """
 
     rule: ir.PolicyRule
     condition: Read | None = None
     sought: Cells | None = None
     avoided: Cells | None = None
+    taken: Read | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +71,7 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
     rules = optimise(game.model_copy(update=dict.fromkeys(BESIDE_THE_RULES, ())))
     module = new_module(rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}))
     texts: list[str] = []
-    waiting: list[tuple[ir.PolicyRule, Any]] = []
+    waiting: list[tuple[ir.PolicyRule, Any, str]] = []
 
     def function(w: Writer) -> str:
         name = f"read_{len(texts)}"
@@ -82,24 +88,33 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
         numbers = _write_members(domain, module, w)
         return function(w), numbers
 
+    def taken(rule: ir.PolicyRule) -> str:
+        if isinstance(rule, ir.Go) or not rule.chosen:
+            return ""
+        w = Writer(module)
+        scope = _of_agents(w)
+        number, _ = action_number(action_named(game, rule.chosen), rule.given, scope, w)
+        w.give_back(spread(number, scope.axes))
+        return function(w)
+
     for rule in policy.rules:
         match rule:
             case ir.Act():
                 w = Writer(module)
                 scope = _of_agents(w)
                 w.give_back(spread(w.value(rule.condition, scope), scope.axes))
-                waiting.append((rule, function(w)))
+                waiting.append((rule, function(w), taken(rule)))
             case ir.Go() | ir.Aim():
-                waiting.append((rule, (cells(rule.domain), cells(rule.avoided))))
+                waiting.append((rule, (cells(rule.domain), cells(rule.avoided)), taken(rule)))
     names = namespace(module)
     exec("\n".join(texts), names)
     found = []
-    for rule, parts in waiting:
+    for rule, parts, number in waiting:
         if isinstance(rule, ir.Act):
-            found.append(LoweredRule(rule, condition=names[parts]))
+            found.append(LoweredRule(rule, condition=names[parts], taken=names.get(number)))
         else:
             sought, avoided = (None if part is None else Cells(names[part[0]], part[1]) for part in parts)
-            found.append(LoweredRule(rule, sought=sought, avoided=avoided))
+            found.append(LoweredRule(rule, sought=sought, avoided=avoided, taken=names.get(number)))
     return LoweredPolicy(tuple(found), module.layout.pad)
 
 

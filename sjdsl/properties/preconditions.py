@@ -7,10 +7,10 @@ from itertools import product
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, contains, written_field
+from sjdsl.compiler.ir.queries import action_named, all_fields, contains, written_field
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import board_of, cells_of
-from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.evaluate import arguments_of, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.properties.effects import AWAY, STEP, reads, written_by
@@ -124,10 +124,10 @@ class Precondition:
             return False
 
 
-def preconditions_of(leaves: Iterable[LeafStatement]) -> tuple[Precondition, ...]:
+def preconditions_of(leaves: Iterable[LeafStatement], game: ir.Game) -> tuple[Precondition, ...]:
     """Returns the preconditions of statements, without those that need nothing of agents."""
     gathering: dict[int, ir.Expr] = {}
-    return tuple(r for r in (_precondition(leaf, gathering) for leaf in leaves) if r.agents or r.cells)
+    return tuple(r for r in (_precondition(leaf, gathering, game) for leaf in leaves) if r.agents or r.cells)
 
 
 def choose_precondition(preconditions: Collection[Precondition], ran: Counter[StatementId], random: Random) -> Precondition:
@@ -206,7 +206,7 @@ def can_make(precondition: Precondition, test: ir.Expr) -> bool:
             return True
 
 
-def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precondition:
+def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr], game: ir.Game) -> Precondition:
     """Returns what a statement needs. gathering: by the identity of a set, the condition that it is not empty, shared by all under it."""
     nodes = [n for node in (*leaf.around, leaf.statement) for n in ir.walk(node)]
     domains = [n for n in nodes if isinstance(n, ir.Domain)]
@@ -224,6 +224,8 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precond
         match e:
             case ir.Chose(agent=ir.Member(name=name)):
                 actions[name] = tuple(dict.fromkeys((*actions.get(name, ()), e.action)))
+            case ir.ChoseWith(agent=ir.Member(name=name)):
+                actions[name] = tuple(dict.fromkeys((*actions.get(name, ()), *_fitting_actions(e, game))))
             case ir.StandsOn(agent=ir.Member(name=name)):
                 on[name] = e.kinds
             case _ if ir.is_expression(e) and e.type.kind == "condition" and not _is_open(e):
@@ -254,6 +256,19 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr]) -> Precond
         leaf.quantifiers,
         (leaf.statement_id[0], isinstance(leaf.statement, ir.Move), *map(id, (*leaf.around, *leaf.quantifiers))),
     )
+
+
+def _fitting_actions(e: ir.ChoseWith, game: ir.Game) -> list[int]:
+    """Returns the actions by which a condition on the chosen action may hold: those with the arguments that are written out."""
+    action = action_named(game, e.action)
+    fixed = {i: given.value.value for i, given in enumerate(e.given) if isinstance(given.value, ir.Number | ir.Word)}
+    found = []
+    for number in action.numbers:
+        values = arguments_of(action, number)
+        assert values is not None
+        if all(values[i] == value for i, value in fixed.items()):
+            found.append(number)
+    return found
 
 
 def _owner(statement: ir.Stmt) -> str | None:
@@ -288,4 +303,4 @@ def _bound(e: ir.Node) -> frozenset[str]:
 
 def _is_open(e: ir.Node) -> bool:
     """Returns whether a condition reads what is not known between two steps: actions, and values bound by `let` or `draw`."""
-    return contains(e, ir.Chose, ir.Local)
+    return contains(e, ir.Chose, ir.ChoseWith, ir.ArgumentOf, ir.Local)

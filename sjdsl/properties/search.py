@@ -79,7 +79,7 @@ class Search:
     ):
         self.family, self.effort, self.find = family, effort, find
         self.left, self.found, self.record = list(numbers), list[Counterexample](), SearchRecord()
-        self.preconditions = preconditions_of(leaf_statements(family.own))
+        self.preconditions = preconditions_of(leaf_statements(family.own), family.own)
         self._needed, self._random = dict(needed), Random(effort.seed)
         self._achievers = Achievers(self.preconditions)
         self._beside = _blocks(self.preconditions)

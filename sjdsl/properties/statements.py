@@ -95,7 +95,7 @@ def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
     nodes = [n for node in (*leaf.around, leaf.statement) for n in ir.walk(node)]
     for node in (*leaf.around, leaf.statement):
         yield from reads(node)
-    if any(isinstance(n, ir.Chose | ir.Move) for n in nodes):
+    if any(isinstance(n, ir.Chose | ir.ChoseWith | ir.Move) for n in nodes):
         for forbid in game.agents.forbids:
             yield from reads(forbid.condition)
     if any(isinstance(n, ir.Near | ir.Move) for n in nodes):

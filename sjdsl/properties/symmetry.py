@@ -1,8 +1,8 @@
 """Symmetry of the rules under renumbered agents or a mirrored map: equal rules are symmetric, others are compared by play.
 
-Instead of renumbering the agents, the rules are changed. Everything but `agent.index` refers to agents and cells, never to numbers.
-So a game whose agents swap numbers goes as the game in which `agent.index` gives the swapped numbers. In the same way a mirrored map
-under the rules is the map under mirrored rules.
+Instead of renumbering the agents, the rules are changed. Everything but `agent.index` and a number for an argument of an action
+(`vote(3)`) refers to agents and cells, never to numbers. So a game whose agents swap numbers goes as the game in which these are
+the swapped numbers. In the same way a mirrored map under the rules is the map under mirrored rules.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,6 +13,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer, words
+from sjdsl.interpreter.evaluate import arguments_of
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws
@@ -68,16 +69,43 @@ def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
 def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
     """Yields the game with two neighbouring numbers swapped: these swaps make up all others."""
     rules = (*game.schedule, game.agents, *game.kinds)
-    if not any(_reads_number(node) for rule in rules for node in ir.walk(rule)):
+    if not any(_reads_number(n) or _may_name_agents(n) for rule in rules for n in ir.walk(rule)):
         return
+    own = _of_rules(game, lambda node: node)
     for first in range(game.agents.number - 1):
         order = list(range(game.agents.number))
         order[first : first + 2] = [first + 1, first]
+        actions = _renumbered_actions(game, order)
 
-        def rule(node: Any, order: list[int] = order) -> Any:
-            return _numbered(node, order) if _reads_number(node) else node
+        def rule(node: Any, order: list[int] = order, actions: dict[int, int] = actions) -> Any:
+            match node:
+                case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
+                    return node.model_copy(update={"value": value.model_copy(update={"value": order[number]})})
+                case ir.Forbid() if {actions[a] for a in node.actions} != set(node.actions):
+                    return node.model_copy(update={"actions": tuple(sorted(actions[a] for a in node.actions))})
+                case _:
+                    return _numbered(node, order) if _reads_number(node) else node
 
-        yield TransformedGame(_of_rules(game, rule), f"if agents {first} and {first + 1} swapped numbers")
+        changed = _of_rules(game, rule)
+        if changed != own:
+            yield TransformedGame(changed, f"if agents {first} and {first + 1} swapped numbers")
+
+
+def _may_name_agents(node: ir.Node) -> bool:
+    """Returns whether a node can name an agent by a number that is written: `vote(0)`."""
+    return isinstance(node, ir.Forbid) or (isinstance(node, ir.Given) and node.type.kind == "agent" and isinstance(node.value, ir.Number))
+
+
+def _renumbered_actions(game: ir.Game, order: Sequence[int]) -> dict[int, int]:
+    """Returns the action that does with the agents' new numbers what each action did: `vote(1)` for `vote(0)` if these two are swapped."""
+    found = {number: number for number in range(len(game.agents.actions))}
+    for action in game.agents.with_arguments:
+        numbers = {arguments_of(action, number): number for number in action.numbers}
+        for values, number in numbers.items():
+            assert values is not None
+            pairs = zip(values, action.arguments, strict=True)
+            found[number] = numbers[tuple(order[v] if argument.type.kind == "agent" else v for v, argument in pairs)]
+    return found
 
 
 def _reads_number(node: Any) -> bool:

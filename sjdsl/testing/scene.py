@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import jax
 import numpy as np
 
+from sjdsl.action_names import split_actions
 from sjdsl.compiler.ir.queries import marking_phases
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import HEADINGS, World
@@ -104,7 +105,7 @@ class Scene:
 
     def _chosen(self, actions: str) -> list[int]:
         names, agents = self.env.action_names, self.env.num_agents
-        wanted = [name.strip() for name in actions.split(",")] if actions.strip() else []
+        wanted = split_actions(actions) if actions.strip() else []
         if len(wanted) > agents:
             raise ValueError(f"{len(wanted)} actions for {agents} agents: {actions}")
         for name in wanted:

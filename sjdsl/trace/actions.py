@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from sjdsl.action_names import split_actions
 from sjdsl.compiler import ir
 from sjdsl.near_names import meant
 from sjdsl.trace.episode import Choose, random_actions
@@ -22,7 +23,7 @@ def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Choose, i
     path = Path(text)
     is_file = path.is_file()
     written = path.read_text("utf-8").splitlines() if is_file else text.split(";")
-    lines = [words for words in (line.partition("#")[0].replace(",", " ").split() for line in written) if words]
+    lines = [words for words in (list(filter(None, split_actions(line.partition("#")[0], r"[,\s]+"))) for line in written) if words]
     if not lines:
         raise ValueError(f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}")
     taken = [_step(words, number, game, "" if is_file or len(words) > 1 else text) for number, words in enumerate(lines, 1)]

@@ -83,7 +83,7 @@ def words_compared(scope: Scope, depth: int) -> str:
     return f"{text} {r.choice(('is', 'is not'))} {right[0]}"
 
 
-def whereabouts(scope: Scope, _depth: int) -> str:
+def whereabouts(scope: Scope, depth: int) -> str:
     """Returns what an agent chose or stands on, whether it moved or is away, whether a cell is free."""
     w, r = scope.world, scope.world.random
     found = []
@@ -93,6 +93,10 @@ def whereabouts(scope: Scope, _depth: int) -> str:
             found.append(f"{v.name} on {r.choice([*w.kinds, *w.groups])}")
         if scope.sort == "phase":
             found += [f"{v.name} chose {r.choice(w.actions)}"] * 2
+            if w.with_arguments and r.random() < 0.5:
+                from tests.fuzz.acting import chosen
+
+                return chosen(scope, v, depth)
     if scope.counts or scope.sort == "observable":
         found += [f"nobody on {v.name}" for v in scope.cells()]
     return r.choice(found) if found else ""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from random import Random
+from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import of_agents, of_numbers
@@ -83,7 +84,8 @@ class World:
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     agent_fields: list[Field] = field(default_factory=list)
     fields: list[Field] = field(default_factory=list)
-    actions: tuple[str, ...] = ()
+    actions: tuple[str, ...] = ()  # those without arguments
+    with_arguments: list[Any] = field(default_factory=list)  # acting.Action
     shapes: list[Shape] = field(default_factory=list)
     shape_texts: Lines = field(default_factory=list)
     events: list[Event] = field(default_factory=list)

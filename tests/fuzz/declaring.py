@@ -5,6 +5,7 @@ from random import Random
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name, level_text, sort_of
 from sjdsl.compiler.ir.types import UNIT_LIMITS
+from tests.fuzz.acting import declare_actions
 from tests.fuzz.declared import Event, Field, Kind, Number, Shape, World
 
 WORDS = ("none", "ripe", "red", "blue", "low", "high", "glad")
@@ -50,6 +51,7 @@ def declare(random: Random) -> World:
         w.events.append(Event(name, w.level() if w.is_now(0.4) else (), w.is_now(0.5)))
     _glyphs(w)
     _map(w)
+    w.with_arguments = declare_actions(w)
     return w
 
 

@@ -14,6 +14,7 @@ from sjdsl.interpreter.state import World as State
 from sjdsl.policies.compiled import Chooser
 from sjdsl.policies.interpreted import choose
 from sjdsl.runtime.env import Environment
+from tests.fuzz.acting import taken
 from tests.fuzz.conditions import condition
 from tests.fuzz.declared import Lines, World
 from tests.fuzz.members import domain, shape_for
@@ -48,7 +49,8 @@ def _title(w: World) -> str:
 
 
 def _rule(w: World) -> str:
-    scope, action = Scope(w, "policy").having(Variable("agent")), w.random.choice(w.actions)
+    scope = Scope(w, "policy").having(Variable("agent"))
+    action = (taken(scope) if w.is_now(0.4) else "") or w.random.choice(w.actions)
     match w.random.choice(("act", "go", "go", "aim")):
         case "act":
             return f"when {condition(scope, 2)} choose {action}"

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name
+from tests.fuzz.acting import forbidden
 from tests.fuzz.checked import checks, metrics, observe
 from tests.fuzz.conditions import condition
 from tests.fuzz.declared import Define, Lines, Number, World
@@ -168,7 +169,9 @@ def _map(w: World, files: dict[str, str]) -> Lines:
 
 def agents(w: World) -> Lines:
     """Declares the agents: actions, frame, fields, what is forbidden."""
-    lines = [f"acts {', '.join(w.actions)}"] + [f.text for f in w.agent_fields]
+    acts = [*w.actions, *(action.text for action in w.with_arguments)]
+    w.random.shuffle(acts)
+    lines = [f"acts {', '.join(acts)}"] + [f.text for f in w.agent_fields]
     if w.is_now(0.7):
         lines.append(f"moves {w.random.choice(('relative', 'compass'))}")
     open_ = [a for a in w.actions if a != "stay"]
@@ -181,6 +184,7 @@ def agents(w: World) -> Lines:
     if ends and w.is_now(0.3):
         test = condition(Scope(w, "forbid").having(Variable("agent")), 1)
         lines.append(f"blocks {w.random.choice(ends)}" + (f" when {test}" if w.is_now(0.5) else ""))
+    lines += forbidden(w)
     number = str(w.agents)
     sizes = [s.name for s in w.sizes if s.value == w.agents]
     return braces(f"agents {w.random.choice([*sizes, number])}", lines)

@@ -21,6 +21,8 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
         choices += ["total", "total", "over"] + (["count"] * 3 if unit == "count" else [])
     if unit == "cells":
         choices += ["apart"] * 6
+    if w.with_arguments:
+        choices.append("asked")
     match w.random.choice(choices):
         case "sum" | "difference" as which:
             return _combined("+" if which == "sum" else "-", integer(scope, unit, depth - 1), integer(scope, unit, depth - 1))
@@ -48,6 +50,10 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
             return total(scope, "int", unit, depth)
         case "over":
             return over(scope, "int", unit, depth)
+        case "asked":
+            from tests.fuzz.acting import number_chosen
+
+            return number_chosen(scope, unit) or atom(scope, "int", unit)
         case "apart":
             return apart(scope) or atom(scope, "int", unit)
         case _:

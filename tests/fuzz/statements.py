@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.runtime.actions import HEADINGS
+from tests.fuzz.acting import by_choice
 from tests.fuzz.conditions import condition, probability, somebody, word
 from tests.fuzz.declared import Lines
 from tests.fuzz.members import domain, shape_for, where
@@ -203,6 +204,10 @@ def _weights(scope: Scope, words: list[str]) -> str:
 def effect(scope: Scope, phase: Phase) -> Lines:
     """Returns a statement without others inside."""
     r = scope.world.random
+    if scope.world.with_arguments and r.random() < 0.15:
+        made = by_choice(scope, lambda inner: give(inner, phase) if r.random() < 0.5 else tally(inner, phase) or give(inner, phase))
+        if made:
+            return made
     makers = [write] * 6 + [give] * 3 + [tally] * 3 + [send] * 2 + [shift] * 2 + [mark] * 2 + [remove, end]
     for make in (r.choice(makers), r.choice(makers)):
         made = make(scope, phase.written, 2) if make is write else make(scope, phase)  # type: ignore[operator]

@@ -59,7 +59,7 @@ def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: boo
             tried.left_out += 1
             continue
         wanted = other_world(game, changed, world, s), other_outcome(game, outcome, s)
-        given = [actions[s.order.index(agent)] for agent in range(len(actions))]
+        given = [s.number(actions[s.order.index(agent)], game) for agent in range(len(actions))]
         start = other_world(game, changed, before, s)
         fault = _interpreted(game, changed, start, given, words, wanted, world, s)
         if env is not None and not fault:
@@ -90,8 +90,9 @@ def _interpreted(
 ) -> str:
     after, outcome = step(changed, start, actions, start.params, words)
     found = world_differences(after, wanted[0]) + outcome_differences(outcome, wanted[1])
-    mask = action_mask(game, world)
-    if action_mask(changed, after) != [mask[s.order.index(agent)] for agent in range(len(mask))]:
+    mask, other_mask = np.array(action_mask(game, world)), np.array(action_mask(changed, after))
+    numbers = [s.number(action, game) for action in range(mask.shape[1])]
+    if not np.array_equal(other_mask[list(s.order)][:, numbers], mask):
         found.append("the actions allowed next")
     if not np.array_equal(observe(changed, after), other_view(game, observe(game, world), s)):
         found.append("what is seen")

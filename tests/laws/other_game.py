@@ -30,7 +30,7 @@ def _in_frame(observable: ir.Observable) -> bool:
 
 def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
     """Returns the rules under a symmetry. Checks are left out: they are not played."""
-    rule = _rule(s)
+    rule = _rule(s, game)
     agents = rewrite(game.agents, rule)
     window = game.window
     return verify(
@@ -40,7 +40,7 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
                 "kinds": tuple(rewrite(kind, rule) for kind in game.kinds),
                 "agents": agents.model_copy(update={"actions": tuple(s.action(a, agents.relative) for a in agents.actions)}),
                 "shapes": tuple(_shape(shape, s) for shape in game.shapes),
-                "start": _start(game.start, s),
+                "start": _start(game.start, s, game),
                 "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
                 "window": _mirrored(rewrite(window, rule)) if s.mirror else rewrite(window, rule),
                 "observables": tuple(rewrite(observable, rule) for observable in game.observables),
@@ -58,7 +58,7 @@ def _mirrored(window: ir.Window) -> ir.Window:
     return window.model_copy(update={"left": window.right, "right": window.left, "views": views})
 
 
-def _rule(s: Symmetry, headings: bool = True) -> Callable[[Any], Any]:
+def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], Any]:
     def rule(node: Any) -> Any:
         match node:
             case ir.Attribute(name="row" | "col"):
@@ -69,6 +69,10 @@ def _rule(s: Symmetry, headings: bool = True) -> Callable[[Any], Any]:
             case ir.Attribute(name="index") if list(s.order) != sorted(s.order):
                 arms = [ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i)) for i, n in enumerate(s.order)]
                 return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
+            case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
+                return node.model_copy(update={"value": value.model_copy(update={"value": s.order[number]})})
+            case ir.Forbid():
+                return node.model_copy(update={"actions": tuple(sorted(s.number(a, game) for a in node.actions))})
             case ir.Send():
                 return node.model_copy(update={"facing": s.facing(node.facing)})
             case ir.Shift():
@@ -87,14 +91,14 @@ def _changed_heading(e: ir.Expr, s: Symmetry) -> ir.Expr:
     return ir.Case(type=words(HEADINGS), subject=e, arms=tuple(arms), origin=e.origin)
 
 
-def _start(phase: ir.Phase, s: Symmetry) -> ir.Phase:
+def _start(phase: ir.Phase, s: Symmetry, game: ir.Game) -> ir.Phase:
     """Everybody faces north before it, under every look: `same` is a direction here, and what is read is no other one."""
 
     def rule(node: Any) -> Any:
         same = isinstance(node, ir.Send) and node.facing == "same"
         return node.model_copy(update={"facing": "north"}) if same else node
 
-    return rewrite(rewrite(phase, rule), _rule(s, headings=False))
+    return rewrite(rewrite(phase, rule), _rule(s, game, headings=False))
 
 
 def _coordinate(node: ir.Attribute, s: Symmetry) -> Any:

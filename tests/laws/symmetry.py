@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
+import numpy as np
+
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import HEADINGS, Cell
 
@@ -57,6 +59,16 @@ class Symmetry:
             return name
         direction = STEPS.index(name)
         return STEPS[(-direction if self.mirror else direction) % 4] if relative else STEPS[self.heading(direction)]
+
+    def number(self, action: int, game: ir.Game) -> int:
+        """Returns the action that asks for the agents under their new numbers: `vote(2)` for `vote(0)` where agent 0 is agent 2 now."""
+        for declared in game.agents.with_arguments:
+            if action in declared.numbers:
+                at = np.unravel_index(action - declared.first, [argument.count for argument in declared.arguments])
+                agents = [argument.type.kind == "agent" for argument in declared.arguments]
+                place = [self.order[int(i)] if is_agent else int(i) for i, is_agent in zip(at, agents, strict=True)]
+                return declared.first + int(np.ravel_multi_index(place, [argument.count for argument in declared.arguments]))
+        return action
 
     def rows(self, rows: tuple[str, ...]) -> tuple[str, ...]:
         """Returns a map as it looks then."""

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.action_names import split_actions
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_named
 
@@ -126,7 +127,7 @@ def perform(script: Script, game: ir.Game, play: Play, other: Callable[[str, int
 
 def _actions(game: ir.Game, view: View, text: str, line: int) -> list[int]:
     """Returns the numbers of actions; the name of a policy stands for what it chooses."""
-    names = [t.strip() for t in text.split(",")] if text else []
+    names = split_actions(text) if text else []
     assert len(names) in (0, game.agents.number), f"line {line}: an action for each agent, or none"
     names = names or ["stay"] * game.agents.number
     chosen = view.chosen or {}

@@ -34,7 +34,9 @@ def test_a_move_of_all_is_one_statement_that_runs_once() -> None:
 
 def test_statements_of_one_block_have_the_same_needs() -> None:
     taking = [
-        precondition for precondition in preconditions_of(leaf_statements(planted("soup").own)) if precondition.statement_id[0] == "take"
+        precondition
+        for precondition in preconditions_of(leaf_statements(planted("soup").own), planted("soup").own)
+        if precondition.statement_id[0] == "take"
     ]
     assert len(taking) == 4
     assert len({precondition.block for precondition in taking}) == 1

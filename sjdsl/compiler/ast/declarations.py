@@ -1,6 +1,6 @@
 """The abstract syntax tree: declarations, and the file they make up."""
 
-from sjdsl.compiler.ast.expressions import By, Call, Domain, Expr, Name, Path, ShapeRef, String, Table, Type
+from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Path, ShapeRef, String, Table, Type
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.statements import Block
 from sjdsl.compiler.diagnostics.source import Span
@@ -87,9 +87,25 @@ class Map(Node):
     rows: tuple[String, ...]
 
 
+class Argument(Node):
+    """Of an action: `agent`, `{ red, green }`, `apples : 0 .. 2`"""
+
+    span: Span
+    name: Name | None
+    type: Type
+
+
+class Action(Node):
+    """`zap`, `vote(agent)`"""
+
+    span: Span
+    name: Name
+    arguments: tuple[Argument, ...]
+
+
 class Acts(Node):
     span: Span
-    actions: tuple[Name, ...]
+    actions: tuple[Action, ...]
 
 
 class Moves(Node):
@@ -101,7 +117,7 @@ class Forbid(Node):
     """actions empty: all"""
 
     span: Span
-    actions: tuple[Name, ...]
+    actions: tuple[Chosen, ...]
     condition: Expr
 
 
@@ -286,7 +302,7 @@ class Act(Node):
 
     span: Span
     condition: Expr
-    action: Name
+    action: Chosen
 
 
 class Go(Node):
@@ -304,7 +320,7 @@ class Aim(Node):
     shape: ShapeRef
     domain: Domain
     avoided: Domain | None
-    action: Name
+    action: Chosen
 
 
 class ScriptedPolicy(Node):

@@ -160,12 +160,20 @@ class Binary(Node):
     right: Expr
 
 
+class Chosen(Node):
+    """An action that is spoken of: `zap`, `vote(friend)`; arguments None for one without brackets."""
+
+    span: Span
+    name: Name
+    arguments: tuple[Expr, ...] | None
+
+
 class Chose(Node):
     """`zapper chose zap`"""
 
     span: Span
     agent: Expr
-    action: Name
+    action: Chosen
 
 
 class Standing(Node):

@@ -21,9 +21,10 @@ def _check_actions(game: ir.Game, composition: Composition, problems: Problems) 
     """Warns of actions that change nothing: no rule asks who chose them, and nobody moves."""
     nodes = [n for turn in game.schedule for n in ir.walk(turn)]
     asked = {game.agents.actions[n.action] for n in nodes if isinstance(n, ir.Chose)}
+    asked |= {n.action for n in nodes if isinstance(n, ir.ChoseWith)}
     moving = any(isinstance(n, ir.Move) for n in nodes)
     assert composition.acts is not None
-    idle = [a for a in composition.acts.actions if a.text not in asked and a.text != "stay"]
+    idle = [a.name for a in composition.acts.actions if a.name.text not in asked and a.name.text != "stay"]
     for action in idle:
         if action.text not in MOVES:
             problems.add(errors.IdleAction(action.span, name=action.text))

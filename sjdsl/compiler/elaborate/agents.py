@@ -1,14 +1,14 @@
-"""Elaborates agents: their number, actions and fields, and what they are forbidden to do."""
+"""Elaborates agents: their number, actions and fields."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.elaborate.actions import declare_actions
 from sjdsl.compiler.elaborate.blocking import blocked
 from sjdsl.compiler.elaborate.fields import one_field
-from sjdsl.compiler.elaborate.lookup import action_number
+from sjdsl.compiler.elaborate.forbidden import forbids
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
-from sjdsl.compiler.ir.printer import expression as text
 
 
 def override_number(game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems) -> None:
@@ -38,7 +38,7 @@ def _number(number: ast.Expr, scope: Scope) -> int:
 def declare_agents(game: Composition, scope: Scope) -> None:
     """Adds the actions and fields of the agents to the tables, whatever else about the agents is missing, and reports that."""
     static, problems = scope.static, scope.problems
-    static.actions = _actions(game, problems)
+    declare_actions(game, scope)
     if game.moves is not None and game.moves.frame.text not in ("relative", "compass"):
         problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
     for name, declared in game.agent_fields.items():
@@ -61,45 +61,11 @@ def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Ag
         actions=static.actions,
         relative=game.moves is None or game.moves.frame.text == "relative",
         fields=tuple(static.agent_fields.values()),
-        forbids=_forbids(game, static, problems),
+        forbids=forbids(game, static, problems),
+        with_arguments=tuple(static.with_arguments.values()),
         blocks=_blocks(game, static, problems),
         origin=game.agents_span,
     )
-
-
-def _actions(game: Composition, problems: Problems) -> tuple[str, ...]:
-    """Returns the names of the actions, as far as the game says."""
-    if game.acts is None:
-        return ()
-    actions = tuple(a.text for a in game.acts.actions)
-    for i, action in enumerate(game.acts.actions):
-        if action.text in actions[:i]:
-            problems.add(errors.WrittenTwice(action.span, what=f"the action `{action.text}`"))
-    if "stay" not in actions:
-        problems.add(errors.MissingPart(game.acts.span, what="action `stay`", how="`stay` among the `acts`"))
-    if len(actions) > limits.MAX_ACTIONS:
-        problems.add(errors.Unsupported(game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions"))
-    return actions
-
-
-def _forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.Forbid, ...]:
-    """Returns the `forbid` lines, which may read the agent's own fields and the world's."""
-    found = []
-    scope = Scope(static, problems, part="forbid").bind("agent", ir.Member(name="agent", who="agent"))
-    for forbid in game.forbids.values():
-        with problems.survive():
-            test = scope.condition(forbid.condition)
-            for node in ir.walk(test):
-                where = isinstance(node, ir.Distance) or (isinstance(node, ir.Attribute) and node.name in ("row", "col"))
-                if ir.is_expression(node) and (
-                    where
-                    or isinstance(node, ir.Count | ir.Sum | ir.Extreme | ir.StandsOn | ir.Chose)
-                    or (isinstance(node, ir.FieldRead) and node.held_by == "agent" and not isinstance(node.owner, ir.Member))
-                ):
-                    raise problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))
-            numbers = tuple(_forbidden(a, scope) for a in forbid.actions) or tuple(range(len(static.actions)))
-            found.append(ir.Forbid(actions=numbers, condition=test, origin=forbid.span))
-    return tuple(found)
 
 
 def _blocks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Block, ...]:
@@ -115,10 +81,3 @@ def _blocks(game: Composition, static: Static, problems: Problems) -> tuple[ir.B
             test = None if blocks.condition is None else scope.condition(blocks.condition)
             found += blocked(blocks, test, scope)
     return tuple(found)
-
-
-def _forbidden(name: ast.Name, scope: Scope) -> int:
-    if name.text == "stay":
-        what, wanted = "what forbidden actions become", "an action that can be forbidden"
-        raise scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted))
-    return action_number(name, scope)

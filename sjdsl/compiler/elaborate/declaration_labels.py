@@ -62,7 +62,7 @@ def _names(game: Composition) -> Iterator[ast.Name]:
     yield from (node.name for table in tables for node in table.values())
     for declared in _attributes(game):
         yield declared.name
-    yield from game.acts.actions if game.acts is not None else ()
+    yield from (action.name for action in game.acts.actions) if game.acts is not None else ()
     for declared in _attributes(game):
         if isinstance(declared, ast.Field) and isinstance(declared.type, ast.Words):
             yield from declared.type.names
@@ -76,6 +76,9 @@ def _types(game: Composition) -> Iterator[tuple[str, Span]]:
     for metric in game.metrics.values():
         if isinstance(metric, ast.Event) and metric.by is not None:
             yield metric.name.text, metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
+    for action in () if game.acts is None else game.acts.actions:
+        if action.arguments:
+            yield action.name.text, action.span
 
 
 def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:

@@ -45,7 +45,7 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
 
 
 def _collect_words(game: Composition, static: Static, problems: Problems) -> None:
-    """Finds every set of words: of fields, rows, events and labels."""
+    """Finds every set of words: of fields, rows, events, labels and arguments of actions."""
 
     def add(names: tuple[ast.Name, ...]) -> None:
         if len(names) > limits.MAX_WORDS:
@@ -69,6 +69,10 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
     for number in game.constants.values():
         if isinstance(number.by, ast.Words):
             add(number.by.names)
+    for action in () if game.acts is None else game.acts.actions:
+        for argument in action.arguments:
+            if isinstance(argument.type, ast.Words):
+                add(argument.type.names)
     static.word_sets.append(HEADINGS)
 
 

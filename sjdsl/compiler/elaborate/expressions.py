@@ -8,6 +8,7 @@ from typing import assert_never
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.elaborate import actions
 from sjdsl.compiler.elaborate.arithmetic import arithmetic, compare, extreme, join_types
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
@@ -15,7 +16,6 @@ from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain, most_members
 from sjdsl.compiler.elaborate.extremes import extreme as over_domain
 from sjdsl.compiler.elaborate.lookup import (
-    action_number,
     as_agent,
     check_known_word,
     check_placed,
@@ -33,7 +33,6 @@ from sjdsl.compiler.ir.types import hull, integer, is_number, real, times, words
 
 ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
-BETWEEN_STEPS = ("observe", "metrics", "checks", "policy")  # parts of a game that speak of a state, not of a step
 
 
 def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -159,16 +158,14 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.agent)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
         raise wrong_type(scope, e.agent, "an agent that a statement around has named", agent.type, _by_name(agent))
-    name = e.action.text
+    name = e.action.name.text
     bound = scope.variables.get(name)
     if isinstance(bound, str):
         name = bound
-    if scope.part in BETWEEN_STEPS:
-        said, what = f"{agent.name} chose {name}", "about what is done in a step"
-        raise scope.problems.fail(errors.WrongSort(e.span, name=said, what=what, wanted="something about a state"))
+    actions.check_in_step(f"{agent.name} chose {name}", e.span, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} chose {name}", scope)
-    return ir.Chose(agent=agent, action=action_number(e.action, scope, name), origin=e.span)
+    return actions.chose(e, agent, name, scope)
 
 
 def _by_name(agent: ir.Expr) -> str:

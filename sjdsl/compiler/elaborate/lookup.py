@@ -9,7 +9,7 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Near, near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.printer import expression as text
 
@@ -43,7 +43,7 @@ def check_somewhere(cell: ir.Expr, span: Span, scope: Scope) -> None:
 
 def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
     """Says so if an agent that a field holds can be nobody, as far as the guards around tell."""
-    if not isinstance(agent, ir.Member) and not is_known(ir.Not(value=ir.Same(left=agent, right=ir.Nobody())), scope.facts):
+    if not isinstance(agent, ir.Member | ir.ArgumentOf) and not is_known(ir.Not(value=ir.Same(left=agent, right=ir.Nobody())), scope.facts):
         raise scope.problems.fail(errors.CanBeNobody(span, path=text(agent)))
 
 
@@ -72,17 +72,6 @@ def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     if kinds is None:
         raise scope.problems.unknown(name, ["agent", *scope.static.kinds, *scope.static.groups], "the agents and kinds of this game")
     return kinds
-
-
-def action_number(name: ast.Name, scope: Scope, resolved: str | None = None) -> int:
-    """Returns the number of an action of the agents."""
-    actions = scope.static.actions
-    wanted = resolved or name.text
-    if ALL_ACTIONS in scope.static.broken:
-        raise Poisoned
-    if wanted not in actions:
-        raise scope.problems.fail(errors.NoAction(name.span, name=wanted, near=near(wanted, actions, "the actions")))
-    return actions.index(wanted)
 
 
 def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
@@ -155,7 +144,7 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
         return scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=help_))
     for what, table, help_ in (
         ("an event", static.events, "events are read in `checks`; what a rule reads is kept in a field"),
-        ("an action", static.actions, f"`agent chose {name.text}` asks whether an agent chose it"),
+        ("an action", static.action_names, f"`agent chose {name.text}` asks whether an agent chose it"),
         ("a shape", static.shapes, f"`count(KIND in {name.text} of agent)` counts what is in it"),
     ):
         if name.text in table:

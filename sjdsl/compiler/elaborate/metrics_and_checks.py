@@ -7,10 +7,10 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
+from sjdsl.compiler.elaborate.actions import action_numbers
 from sjdsl.compiler.elaborate.declaration_labels import numbers_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain
-from sjdsl.compiler.elaborate.lookup import action_number
 from sjdsl.compiler.elaborate.map_counts import of_the_map
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.evaluate_constant import holds
@@ -149,5 +149,5 @@ def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
         return ir.Policy(name="scripted", scripted=name, origin=policy.span)
     if name not in ("random", "never") or (name == "never") != bool(policy.actions):
         raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND", *game.policies), "the policies")
-    actions = tuple(action_number(a, scope) for a in policy.actions)
+    actions = tuple(number for action in policy.actions for number in action_numbers(ast.Chosen(action.span, action, None), scope))
     return ir.Policy(name=name, actions=actions, origin=policy.span)  # type: ignore[arg-type]

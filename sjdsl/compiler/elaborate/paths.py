@@ -4,12 +4,14 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.actions import argument_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.keys import key_of
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
     CELL_ATTRIBUTES,
     NOWHERE,
+    as_agent,
     check_placed,
     check_somebody,
     check_somewhere,
@@ -26,12 +28,16 @@ from sjdsl.runtime.actions import HEADINGS
 
 def path(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns what a path stands for."""
-    value = head(e, scope)
-    for step in e.steps:
-        if isinstance(step, ast.Member):
-            value = member(value, step.name, scope)
-        else:
+    value, steps = head(e, scope), e.steps
+    while steps:
+        step, used = steps[0], 1
+        if isinstance(step, ast.Index):
             value = index(value, step, scope)
+        elif as_agent(value) and step.name.text in scope.static.with_arguments:
+            value, used = argument_read(value, steps, scope)
+        else:
+            value = member(value, step.name, scope)
+        steps = steps[used:]
     return value
 
 

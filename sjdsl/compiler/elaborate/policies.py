@@ -11,8 +11,8 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate import shapes
+from sjdsl.compiler.elaborate.actions import arguments_given, check_exists, declared_action
 from sjdsl.compiler.elaborate.domains import domain
-from sjdsl.compiler.elaborate.lookup import action_number
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.statements import check_possible, why_impossible
 from sjdsl.compiler.ir.implications import conjuncts
@@ -60,15 +60,32 @@ def _why_certain(condition: ir.Expr, scope: Scope) -> str:
 def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
     match rule:
         case ast.Act():
-            return ir.Act(condition=scope.condition(rule.condition), action=action_number(rule.action, scope), origin=rule.span)
+            test = scope.condition(rule.condition)
+            action, chosen, given = _taken(rule.action, scope.knowing([test]))
+            return ir.Act(condition=test, action=action, chosen=chosen, given=given, origin=rule.span)
         case ast.Go():
             return ir.Go(domain=domain(rule.domain, scope)[0], avoided=_avoided(rule, scope), origin=rule.span)
         case ast.Aim():
             shape = shapes.used(rule.shape, scope).name
             sought, avoided = domain(rule.domain, scope)[0], _avoided(rule, scope)
-            return ir.Aim(shape=shape, domain=sought, avoided=avoided, action=action_number(rule.action, scope), origin=rule.span)
+            action, chosen, given = _taken(rule.action, scope)
+            return ir.Aim(shape=shape, domain=sought, avoided=avoided, action=action, chosen=chosen, given=given, origin=rule.span)
         case _:
             assert_never(rule)
+
+
+def _taken(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, ...]]:
+    """Returns the number of an action; of one with arguments the first number, its name, and its arguments."""
+    name = action.name.text
+    declared = declared_action(action, name, scope)
+    if declared is None:
+        return scope.static.actions.index(name), "", ()
+    if action.arguments is None:
+        wanted = f"{len(declared.arguments)} argument{'s' * (len(declared.arguments) != 1)}"
+        raise scope.problems.fail(errors.WrongArguments(action.span, name=name, wanted=wanted, given=0))
+    asked = arguments_given(action, declared, scope)
+    check_exists(asked, declared, scope)
+    return declared.first, name, asked
 
 
 def _avoided(rule: ast.Go | ast.Aim, scope: Scope) -> ir.Domain | None:

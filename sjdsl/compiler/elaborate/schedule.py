@@ -82,7 +82,7 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], fu
 
 def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
     """Returns a word, a number, or the name of an action."""
-    if isinstance(argument, ast.Path) and not argument.steps and argument.name.text in scope.static.actions:
+    if isinstance(argument, ast.Path) and not argument.steps and argument.name.text in scope.static.action_names:
         if not scope.static.is_word(argument.name.text):
             return argument.name.text
     value = scope.expression(argument)

@@ -49,6 +49,9 @@ class Static:
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
     actions: tuple[str, ...] = ()
+    action_names: list[str] = field(default_factory=list)  # as declared: `vote`, where the actions are `vote(0)`, `vote(1)`, …
+    with_arguments: dict[str, ir.ActionWithArguments] = field(default_factory=dict)
+    broken_actions: set[str] = field(default_factory=set)
     shapes: dict[str, ir.Shape] = field(default_factory=dict)
     defines: dict[str, ast.Define] = field(default_factory=dict)
     word_sets: list[tuple[str, ...]] = field(default_factory=list)

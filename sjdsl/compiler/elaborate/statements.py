@@ -86,7 +86,10 @@ def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
     if isinstance(value, ir.Member):
         raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
     local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
-    return ir.Let(name=s.name.text, value=value, origin=s.span), scope.bind(s.name.text, local)
+    inner = scope.bind(s.name.text, local)
+    if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
+        inner = inner.knowing([ir.Not(value=ir.Same(left=local, right=ir.Nobody()))])
+    return ir.Let(name=s.name.text, value=value, origin=s.span), inner
 
 
 def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:

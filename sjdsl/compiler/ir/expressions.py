@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     Expr: TypeAlias = (
         "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
         "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
-        "Chose | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Extreme | Case | "
+        "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Extreme | Case | "
         "Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
     )
     Restriction: TypeAlias = "Near | InAgents | InCell | Among"
@@ -179,6 +179,36 @@ class Chose(Expression):
     type: Type = CONDITION
     agent: Expr
     action: int
+
+
+class Given(Node):
+    """What an argument of an action is to be. `type`: the values the argument has; `name`: as declared, perhaps empty.
+
+    `value`: an agent (or the number of one), a whole number, or a word.
+    """
+
+    name: str = ""
+    type: Type
+    value: Expr
+
+
+class ChoseWith(Expression):
+    """The agent's action of this step (after `forbid`) is the one of this name with arguments: with just these, or with any if none are given."""
+
+    type: Type = CONDITION
+    agent: Expr
+    action: str
+    given: tuple[Given, ...] = ()
+
+
+class ArgumentOf(Expression):
+    """Argument number `number` of the action an agent chose, where it surely chose the one of this name. `name`: as the rules write it."""
+
+    type: Type
+    agent: Expr
+    action: str
+    number: int
+    name: str = ""
 
 
 class Unoccupied(Expression):

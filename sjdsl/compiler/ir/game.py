@@ -1,8 +1,9 @@
 """The typed IR: declarations, the schedule, and the game they make up."""
 
+from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from sjdsl.compiler.ir.expressions import Domain, Expr, Shape
+from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
 from sjdsl.compiler.ir.statements import Stmt
 
@@ -65,20 +66,49 @@ class GlyphMeaning(Node):
     starts: tuple[tuple[str, int | float | str | None], ...] = ()
 
 
+class ActionArgument(Node):
+    """One argument of an action: `count` values, in the order of the agents, the words or the numbers of its type. `name` may be empty."""
+
+    name: str = ""
+    type: Type
+    count: int
+
+
+class ActionWithArguments(Node):
+    """An action with arguments: one action of its own for each choice of values, from number `first`, the last argument varying fastest."""
+
+    name: str
+    first: int
+    arguments: tuple[ActionArgument, ...]
+
+    @property
+    def numbers(self) -> range:
+        """The numbers of its actions."""
+        return range(self.first, self.first + prod(argument.count for argument in self.arguments))
+
+
 class Forbid(Node):
-    """`actions` are numbers; the condition reads `agent`."""
+    """`actions` are numbers; the condition reads `agent`.
+
+    `names`: if the actions are those of one action with arguments, `action`, the names (or empty ones) by which the condition reads these.
+    """
 
     actions: tuple[int, ...]
     condition: Expr
+    action: str = ""
+    names: tuple[str, ...] = ()
 
 
 class Agents(Node):
+    """`actions`: their names by their numbers, `vote(0)` one of them; `with_arguments`: those that have arguments, `vote` one of them."""
+
     number: int
     actions: tuple[str, ...]
     relative: bool
     fields: tuple[VarField, ...] = ()
     forbids: tuple[Forbid, ...] = ()
     blocks: tuple[Block, ...] = ()
+    with_arguments: tuple[ActionWithArguments, ...] = ()
 
 
 class Phase(TurnNode):
@@ -214,10 +244,15 @@ class Policy(Node):
 
 
 class Act(PolicyRuleNode):
-    """Take an action, by its number, where the condition over Member `agent`, who acts, holds."""
+    """Take an action, by its number, where the condition over Member `agent`, who acts, holds.
+
+    `given`: of the action with arguments `chosen`, whose first number `action` is; its values are surely those of the argument.
+    """
 
     condition: Expr
     action: int
+    chosen: str = ""
+    given: tuple[Given, ...] = ()
 
 
 class Go(PolicyRuleNode):
@@ -228,12 +263,14 @@ class Go(PolicyRuleNode):
 
 
 class Aim(PolicyRuleNode):
-    """Walk and turn until a member of the domain is in the shape, then take an action. `shape` names one of the game's or its policies'."""
+    """Walk and turn until a member of the domain is in the shape, then take an action, as `Act` does. `shape` names one of the game's or its policies'."""
 
     shape: str
     domain: Domain
     avoided: Domain | None = None
     action: int
+    chosen: str = ""
+    given: tuple[Given, ...] = ()
 
 
 class ScriptedPolicy(Node):

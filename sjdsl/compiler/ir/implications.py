@@ -81,7 +81,20 @@ class Fact(Record, eq=False):
 
 def facts(condition: ir.Expr, holds: bool = True) -> tuple[Fact, ...]:
     """Returns what is known if a condition holds (or, with `holds` False, if it does not)."""
-    return tuple(Fact(part) for part in conjuncts(condition, holds))
+    return tuple(Fact(known) for part in conjuncts(condition, holds) for known in (part, *_arguments_known(part)))
+
+
+def _arguments_known(condition: ir.Expr) -> Iterator[ir.Expr]:
+    """Yields what else holds of an action that was chosen with known arguments: that it was chosen, and what each of them is."""
+    if not isinstance(condition, ir.ChoseWith) or not condition.given:
+        return
+    yield condition.model_copy(update={"given": ()})
+    for number, given in enumerate(condition.given):
+        argument = ir.ArgumentOf(type=given.type, agent=condition.agent, action=condition.action, number=number, name=given.name)
+        if given.type.kind == "int":
+            yield ir.Compare(fn="==", left=argument, right=given.value)
+        elif given.type.kind == "word":
+            yield ir.Same(left=argument, right=given.value)
 
 
 def is_known(condition: ir.Expr, known: Iterable[Fact]) -> bool:
@@ -113,6 +126,10 @@ def contradict(a: Fact, b: Fact) -> bool:
     match a.condition, b.condition:
         case ir.Chose(action=one), ir.Chose(action=other):
             return one != other
+        case (ir.Chose(), ir.ChoseWith()) | (ir.ChoseWith(), ir.Chose()):
+            return True
+        case ir.ChoseWith() as one, ir.ChoseWith() as other:
+            return one.action != other.action or any(_differ(x.value, y.value) for x, y in zip(one.given, other.given, strict=False))
         case ir.StandsOn() as here, ir.StandsOn() as there:
             return not set(here.kinds) & set(there.kinds)
         case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
@@ -120,6 +137,15 @@ def contradict(a: Fact, b: Fact) -> bool:
     if a.interval is not None and b.interval is not None:
         return a.interval[1] < b.interval[0] or b.interval[1] < a.interval[0]
     return a.words is not None and b.words is not None and not a.words & b.words
+
+
+def _differ(one: ir.Expr, other: ir.Expr) -> bool:
+    """Returns whether two arguments are written as different numbers or words."""
+    match one, other:
+        case (ir.Number(value=a), ir.Number(value=b)) | (ir.Word(value=a), ir.Word(value=b)):
+            return a != b
+        case _:
+            return False
 
 
 class Said(NamedTuple):
@@ -133,7 +159,7 @@ class Said(NamedTuple):
 
 def _said(condition: ir.Expr) -> Said:
     match condition:
-        case ir.Chose(agent=agent) | ir.StandsOn(agent=agent) | ir.Not(value=ir.StandsOn(agent=agent)):
+        case ir.Chose(agent=agent) | ir.ChoseWith(agent=agent) | ir.StandsOn(agent=agent) | ir.Not(value=ir.StandsOn(agent=agent)):
             return Said(agent)
         case ir.Not(value=inner):
             words, subject = _words_named(inner)

@@ -43,6 +43,11 @@ def expression(e: ir.Expr) -> str:
             return _test(e)
         case ir.Chose():
             return f"({expression(e.agent)} chose #{e.action})"
+        case ir.ChoseWith():
+            given = f"({', '.join(expression(g.value) for g in e.given)})" if e.given else ""
+            return f"({expression(e.agent)} chose {e.action}{given})"
+        case ir.ArgumentOf():
+            return f"{expression(e.agent)}.{e.action}" + (f".{e.name}" if e.name else "")
         case ir.Unoccupied():
             return f"(nobody on {expression(e.cell)})"
         case ir.StandsOn():

@@ -4,7 +4,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 """
 
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Shape
-from sjdsl.compiler.ir.game import Event, Game, GlyphMeaning, Kind, Observable, Phase, VarField
+from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.ir.statements import Remove, Send
@@ -63,6 +63,11 @@ def shape_named(game: Game, name: str) -> Shape:
 def event_named(game: Game, name: str) -> Event:
     """Returns the declaration of an event."""
     return next(event for event in game.events if event.name == name)
+
+
+def action_named(game: Game, name: str) -> ActionWithArguments:
+    """Returns the declaration of an action with arguments."""
+    return next(action for action in game.agents.with_arguments if action.name == name)
 
 
 def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:

@@ -24,6 +24,8 @@ def verify(game: ir.Game) -> ir.Game:
                 assert node.value in node.type.words, node
             case ir.Chose(action=action) | ir.Act(action=action) | ir.Aim(action=action):
                 assert 0 <= action < len(game.agents.actions), node
+            case ir.ChoseWith(action=name) | ir.ArgumentOf(action=name):
+                assert name in {action.name for action in game.agents.with_arguments}, node
             case ir.Case():
                 assert node.arms, node
             case _:

@@ -13,8 +13,9 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 from sjdsl.compiler.lower import expressions
+from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_actions
 from sjdsl.compiler.lower.assignments import finish as finish_writes
-from sjdsl.compiler.lower.axes import as_dtype, indexed, iota
+from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.environment_facts import events, role_attribute
 from sjdsl.compiler.lower.environment_facts import state_fields as described_fields
@@ -23,7 +24,7 @@ from sjdsl.compiler.lower.observations import observe, view_size
 from sjdsl.compiler.lower.phase_summary import summary
 from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
 from sjdsl.compiler.lower.relocation import finish as finish_sends
-from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.scope import IterationScope, NotSupported
 from sjdsl.compiler.lower.state import outcome_fields, param_value, params_fields, state_fields
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
@@ -33,8 +34,6 @@ from sjdsl.runtime.fields import StateField
 
 STATE, OUT, PARAMS, ACTIONS, KEY = (array.Name(x) for x in ("state", "out", "params", "actions", "key"))
 PHASE = (("state", "State"), ("out", "Outcome"), ("params", "Params"), ("actions", "Array"), ("key", "Array"))
-READING = (("state", "State"), ("params", "Params"))
-NUM_ACTIONS = array.call("len", array.Name("ACTIONS"))
 STAY = array.Name("STAY")
 
 
@@ -64,7 +63,7 @@ def _program(game: ir.Game, source: str, written: ir.Game, module: Module) -> Pr
     start = _phase(game.start, pools[game.start.name], module)
     turns = [_tick(pools, module) if isinstance(t, ir.Tick) else _phase(t, pools[t.name], module) for t in game.schedule]
     turns = [turn for turn in turns if turn.body != (array.Return((STATE, OUT)),)]
-    others = [_allowed(module), _measures(module), _episode(module), _observe(module)]
+    others = [allowed_actions(module), _measures(module), _episode(module), _observe(module)]
     w = Writer(module)
     state, params, outcome = state_fields(game, w), params_fields(game), outcome_fields(game, w)
     made = [
@@ -207,30 +206,6 @@ def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
     w.give_back(replaced("state", w.changed), OUT)
     doc = "All timers fall by one; agents whose time away is over return." if module.stores_away else "All timers fall by one."
     return _function(w, "tick", PHASE, "tuple[State, Outcome]", doc)
-
-
-def _allowed(module: Module) -> Function:
-    """Which actions are open, and what a forbidden or unknown one becomes."""
-    w = Writer(module)
-    agents = module.game.agents
-    axis = w.axis("agent", module.agents)
-    scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
-    everything = array.call("jnp.ones", array.Sequence((module.agents, NUM_ACTIONS)), array.Name("bool"))
-    allowed: array.Expression = everything
-    for forbid in agents.forbids:
-        w.origin = forbid.origin
-        test = w.keep("forbidden", w.value(forbid.condition, scope))
-        closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
-        name = module.constant("forbids", array.constant(closes), "actions a `forbid` is about", "bool")
-        condition = indexed(test.node, (array.ALL, array.NEW_AXIS)) if test.axes else test.node
-        closed = w.bind("closed", array.Binary("&", condition, array.Index(name, (array.NEW_AXIS,))))
-        allowed = (
-            array.Binary("&", allowed, array.Unary("~", closed)) if allowed != everything or not test.axes else array.Unary("~", closed)
-        )
-    w.origin = None
-    w.give_back(allowed)
-    doc = "Returns which actions each agent may take: `[N, A]` bool."
-    return _function(w, "allowed_actions", READING, "Array", doc)
 
 
 def _measures(module: Module) -> Function:

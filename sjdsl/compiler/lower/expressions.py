@@ -6,7 +6,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
-from sjdsl.compiler.lower import cell_values, state_reads
+from sjdsl.compiler.lower import cell_values, chosen, state_reads
 from sjdsl.compiler.lower.aggregates import extreme, total
 from sjdsl.compiler.lower.axes import (
     FALSE,
@@ -67,6 +67,10 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return test(e, scope, w)
         case ir.Chose() | ir.Unoccupied() | ir.StandsOn():
             return whereabouts(e, scope, w)
+        case ir.ChoseWith():
+            return chosen.chose_with(e, scope, w)
+        case ir.ArgumentOf():
+            return chosen.argument_of(e, scope, w)
         case ir.Not():
             return invert(lower(e.value, scope, w))
         case ir.Logic():
@@ -249,12 +253,7 @@ def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, scope: IterationScope
     """Returns what an agent chose, whether a cell is free, whether an agent stands on a kind."""
     match e:
         case ir.Chose():
-            who = owner(e.agent, scope, w)
-            assert isinstance(who, AgentVar)
-            actions = Value(array.Name("actions"), "i32", () if who.axis is None else (who.axis,))
-            if who.axis is None:
-                actions = replace(actions, node=array.Index(actions.node, (who.index.node,)), axes=who.index.axes)
-            return binary("==", actions, Value(w.module.action(e.action), "i32"), "bool")
+            return binary("==", chosen.action_of(e.agent, scope), Value(w.module.action(e.action), "i32"), "bool")
         case ir.Unoccupied():
             cell = owner(e.cell, scope, w)
             assert isinstance(cell, CellVar)

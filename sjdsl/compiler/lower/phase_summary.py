@@ -3,6 +3,7 @@
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.printer import expression
 
 
 def summary(phase: ir.Phase, game: ir.Game) -> str:
@@ -89,6 +90,8 @@ def _value(e: ir.Expr) -> str:
             return "nobody"
         case ir.Nowhere():
             return "nowhere"
+        case ir.ArgumentOf():
+            return expression(e)
         case ir.FieldRead():
             return f"{_value(e.owner)}.{e.name}" if e.owner is not None else e.name
         case ir.At():

@@ -1,5 +1,6 @@
 """The writer: collects names, constants and statements while lowering builds a module, one function at a time."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -59,7 +60,13 @@ class Module:
 
     def action(self, number: int) -> Literal:
         """Returns the number of an action."""
-        return self.number(f"action_{self.game.agents.actions[number]}", number, group="action")
+        name = self.game.agents.actions[number]
+        of = f"is {name}" if "(" in name else ""
+        return self.number("action_" + "_".join(re.findall(r"\w+", name)), number, of, "action")
+
+    def first_action(self, action: ir.ActionWithArguments) -> Literal:
+        """Returns the number of the first of the actions that an action with arguments stands for."""
+        return self.number(f"action_{action.name}", action.first, f"{self.game.agents.actions[action.first]}, the first of them", "action")
 
     def word(self, word: str, words: tuple[str, ...], declared: ir.VarField | None = None) -> Value:
         """Returns the number of a word among others. `declared`: the field it is a value of, after which it is named."""
@@ -88,7 +95,8 @@ class Module:
             found.setdefault(declared.type.words, (declared.kind or declared.held_by, attribute_name(declared)))
         rows = [(by, attribute_name(declared)) for declared in fields for by in declared.type.by]
         rows += [(by, param.name) for param in game.params for by in (param.type.words, *param.type.by)]
-        for by, name in (*rows, *((event.by, event.name) for event in game.events)):
+        arguments = [(argument.type.words, action.name) for action in game.agents.with_arguments for argument in action.arguments]
+        for by, name in (*rows, *((event.by, event.name) for event in game.events), *arguments):
             found.setdefault(by, (name, name))
         return found
 

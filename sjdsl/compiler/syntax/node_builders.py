@@ -111,7 +111,16 @@ def agents(span: Span, *items: Any) -> ast.Agents:
 
 def forbid(span: Span, *items: Any) -> ast.Forbid:
     *actions, condition = items
-    return ast.Forbid(span, tuple(a for a in actions if isinstance(a, ast.Name)), condition)
+    return ast.Forbid(span, tuple(a for a in actions if isinstance(a, ast.Chosen)), condition)
+
+
+def argument(span: Span, *items: Any) -> ast.Argument:
+    *name, type_ = items
+    return ast.Argument(span, name[0] if name else None, type_)
+
+
+def chosen(span: Span, action: ast.Name | ast.Call) -> ast.Chosen:
+    return ast.Chosen(span, action, None) if isinstance(action, ast.Name) else ast.Chosen(span, action.name, action.arguments)
 
 
 def shape(span: Span, name: ast.Name, content: ast.Call | tuple[ast.String, ...]) -> ast.Shape:

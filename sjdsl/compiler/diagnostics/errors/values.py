@@ -211,5 +211,17 @@ class ExtremeOfNothing(Diagnostic, code="SJ217", title="The largest of none"):
     domain: str
 
 
+class NotChosen(Diagnostic, code="SJ219", title="An argument of an action that was not chosen"):
+    """`path`: as it is written, `agent.offer.apples`."""
+
+    says = "`{agent}` may not have chosen `{action}` here, and then there is no `{path}`"
+    hints = ("guard it with `{agent} chose {action}`",)
+    agent: str
+    action: str
+    path: str
+
+
 # What a condition around it can make right: said only where the conditions around could be read.
-GUARDABLE = (ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed, ExtremeOfNothing)
+GUARDABLE = (
+    ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed, ExtremeOfNothing, NotChosen,
+)  # fmt: skip

@@ -1,0 +1,19 @@
+"""Reads names of actions that stand in a row, such as `zap, offer(1, 2), stay`."""
+
+import re
+
+_INSIDE = r"(?![^()]*\))"  # not between the brackets of an action with arguments
+
+
+def split_actions(text: str, apart: str = ",") -> list[str]:
+    """Returns the names in a text as the game spells them, without layout; a missing one is empty.
+
+    Args:
+      apart: the pattern of what stands between two names; inside the brackets of an action it is part of its name.
+    """
+    return [_spelt(name) for name in re.split(apart + _INSIDE, text)]
+
+
+def _spelt(name: str) -> str:
+    action, bracket, arguments = name.strip().partition("(")
+    return f"{action.strip()}({', '.join(a.strip() for a in arguments.rstrip(') ').split(','))})" if bracket else action

@@ -1,0 +1,19 @@
+"""Games written to be awkward about one construct each: the compiled step, run on NumPy, equals the interpreter."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.fuzz.judge import TRACED, judge
+from tests.fuzz.programs import Program
+
+GAMES = sorted((Path(__file__).parent / "on_numpy").glob("*.sj"))
+
+
+@pytest.mark.parametrize("path", GAMES, ids=lambda path: path.stem)
+def test_interpreter_and_compiled_agree(path: Path) -> None:
+    for seed in (TRACED, TRACED + 1):
+        (verdict,) = judge(Program(path.read_text("utf-8")), seed=seed, steps=30, jit=False)
+        assert verdict.accepted, verdict.messages
+        assert not verdict.fault
+        assert verdict.steps == 30
