@@ -9,6 +9,7 @@ from sjdsl.doc.domains import members, nearest, shape_of
 from sjdsl.doc.expressions import operand, side, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, article, code, codes, counted, joined, number, variable
+from sjdsl.runtime.actions import HEADINGS
 
 
 def block(body: tuple[ir.Stmt, ...], v: Vocabulary) -> tuple[Line, ...]:
@@ -204,15 +205,16 @@ def _shift(s: ir.Shift, v: Vocabulary) -> str:
     assert s.steps is not None
     match s:
         case ir.Shift(heading=ir.Attribute(name="heading", owner=owner)) if owner == s.who:
-            way = TURNED[s.quarters]
+            way = TURNED[s.quarters % 4]
         case ir.Shift(heading=ir.Word(value=word)):
-            way = f"to the {word}"
+            way = f"to the {HEADINGS[(HEADINGS.index(word) + s.quarters) % 4]}"
         case ir.Shift(heading=None):
             assert s.other is not None
-            way = f"{'away from' if s.quarters else 'toward'} {value(s.other, v)}, along the longer of the two distances"
+            turned = {0: "toward", 2: "away from"}.get(s.quarters, f"{s.quarters} quarter turns to the right of the way toward")
+            way = f"{turned} {value(s.other, v)}, along the longer of the two distances"
         case _:
             assert s.heading is not None
-            way = f"in the direction {value(s.heading, v)}"
+            way = f"in the direction {value(s.heading, v)}" + (f", turned {s.quarters} times to the right" if s.quarters else "")
     far = counted(s.steps.value, "cell") if isinstance(s.steps, ir.Number) else f"{value(s.steps, v)} cells"
     return f"{value(s.who, v)} is sent {far} {way}, {_look(s.facing)}; if the way is not free, it stays where it is"
 

@@ -10,6 +10,7 @@ from sjdsl.compiler import ir
 SILENT = {
     "*": {"origin", "type", "stream"},
     "Send": {"pool", "order_stream", "heading_stream"},  # a pool is the destination as written
+    "Shift": {"heading_stream"},
     "Phase": {"name", "marks"},  # the label as an identifier; the shapes that its sentences mark
     "FieldRead": {"held_by", "kinds"},  # follow from the owner
     "Kind": {"glyph"},  # also the first of its glyphs
