@@ -44,6 +44,7 @@ class Composition:
     agent_fields: dict[str, ast.Field | ast.Timer] = field(default_factory=dict)
     forbids: dict[str, ast.Forbid] = field(default_factory=dict)
     agent_blocks: dict[str, ast.Blocks] = field(default_factory=dict)
+    movers: dict[str, ast.Movers] = field(default_factory=dict)
     shapes: dict[str, ast.Shape] = field(default_factory=dict)
     defines: dict[str, ast.Define] = field(default_factory=dict)
     schedule: ast.Schedule | None = None
@@ -61,7 +62,9 @@ class Composition:
     chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
 
-    TABLES = ("constants", "kinds", "groups", "fields", "shapes", "defines", "phases", "metrics", "checks", "policies", "scenarios")
+    TABLES = (
+        "constants", "kinds", "groups", "fields", "movers", "shapes", "defines", "phases", "metrics", "checks", "policies", "scenarios",
+    )  # fmt: skip
 
     def names(self) -> list[str]:
         """Returns every name a variant may change."""
@@ -130,7 +133,7 @@ def _read_base(name: ast.String, source: Source) -> Source:
 def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, object]]:
     """Returns what a section declares or changes: (key, span, node)."""
     match section:
-        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Define():
+        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Define() | ast.Movers():
             return [(section.name.text, section.name.span, section)]
         case ast.Shape() | ast.Phase():  # these have name spaces of their own
             return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
@@ -222,6 +225,8 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
                 game.map = section
             case ast.Agents():
                 _apply_agents(game, section)
+            case ast.Movers():
+                game.movers[section.name.text] = section
             case ast.Shape():
                 game.shapes[section.name.text] = section
             case ast.Define():

@@ -71,7 +71,7 @@ def _meaning(action: int, name: str, v: Vocabulary) -> str:
         said.append("nothing")
     elif name in RELATIVE:
         moves = RELATIVE if v.game.agents.relative else COMPASS
-        said.append(moves[name] if v.phases_with(ir.Move) else "nothing by itself: no phase lets agents move")
+        said.append(moves[name] if v.agents_move else "nothing by itself: no phase lets agents move")
     asking = [label for label, nodes in v.phases.items() if any(isinstance(n, ir.Chose) and n.action == action for n in nodes)]
     if asking:
         said.append(f"what phase {codes(asking)} says")

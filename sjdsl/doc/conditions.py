@@ -34,7 +34,8 @@ def condition(e: ir.Expr, v: Vocabulary, holds: bool = True) -> str:
         case ir.Truth():
             return "always" if e.value == holds else "never"
         case ir.Unoccupied():
-            return f"{'no' if holds else 'some'} agent stands on {value(e.cell, v)}"
+            somebody = "agent or mover" if v.game.movers else "agent"
+            return f"{'no' if holds else 'some'} {somebody} stands on {value(e.cell, v)}"
         case ir.Not():
             return condition(e.value, v, not holds)
         case ir.Logic():

@@ -20,7 +20,7 @@ def members(d: ir.Domain, v: Vocabulary, plural: bool = False, restriction: bool
         return _among(d, d.restriction, v, plural)
     own, under, rest = _clauses(d, v)
     if d.restriction is not None and restriction:
-        own.append(_lies(d.restriction, v, plural, d.var.who == "agent"))
+        own.append(_lies(d.restriction, v, plural, d.var.who != "cell"))
     if d.on is not None:
         cell = v.named(d.on)
         own.append(" ".join([f"that {'each stand' if plural else 'stands'} on {article(cell)}", *under]))
@@ -72,9 +72,9 @@ def relative(test: ir.Expr, member: ir.Member, v: Vocabulary) -> str:
     """Returns a condition as a clause behind its noun, `whose fruit is ripe`; empty if it is not about this member."""
     match test:
         case ir.Unoccupied(cell=cell) if _is(cell, member):
-            return "on which no agent stands"
+            return f"on which no {_somebody(v)} stands"
         case ir.Not(value=ir.Unoccupied(cell=cell)) if _is(cell, member):
-            return "on which some agent stands"
+            return f"on which some {_somebody(v)} stands"
     saying = say(test, v)
     if saying is None:
         return ""
@@ -85,6 +85,10 @@ def relative(test: ir.Expr, member: ir.Member, v: Vocabulary) -> str:
         case ir.Member() if _is(saying.subject, member) and isinstance(_bare(test), ir.Chose | ir.ChoseWith):
             return f"that {saying.says}"
     return ""
+
+
+def _somebody(v: Vocabulary) -> str:
+    return "agent or mover" if v.game.movers else "agent"
 
 
 def _bare(test: ir.Expr) -> ir.Expr:

@@ -11,7 +11,7 @@ from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text,
 
 def entities(v: Vocabulary) -> list[str]:
     """Returns the section on entities, state and scales."""
-    found = ["### Agents", "", *agents(v), "### Kinds of cell", "", *kinds(v), "### Map", "", *world_map(v.game)]
+    found = ["### Agents", "", *agents(v), *movers(v), "### Kinds of cell", "", *kinds(v), "### Map", "", *world_map(v.game)]
     if v.game.fields:
         found += ["### State of the world", "", *bullets(map(field_line, v.game.fields)), ""]
     return [*found, "### Shapes", "", *shapes(v)] if v.shapes else found
@@ -36,6 +36,20 @@ def lane_ends(v: Vocabulary) -> list[Line]:
     return [Line(text if test is None else f"{text} if {condition(test, v)}") for text, test in ends]
 
 
+def movers(v: Vocabulary) -> list[str]:
+    """Returns the sorts of movers with their fields."""
+    if not v.game.movers:
+        return []
+    what = "Movers stand on cells of their own as agents do, and go where the rules say. They choose nothing, observe nothing and earn nothing."
+    lines = [
+        Line(
+            f"{counted(sort.number, 'mover')} {code(sort.name)}, drawn as {code(sort.glyph)}; each has", tuple(map(field_line, sort.fields))
+        )
+        for sort in v.game.movers
+    ]
+    return ["### Movers", "", what, "", *bullets(lines), ""]
+
+
 def kinds(v: Vocabulary) -> list[str]:
     """Returns what cells can be: their glyphs with the state that each stands for, what they stop, their fields."""
     game = v.game
@@ -58,11 +72,10 @@ def blocking(kind: ir.Kind, v: Vocabulary) -> list[Line]:
     """Returns what the cells of a kind stop."""
     found = []
     for block in kind.blocks:
-        what = (
-            f"no agent can enter a {kind.name} cell"
-            if block.what == "agents"
-            else f"a lane of {code(block.what)} ends at a {kind.name} cell"
-        )
+        sorts = {sort.name: sort.name for sort in v.game.movers} | {"agents": "agent"}
+        what = f"a lane of {code(block.what)} ends at a {kind.name} cell"
+        if block.what in sorts:
+            what = f"no {sorts[block.what]} can enter a {kind.name} cell"
         when = ""
         if block.condition is not None:
             when = f" if {condition(block.condition, v)}"

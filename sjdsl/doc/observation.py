@@ -103,9 +103,15 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
         "other": "other agents, where they stand",
         "everyone": "every agent, wherever it is, in the order of their numbers",
         "world": "the world",
+        "mover": f"each {s.kind}, where it stands",
     }[s.what]
+    if s.what == "mover" and not s.field:
+        unless = "" if s.hidden_when is None else f", unless {condition(s.hidden_when, v)}{_readers(s)}"
+        return Line(f"whether a {s.kind} stands there{unless}")
     entry = f"the {_row_entry(s.word)} of the" if s.word is not None else "the"
     entry = "the number of the agent in the" if s.type.words[:1] == ("nobody",) and not s.labels else entry
+    relative = " as seen by the observer" if s.what == "mover" and s.field == "heading" and not s.labels else ""
+    whose = whose.replace(",", f"{relative},") if relative else whose
     text = f"{entry} {code(s.field)} of {whose}" + (", the same everywhere in the window" if s.what in ("everyone", "own", "world") else "")
     if s.labels:
         text += f", shown as the first of these that applies: {_labels(s.labels, v)}"
@@ -125,7 +131,8 @@ def _row_entry(name: str) -> str:
 def _readers(s: ir.Observable) -> str:
     """Returns what the variables in the conditions of an observable stand for."""
     name = "everyone" if s.what == "everyone" else "other"
-    other = {"cell": f', "the {s.kind} cell" the cell that is seen', "own": "", "world": ""}.get(
+    movers = f', "the {s.kind}" the one that is seen'
+    other = {"cell": f', "the {s.kind} cell" the cell that is seen', "mover": movers, "own": "", "world": ""}.get(
         s.what, f", agent *{name}* the one that is seen"
     )
     return f' ("the agent" is the observer{other})'
@@ -154,4 +161,7 @@ def _fields(game: ir.Game) -> Iterator[tuple[tuple[str, str, str], str]]:
         yield from ((("cell", kind.name, f.name), f"the {code(f.name)} of {kind.name} cells") for f in kind.fields)
     for what, whose in (("own", "the observer itself"), ("other", "other agents")):
         yield from (((what, "", f.name), f"the {code(f.name)} of {whose}") for f in game.agents.fields)
+    for sort in game.movers:
+        yield from ((("mover", sort.name, f.name), f"the {code(f.name)} of {sort.name} movers") for f in sort.fields)
+        yield ("mover", sort.name, ""), f"where {sort.name} movers stand"
     yield from ((("world", "", f.name), f"the {code(f.name)} of the world") for f in game.fields)

@@ -26,6 +26,14 @@ MOVEMENT = Line(
         Line("agents that the statement does not name stay, whatever they chose"),
     ),
 )
+BODIES = Line(
+    "movers occupy cells as agents do: no two of them all stand on one cell, and what is said of agents that move or are sent is true of them",
+    (
+        Line("a mover that would leave the map, or enter a cell that its sort cannot enter, stays; those that do not move in a phase stay"),
+        Line("a cell is nearer if fewer steps along rows and columns lead from it to the nearest one, whatever stands between"),
+        Line("a cell beside a mover is free if it can enter it and nobody stood on it when the phase began"),
+    ),
+)
 NOTES: tuple[tuple[tuple[type, ...], Line], ...] = (
     ((ir.Step,), Line("the number of finished steps is 0 in the first step")),
     (
@@ -73,11 +81,13 @@ def how_to_read(v: Vocabulary) -> list[str]:
 
 def _notes(v: Vocabulary) -> Iterator[Line]:
     yield from ALWAYS
+    if v.game.movers:
+        yield BODIES
     yield from (line for sorts, line in NOTES if v.has(*sorts))
     sends = [node for node in v.nodes if isinstance(node, ir.Send)]
     if sends:
         yield _sending(sends)
-    if can_be_away(v.game):
+    if any(can_be_away(v.game, sort) for sort in ("", *(sort.name for sort in v.game.movers))):
         yield _away(sends)
     if v.has(ir.Move):
         yield MOVEMENT

@@ -1,7 +1,7 @@
 """The process section of a rule sheet: the order of events in a step, and what each phase can change."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, written_field
+from sjdsl.compiler.ir.queries import all_fields, mover_sort, written_field
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import capital, code, codes, joined
 
@@ -17,7 +17,7 @@ def overview(v: Vocabulary) -> list[str]:
 
 def _tick(v: Vocabulary) -> str:
     found = ["timers fall"] if any(field.timer for field in all_fields(v.game)) else []
-    found += ["agents that are away come nearer"] if v.waits else []
+    found += [f"{v.bodies} that are away come nearer"] if v.waits else []
     return f"`tick`: {joined(found) if found else 'nothing'}"
 
 
@@ -26,22 +26,33 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
     nodes = v.phases[phase.label]
     fields = [_written(n.target, v) for n in nodes if isinstance(n, ir.Set | ir.Add)]
     found = [f"sets {joined(dict.fromkeys(fields))}"] if fields else []
+    places = ((ir.Move, "move"), (ir.Send, "are sent elsewhere"), (ir.Shift, "are sent to one cell"), (ir.Remove, "are taken away"))
     sorts = (
-        (ir.Move, "agents move"),
-        (ir.Send, "agents are sent elsewhere"),
-        (ir.Shift, "agents are sent to one cell"),
-        (ir.Remove, "agents are taken away"),
         (ir.Give, "gives rewards"),
         (ir.Mark, "marks cells"),
         (ir.End, "can end the episode"),
     )
+    for who, many in (("", "agents"), *((sort.name, f"{sort.name} movers") for sort in v.game.movers)):
+        found += [f"{many} {does}" for sort, does in places if any(isinstance(n, sort) and _of(n) == who for n in nodes)]
     found += [text for sort, text in sorts if any(isinstance(n, sort) for n in nodes)]
     events = dict.fromkeys(n.event for n in nodes if isinstance(n, ir.Tally))
     found += [f"counts {codes(events)}"] if events else []
     return f": {'; '.join(found)}" if found else ": nothing"
 
 
+def _of(s: ir.Node) -> str:
+    """Returns the sort of the movers that a statement moves or sends; nothing for agents."""
+    match s:
+        case ir.Move():
+            return mover_sort(s.domain.var)
+        case ir.Send() | ir.Shift() | ir.Remove():
+            return mover_sort(s.who)
+        case _:
+            raise AssertionError(s)
+
+
 def _written(target: ir.Expr, v: Vocabulary) -> str:
     read = written_field(target)
-    owner = f"{v.kinds(read.kinds)} cells" if read.held_by == "cell" else {"agent": "agents", "world": "the world"}[read.held_by]
+    owners = {"agent": "agents", "world": "the world", "mover": f"{' '.join(read.kinds)} movers"}
+    owner = f"{v.kinds(read.kinds)} cells" if read.held_by == "cell" else owners[read.held_by]
     return f"{code(read.name)} of {owner}"

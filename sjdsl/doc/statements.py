@@ -51,6 +51,8 @@ def lines(s: ir.Stmt, v: Vocabulary) -> list[Line]:
         case ir.Remove():
             return [Line(f"{value(s.who, v)} is taken away for the rest of the episode")]
         case ir.Move():
+            if s.course is not None:
+                return [Line(f"all at the same time (see Movement), each {members(s.domain, v)} {_course(s.course, v)}")]
             return [Line(f"each {members(s.domain, v)} makes the move it chose, all at the same time (see Movement)")]
         case ir.Mark():
             return [Line(f"the cells of {shape_of(s.shape, s.anchor, v)} are marked for the next observation")]
@@ -169,6 +171,22 @@ def _tally(s: ir.Tally, v: Vocabulary) -> str:
     return f"the event {code(s.event)} is counted{whom}{under}, as many times as {side(s.amount, v)}"
 
 
+def _course(course: ir.Course, v: Vocabulary) -> str:
+    """Returns which way movers go."""
+    if isinstance(course, ir.Along):
+        if isinstance(course.heading, ir.FieldRead) and course.heading.held_by == "mover" and course.heading.name == "heading":
+            return "steps to the cell in front of it"
+        return f"turns to {value(course.heading, v)} and steps that way"
+    beside = "turns to one of the free cells beside it, at random with equal chances, and steps there"
+    if course.avoided is not None:
+        avoided = members(course.avoided, v, plural=True)
+        beside = beside.replace("beside it,", f"beside it ({'never' if course.avoided.var.who == 'cell' else 'never those of'} {avoided}),")
+    if course.goal is None:
+        return beside
+    which = "farther from" if course.away else "nearer to"
+    return f"{beside}: only those {which} the nearest of the {members(course.goal, v, plural=True)}; it stays if there is none"
+
+
 def _send(s: ir.Send, v: Vocabulary) -> str:
     """Returns whom a `send` sends, where to, when, and how they look there."""
     only = one_cell(s.domain)
@@ -222,9 +240,11 @@ def _shift(s: ir.Shift, v: Vocabulary) -> str:
 def tick_lines(v: Vocabulary) -> list[Line]:
     """Returns what happens at `tick` in this game."""
     agents = [f"{code(f.name)} of each agent" for f in v.game.agents.fields if f.timer]
+    agents += [f"{code(f.name)} of each {sort.name}" for sort in v.game.movers for f in sort.fields if f.timer]
     cells = [f"{code(f.name)} of each {k.name} cell" for k in v.game.kinds for f in k.fields if f.timer]
     world = [f"{code(f.name)} of the world" for f in v.game.fields if f.timer]
     found = [Line(f"these timers fall by 1 if they are above 0: {joined([*agents, *cells, *world])}")] if agents or cells or world else []
     if v.waits:
-        found.append(Line("each agent that is away for a number of ticks is one tick nearer to its return; who has none left returns now"))
+        who = "agent or mover" if v.game.movers else "agent"
+        found.append(Line(f"each {who} that is away for a number of ticks is one tick nearer to its return; who has none left returns now"))
     return found or [Line("nothing: the game has no timers, and nobody is away for a time")]

@@ -50,8 +50,18 @@ class Vocabulary:
 
     @cached_property
     def waits(self) -> bool:
-        """Whether an agent can be away for a time."""
+        """Whether an agent or a mover can be away for a time."""
         return any(isinstance(node, ir.Send) and node.after is not None for node in self.nodes)
+
+    @cached_property
+    def bodies(self) -> str:
+        """Who occupies cells: `agents`, or `agents and movers`."""
+        return "agents and movers" if self.game.movers else "agents"
+
+    @cached_property
+    def agents_move(self) -> bool:
+        """Whether some phase lets agents move as they chose."""
+        return any(isinstance(node, ir.Move) and node.course is None for node in self.nodes)
 
     @cached_property
     def groups(self) -> dict[tuple[str, ...], str]:
@@ -80,7 +90,9 @@ class Vocabulary:
         return kinds[0] if len(kinds) == 1 else self.groups.get(kinds) or joined(kinds, "or")
 
     def noun(self, member: ir.Member) -> str:
-        """Returns `agent` or `soil cell`."""
+        """Returns `agent`, `deer` or `soil cell`."""
+        if member.who == "mover":
+            return member.kinds[0]
         return "agent" if member.who == "agent" else f"{self.kinds(member.kinds)} cell"
 
     def is_plain(self, member: ir.Member) -> bool:
@@ -89,7 +101,7 @@ class Vocabulary:
 
     def named(self, member: ir.Member, plural: bool = False) -> str:
         """Returns a variable where it is introduced: `soil cell`, `agent *zapper*`."""
-        noun = self.noun(member) + ("s" if plural else "")
+        noun = self.noun(member) + (" movers" if plural and member.who == "mover" else "s" if plural else "")
         return noun if self.is_plain(member) else f"{noun} {variable(member.name)}"
 
     def refer(self, member: ir.Member) -> str:

@@ -6,7 +6,7 @@ from functools import lru_cache
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir import printer
 from sjdsl.compiler.ir.queries import contains, kinds_by_glyph, phases_of
-from sjdsl.interpreter.state import Cell, Pool, Value, World, field_value
+from sjdsl.interpreter.state import Cell, Herd, Pool, Value, World, field_value
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +29,7 @@ class Board:
     agent_fields: dict[str, ir.VarField]
     world_fields: dict[str, ir.VarField]
     cell_fields: dict[tuple[str, str], ir.VarField]
+    mover_fields: dict[tuple[str, str], ir.VarField]
     pools: dict[Pool, ir.Send]
     moving: frozenset[int]
     closed: dict[int, tuple[ir.Expr, bool]] = field(default_factory=dict)
@@ -72,6 +73,7 @@ def _build(game: ir.Game) -> Board:
         agent_fields={f.name: f for f in game.agents.fields},
         world_fields={f.name: f for f in game.fields},
         cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},
+        mover_fields={(sort.name, f.name): f for sort in game.movers for f in sort.fields},
         pools=_pools(game),
         moving=frozenset(id(phase) for phase in phases_of(game) if contains(phase, ir.Move)),
     )
@@ -111,4 +113,11 @@ def declared_world(board: Board, params: dict[str, Value]) -> World:
         away=[None for _ in agents],
         marks=[],
         params=dict(params),
+        movers={sort.name: _declared_herd(sort) for sort in game.movers},
     )
+
+
+def _declared_herd(sort: ir.Movers) -> Herd:
+    movers = range(sort.number)
+    fields = {f.name: [field_value(f, f.start) for _ in movers] for f in sort.fields}
+    return Herd([None for _ in movers], [False for _ in movers], [None for _ in movers], fields)

@@ -13,10 +13,11 @@ from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.ir.sorts import Level, place_of, sort_of
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
+from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, where_is
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.members import Found, agent_on, is_here
+from sjdsl.interpreter.members import Found, agent_on, body_on, is_here
 from sjdsl.interpreter.shapes import Seen, lanes_from
-from sjdsl.interpreter.state import HEADINGS, Cell, Value
+from sjdsl.interpreter.state import HEADINGS, Cell, Mover, Value
 
 
 def evaluate(e: ir.Expr, here: Instance) -> Value:
@@ -99,7 +100,7 @@ def _is_in_range(e: ir.InRange, here: Instance) -> bool:
 
 
 def _stands_on(e: ir.StandsOn, here: Instance) -> bool:
-    cell = here.world.position[evaluate(e.agent, here)]
+    cell = where_is(evaluate(e.agent, here), here.world)
     return cell is not None and here.board.kind_of[cell] in e.kinds
 
 
@@ -151,6 +152,8 @@ def _field(e: ir.FieldRead, here: Instance) -> Value:
     assert owner is not None, f"`{e.name}` of nobody"
     if e.held_by == "agent":
         return here.world.agents[e.name][owner]
+    if e.held_by == "mover":
+        return here.world.movers[owner.sort].fields[e.name][owner.number]
     return here.world.cells[here.board.kind_of[owner], e.name][here.board.number[owner]]
 
 
@@ -161,9 +164,9 @@ def _distance(e: ir.Distance, here: Instance) -> int:
 
 
 def cell_of(e: ir.Expr, here: Instance) -> Cell | None:
-    """Returns the cell that an expression is, or that its agent stands on."""
+    """Returns the cell that an expression is, or that its agent or mover stands on."""
     owner = evaluate(e, here)
-    return here.world.position[owner] if isinstance(owner, int) else owner
+    return owner if owner is None or isinstance(owner, Cell) else where_is(owner, here.world)
 
 
 def _attribute(e: ir.Attribute, here: Instance) -> Value:
@@ -171,16 +174,16 @@ def _attribute(e: ir.Attribute, here: Instance) -> Value:
     assert owner is not None, f"`{e.name}` of nobody"
     match e.name:
         case "index":
-            return owner
+            return number_of(owner)
         case "heading":
-            return HEADINGS[here.world.heading[owner]]
+            return HEADINGS[heading_of(owner, here.world)]
         case "moved":
-            return here.world.moved[owner]
+            return herd_of(owner, here.world).moved[number_of(owner)]
         case "away":
             return not is_here(owner, here.world)
         case "row" | "col":
-            cell = here.world.position[owner] if isinstance(owner, int) else owner
-            assert cell is not None, f"`{e.name}` of an agent that is away"
+            cell = owner if isinstance(owner, Cell) else where_is(owner, here.world)
+            assert cell is not None, f"`{e.name}` of somebody who is away"
             return cell.row if e.name == "row" else cell.col
         case _:
             assert_never(e.name)
@@ -258,10 +261,10 @@ def nearest_members(domain: ir.Domain, here: Instance) -> list[Found | None]:
 def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
     """Returns the lanes of a shape around its anchor, as far as they go."""
     shape, anchor = here.board.shapes[near.shape], here.names[near.anchor.name]
-    agent = anchor if near.anchor.who == "agent" else None
-    place = here.world.position[anchor] if near.anchor.who == "agent" else anchor
-    heading = here.world.heading[agent] if shape.directed and agent is not None else 0
-    return lanes_from(shape, place, heading, here.board.kind_of.__contains__, lambda cell: is_blocked(cell, shape.name, agent, here))
+    body = None if near.anchor.who == "cell" else anchor
+    place = anchor if body is None else where_is(body, here.world)
+    heading = heading_of(body, here.world) if shape.directed and body is not None else 0
+    return lanes_from(shape, place, heading, here.board.kind_of.__contains__, lambda cell: is_blocked(cell, shape.name, body, here))
 
 
 def cells_in(near: ir.Near, here: Instance) -> dict[Cell, int]:
@@ -273,15 +276,17 @@ def cells_in(near: ir.Near, here: Instance) -> dict[Cell, int]:
     return numbers
 
 
-def is_blocked(cell: Cell, what: str, agent: int | None, here: Instance) -> bool:
-    """Returns whether the cell's kind blocks `what`: agents, or the shape of that name (or an agent on it does).
+def is_blocked(cell: Cell, what: str, body: Body | None, here: Instance) -> bool:
+    """Returns whether the cell's kind blocks `what`: agents, a sort of movers, or the shape of that name (or an agent on it does).
 
-    `agent` moves, or is the anchor.
+    `body`: who moves, or the anchor.
     """
     if what != "agents" and _agent_stops(cell, what, here):
         return True
     kind = here.board.kinds[here.board.kind_of[cell]]
-    names = {kind.name: cell} if agent is None else {kind.name: cell, "agent": agent}
+    names: dict[str, Value] = {kind.name: cell}
+    if body is not None:
+        names[body.sort if isinstance(body, Mover) else "agent"] = body
     return any(block.what == what and (block.condition is None or evaluate(block.condition, here.only(names))) for block in kind.blocks)
 
 
@@ -297,9 +302,9 @@ def _agent_stops(cell: Cell, shape: str, here: Instance) -> bool:
 
 def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:
     for cell, number in lane:
-        if domain.var.who == "agent":
-            agent = agent_on(cell, here.world)
-            member = None if agent is None else _restricted(domain, agent, agent, here)
+        if domain.var.who != "cell":
+            body = body_on(cell, domain, here.world)
+            member = None if body is None else _restricted(domain, body, number_of(body), here)
         else:
             is_kind = here.board.kind_of[cell] in domain.var.kinds
             member = _restricted(domain, cell, number, here) if is_kind else None
@@ -308,19 +313,24 @@ def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:
     return None
 
 
-def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
-    if domain.var.who == "agent":
-        return [(agent, agent) for agent in sorted(_agents(domain.restriction, here)) if is_here(agent, here.world)]
+def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[Body | Cell, int]]:
+    if domain.var.who != "cell":
+        return [(body, number_of(body)) for body in sorted(_bodies(domain, here), key=number_of) if is_here(body, here.world)]
     return _cells(domain, here)
 
 
-def _agents(restriction: ir.Restriction | None, here: Instance) -> set[int]:
+def _bodies(domain: ir.Domain, here: Instance) -> set[Body]:
+    everybody: list[Body] = list(range(here.board.agents))
+    if domain.var.who == "mover":
+        sort = domain.var.kinds[0]
+        everybody = [Mover(sort, number) for number in range(len(here.world.movers[sort].position))]
+    restriction = domain.restriction
     match restriction:
         case None:
-            return set(range(here.board.agents))
+            return set(everybody)
         case ir.Near():
             cells = cells_in(restriction, here)
-            return {agent for agent, cell in enumerate(here.world.position) if cell in cells}
+            return {body for body in everybody if where_is(body, here.world) in cells}
         case ir.InAgents():
             return set(agents_in(evaluate(restriction.value, here)))
         case ir.InCell():
@@ -331,7 +341,7 @@ def _agents(restriction: ir.Restriction | None, here: Instance) -> set[int]:
             assert_never(restriction)
 
 
-def _cells(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
+def _cells(domain: ir.Domain, here: Instance) -> list[tuple[Body | Cell, int]]:
     all_cells = cells_of(here.board, domain.var.kinds)
     match domain.restriction:
         case None:
@@ -352,12 +362,12 @@ def _cells(domain: ir.Domain, here: Instance) -> list[tuple[int | Cell, int]]:
             assert_never(domain.restriction)
 
 
-def _restricted(domain: ir.Domain, member: int | Cell, number: int, here: Instance) -> Found | None:
+def _restricted(domain: ir.Domain, member: Body | Cell, number: int, here: Instance) -> Found | None:
     """Returns the member with what it binds if it passes `on` and `where`."""
     names: dict[str, Value] = {domain.var.name: member}
     if domain.on is not None:
-        assert isinstance(member, int), "only agents stand on something"
-        cell = here.world.position[member]
+        assert not isinstance(member, Cell), "only agents and movers stand on something"
+        cell = where_is(member, here.world)
         if cell is None or here.board.kind_of[cell] not in domain.on.kinds:
             return None
         names[domain.on.name] = cell
@@ -404,7 +414,7 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Chose: lambda e, here: here.actions[evaluate(e.agent, here)] == e.action,
     ir.ChoseWith: _chose_with,
     ir.ArgumentOf: _argument_of,
-    ir.Unoccupied: lambda e, here: agent_on(evaluate(e.cell, here), here.world) is None,
+    ir.Unoccupied: lambda e, here: is_free(evaluate(e.cell, here), here.world),
     ir.StandsOn: _stands_on,
     ir.Not: lambda e, here: not evaluate(e.value, here),
     ir.Logic: _logic,

@@ -1,49 +1,63 @@
-"""Members of domains, agents and cells, and the number of each among all possible members."""
+"""Members of domains, agents, movers and cells, and the number of each among all possible members."""
 
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import movers_named
 from sjdsl.interpreter import shapes
 from sjdsl.interpreter.board import Board, cells_of
-from sjdsl.interpreter.state import Cell, Value, World
+from sjdsl.interpreter.bodies import Body, away_of, number_of
+from sjdsl.interpreter.state import Cell, Mover, Value, World
 
 
 @dataclass(frozen=True)
 class Found:
-    """One member: an agent or a cell, its number, and the variables it binds."""
+    """One member: an agent, a mover or a cell, its number, and the variables it binds."""
 
-    member: int | Cell
+    member: Body | Cell
     number: int
     names: dict[str, Value]
 
 
 def radix(domain: ir.Domain, board: Board) -> int:
     """Returns how many members the domain could have."""
-    if domain.var.who == "agent":
-        return board.agents
     match domain.restriction:
-        case ir.Near():
+        case ir.Near() if domain.var.who == "cell":
             return shapes.size(board.shapes[domain.restriction.shape])
         case _:
-            return len(cells_of(board, domain.var.kinds))
+            return everybody(domain, board)
 
 
 def everybody(domain: ir.Domain, board: Board) -> int:
-    """Returns how many agents, or cells of the domain's kinds, there are."""
-    return board.agents if domain.var.who == "agent" else len(cells_of(board, domain.var.kinds))
+    """Returns how many agents, movers of the domain's sort, or cells of its kinds there are."""
+    match domain.var.who:
+        case "agent":
+            return board.agents
+        case "mover":
+            return movers_named(board.game, domain.var.kinds[0]).number
+        case "cell":
+            return len(cells_of(board, domain.var.kinds))
 
 
 def own_number(domain: ir.Domain, member: Found, board: Board) -> int:
-    """Returns an agent's id, or a cell's number among the cells of the domain's kinds, wherever it was looked for."""
+    """Returns the number of an agent, a mover, or a cell among the cells of the domain's kinds, wherever it was looked for."""
+    if isinstance(member.member, Cell):
+        return cells_of(board, domain.var.kinds).index(member.member)
+    return number_of(member.member)
+
+
+def is_here(body: Body, world: World) -> bool:
+    """Returns whether an agent or a mover is not away."""
+    return away_of(body, world) is None
+
+
+def body_on(cell: Cell, domain: ir.Domain, world: World) -> Body | None:
+    """Returns the agent, or the mover of the domain's sort, that stands on a cell."""
     if domain.var.who == "agent":
-        assert isinstance(member.member, int)
-        return member.member
-    return cells_of(board, domain.var.kinds).index(member.member)
-
-
-def is_here(agent: int, world: World) -> bool:
-    """Returns whether an agent is not away."""
-    return world.away[agent] is None
+        return agent_on(cell, world)
+    sort = domain.var.kinds[0]
+    places = world.movers[sort].position
+    return Mover(sort, places.index(cell)) if cell in places else None
 
 
 def agent_on(cell: Cell, world: World) -> int | None:

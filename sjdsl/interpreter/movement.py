@@ -1,62 +1,116 @@
-"""Interprets `move`: all agents step at once, a collision on a cell is settled at random, and swaps are blocked."""
+"""Interprets `move`: all members step at once, a collision on a cell is settled at random, and swaps are blocked."""
 
-from sjdsl.interpreter.evaluate import is_blocked
+from sjdsl.compiler import ir
+from sjdsl.interpreter.bodies import Body, bodies, heading_of, herd_of, is_free, number_of, turn, where_is
+from sjdsl.interpreter.evaluate import evaluate, is_blocked, members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD
-from sjdsl.interpreter.state import Cell, World
+from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
 
 _TURNS = {"turn_left": -1, "turn_right": 1}
 _STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 
 
-def move(movers: dict[int, int], here: Instance, world: World) -> None:
-    """Changes places and headings of `world`, which holds the snapshot's. `movers`: agent -> rank, the largest wins a cell."""
-    targets = {agent: target for agent in movers if (target := _target(agent, here)) is not None}
+def move(sort: str, ranks: dict[Body, int], courses: dict[Body, int | None], here: Instance, world: World) -> None:
+    """Changes places and headings of `world`, which holds the snapshot's.
+
+    sort: of the movers that move; empty for agents. ranks: of those who move, the largest wins a cell. courses: of movers, which way each goes; agents go where they chose.
+    """
+    ways = {body: courses[body] if isinstance(body, Mover) else _chosen_way(body, here) for body in ranks}
+    targets = {body: target for body, way in ways.items() if (target := _target(body, way, here)) is not None}
     _stay_if_swapping(targets, here)
-    _stay_if_outranked(targets, movers)
+    _stay_if_outranked(targets, ranks)
     _stay_if_taken(targets, here)
-    for agent in movers:
-        world.heading[agent] = (world.heading[agent] + _TURNS.get(_action(agent, here), 0)) % 4
-    for agent, target in targets.items():
-        world.position[agent] = target
-    world.moved = [agent in targets for agent in range(here.board.agents)]
+    for body in ranks:
+        if not isinstance(body, Mover):
+            turn(body, (heading_of(body, here.world) + _TURNS.get(_action(body, here), 0)) % 4, world)
+        elif (way := ways[body]) is not None:
+            turn(body, way, world)
+    for body, target in targets.items():
+        herd_of(body, world).position[number_of(body)] = target
+    herd = world.movers[sort] if sort else world
+    herd.moved = [False for _ in herd.moved]
+    for body in targets:
+        herd_of(body, world).moved[number_of(body)] = True
+
+
+def course_of(course: ir.Course, mover: Mover, here: Instance) -> int | None:
+    """Returns the direction in which a mover goes; None if there is no way that it wants to go."""
+    if isinstance(course, ir.Along):
+        return HEADINGS.index(evaluate(course.heading, here))
+    open_ = [way for way in range(4) if _is_open(mover, way, course, here)]
+    goals = [] if course.goal is None else [cell for cell in _cells_of(course.goal, here) if cell is not None]
+    if course.goal is not None:
+        place = where_is(mover, here.world)
+        assert place is not None
+        now = min((_steps(place, cell) for cell in goals), default=0)
+        gained = {way: min((_steps(_beside(place, way), cell) for cell in goals), default=0) - now for way in open_}
+        open_ = [way for way in open_ if (gained[way] > 0 if course.away else gained[way] < 0)]
+    return here.take(course.stream, mover.number, open_)[0] if open_ else None
+
+
+def _cells_of(domain: ir.Domain, here: Instance) -> list[Cell | None]:
+    """Returns the cells of a domain, or those on which its members stand."""
+    return [m.member if isinstance(m.member, Cell) else where_is(m.member, here.world) for m in members_of(domain, here)]
+
+
+def _steps(a: Cell, b: Cell) -> int:
+    return abs(a.row - b.row) + abs(a.col - b.col)
+
+
+def _is_open(mover: Mover, way: int, course: ir.Wander, here: Instance) -> bool:
+    """Returns whether a neighbouring cell lets the mover in, is free, and is none that it avoids."""
+    target = _target(mover, way, here)
+    if target is None or not is_free(target, here.world):
+        return False
+    return course.avoided is None or target not in _cells_of(course.avoided, here)
 
 
 def _action(agent: int, here: Instance) -> str:
     return here.board.game.agents.actions[here.actions[agent]]
 
 
-def _target(agent: int, here: Instance) -> Cell | None:
-    """Returns the cell the agent wants to enter, None if it does not want to or can not."""
-    place, direction = here.world.position[agent], _STEPS.get(_action(agent, here))
-    if place is None or direction is None:
-        return None
-    if here.board.game.agents.relative:
+def _chosen_way(agent: int, here: Instance) -> int | None:
+    """Returns the direction in which an agent has chosen to go, None if it has not."""
+    direction = _STEPS.get(_action(agent, here))
+    if direction is not None and here.board.game.agents.relative:
         direction = (here.world.heading[agent] + direction) % 4
-    target = Cell(place.row + FORWARD[direction][0], place.col + FORWARD[direction][1])
-    if target not in here.board.kind_of or is_blocked(target, "agents", agent, here):
+    return direction
+
+
+def _beside(place: Cell, way: int) -> Cell:
+    return Cell(place.row + FORWARD[way][0], place.col + FORWARD[way][1])
+
+
+def _target(body: Body, way: int | None, here: Instance) -> Cell | None:
+    """Returns the cell that an agent or a mover wants to enter, None if it does not want to or can not."""
+    place = where_is(body, here.world)
+    if place is None or way is None:
+        return None
+    target = _beside(place, way)
+    if target not in here.board.kind_of or is_blocked(target, body.sort if isinstance(body, Mover) else "agents", body, here):
         return None
     return target
 
 
-def _stay_if_swapping(targets: dict[int, Cell], here: Instance) -> None:
-    place = here.world.position
+def _stay_if_swapping(targets: dict[Body, Cell], here: Instance) -> None:
+    place = {body: where_is(body, here.world) for body in targets}
     swapping = [a for a in targets if any(targets[a] == place[b] and targets[b] == place[a] for b in targets)]
-    for agent in swapping:
-        del targets[agent]
+    for body in swapping:
+        del targets[body]
 
 
-def _stay_if_outranked(targets: dict[int, Cell], ranks: dict[int, int]) -> None:
+def _stay_if_outranked(targets: dict[Body, Cell], ranks: dict[Body, int]) -> None:
     outranked = [a for a in targets if any(targets[b] == targets[a] and ranks[b] > ranks[a] for b in targets)]
-    for agent in outranked:
-        del targets[agent]
+    for body in outranked:
+        del targets[body]
 
 
-def _stay_if_taken(targets: dict[int, Cell], here: Instance) -> None:
+def _stay_if_taken(targets: dict[Body, Cell], here: Instance) -> None:
     while True:
-        staying = {cell for agent, cell in enumerate(here.world.position) if agent not in targets}
-        stopped = [agent for agent in targets if targets[agent] in staying]
+        staying = {where_is(body, here.world) for body in bodies(here.world) if body not in targets}
+        stopped = [body for body in targets if targets[body] in staying]
         if not stopped:
             return
-        for agent in stopped:
-            del targets[agent]
+        for body in stopped:
+            del targets[body]

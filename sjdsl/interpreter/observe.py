@@ -9,11 +9,12 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import marking_phases, shows_attribute
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.bodies import heading_of
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import agent_on, is_here
 from sjdsl.interpreter.shapes import cell_at
-from sjdsl.interpreter.state import Cell, World
+from sjdsl.interpreter.state import Cell, Mover, World
 
 _OTHER_HIDDEN = 6
 _NOWHERE = Cell(-1, -1)  # no cell of any map
@@ -70,6 +71,8 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
         case "other":
             other = _other(cell, agent, here)
             return 0 if other is None else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
+        case "mover":
+            return _mover(_observable(plane), cell, agent, here)
         case "everyone" | "own" | "world":
             raise AssertionError(plane)
         case _:
@@ -143,6 +146,22 @@ def _agent(cell: Cell, agent: int, here: Instance) -> int:
     return 2 + (here.world.heading[other] - here.world.heading[agent]) % 4
 
 
+def _mover(observable: ir.Observable, cell: Cell, agent: int, here: Instance) -> int:
+    """Returns what is seen of a mover on a cell, 0 where none is."""
+    sort = observable.kind
+    places = here.world.movers[sort].position
+    if cell not in places:
+        return 0
+    mover = Mover(sort, places.index(cell))
+    inside = here.binding({sort: mover})
+    hidden = _is_hidden(observable, inside)
+    if not observable.field:
+        return int(not hidden)
+    if observable.field == "heading" and not observable.labels and not hidden:
+        return 1 + (heading_of(mover, here.world) - here.world.heading[agent]) % 4
+    return _shown(observable, inside, bool(planes.observable_words(observable)))
+
+
 def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
     """Returns the index of the observable's word, counted from `first`, or its number; 0 if it is hidden, or not there."""
     words = planes.observable_words(observable)
@@ -192,6 +211,9 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
                 ir.Member(name=observable.kind, who="cell", kinds=(observable.kind,)),
                 board.cell_fields[observable.kind, observable.field],
             )
+        case "mover":
+            sort = observable.kind
+            owner, declared = ir.Member(name=sort, who="mover", kinds=(sort,)), board.mover_fields[sort, observable.field]
         case "own" | "other" | "everyone":
             name = "agent" if observable.what == "own" else observable.what
             if shows_attribute(observable):

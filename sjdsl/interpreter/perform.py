@@ -6,12 +6,15 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.interpreter import chances, members
 from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of, nearest_members
 from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.movement import course_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.shifting import shifting
+from sjdsl.interpreter.state import Cell, Mover
 from sjdsl.interpreter.writes import Counted, Sending, Writes, slots
 
 
@@ -162,8 +165,11 @@ def _is_same(a: Sending, b: Sending) -> bool:
 
 def _move(statement: ir.Move, here: Instance, writes: Writes) -> None:
     assert writes.movers is None, "two `move` in one phase"
-    writes.movers = {}
+    writes.movers, writes.sort = {}, mover_sort(statement.domain.var)
     radix = members.radix(statement.domain, here.board)
-    for member in members_of(statement.domain, here):
-        word = here.word(statement.stream, here.number * radix + member.number)
-        writes.movers[member.number] = (word & ~0xFF) | member.number
+    for found in members_of(statement.domain, here):
+        word = here.word(statement.stream, here.number * radix + found.number)
+        assert not isinstance(found.member, Cell)
+        writes.movers[found.member] = (word & ~0xFF) | found.number
+        if statement.course is not None and isinstance(found.member, Mover):
+            writes.courses[found.member] = course_of(statement.course, found.member, here.binding(found.names))

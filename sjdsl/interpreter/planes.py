@@ -25,7 +25,7 @@ class Plane:
     name: str
     encoding: Literal["word", "bits", "number"]
     labels: tuple[str, ...]
-    what: Literal["content", "agent", "marks", "other", "everyone", "own", "world"]
+    what: Literal["content", "agent", "marks", "other", "mover", "everyone", "own", "world"]
     observable: ir.Observable | None = None
     agent: int | None = None
 
@@ -38,7 +38,7 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
     ]
     if marking_phases(game) and not any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden):
         result.append(Plane("marks", "bits", tuple(phase.label for phase in marking_phases(game)), "marks"))
-    for what in ("other", "everyone", "own", "world"):
+    for what in ("other", "mover", "everyone", "own", "world"):
         agents = range(game.agents.number) if what == "everyone" else (None,)
         result += [_field_plane(observable, agent) for observable in game.observables if observable.what == what for agent in agents]
     return tuple(result)
@@ -105,8 +105,12 @@ def _agent_labels(game: ir.Game) -> tuple[str, ...]:
 def _field_plane(observable: ir.Observable, agent: int | None) -> Plane:
     assert observable.what != "cell"
     assert observable.what != "heading"
-    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[observable.what]
     words = observable_words(observable)
+    if observable.what == "mover":
+        name = f"{observable.kind}.{field_name(observable)}" if observable.field else observable.kind
+        words = ("none", *words) if words else ()
+        return Plane(name, "word" if words else "number", words, "mover", observable)
+    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[observable.what]
     if observable.what == "other" and words:
         words = ("nobody", *words)
     return Plane(owner + field_name(observable), "word" if words else "number", words, observable.what, observable, agent)

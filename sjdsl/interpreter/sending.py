@@ -6,6 +6,7 @@ from functools import lru_cache
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter.board import Board, cells_of
+from sjdsl.interpreter.bodies import Body, away_of, bodies, herd_of, number_of, occupied, turn
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, Value, World
@@ -17,7 +18,7 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
     """Changes the places of `world`, which holds the snapshot's: pool by pool, in each pool in id order. `phase`: its name."""
     entered: set[Cell] = set()  # pools may share cells: what an earlier one filled is not free any more
     for pool in sorted({s.send.pool for s in sends}):
-        together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: s.agent)
+        together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: number_of(s.agent))
         order = together[0].send.order_stream
         # who may have to stay does not make room for others
         leaving = set() if _may_stay(order, here.board) else {s.agent for s in together}
@@ -29,7 +30,7 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), statement.facing), world)
             elif fitting:
-                cell = here.take(order, agent, fitting)[0]
+                cell = here.take(order, number_of(agent), fitting)[0]
                 if own:
                     free.remove(cell)
                 entered.add(cell)
@@ -52,38 +53,39 @@ def _may_stay(order_stream: int, board: Board) -> bool:
     return any(s.stay for s in sends if s.order_stream == order_stream)
 
 
-def remove(agent: int, world: World) -> None:
-    """Takes an agent away for ever."""
+def remove(agent: Body, world: World) -> None:
+    """Takes an agent or a mover away for ever."""
     _leave(agent, Away(0, None, None), world)
 
 
 def bring_back(here: Instance, world: World) -> None:
-    """Lets one tick pass for the agents that are away; who has none left comes back, or waits for a free cell."""
-    due: dict[Pool, list[int]] = {}
-    for agent, away in enumerate(here.world.away):
+    """Lets one tick pass for those who are away; who has none left comes back, or waits for a free cell."""
+    due: dict[Pool, list[Body]] = {}
+    for agent in bodies(here.world):
+        away = away_of(agent, here.world)
         if away is not None and away.ticks == 1 and away.pool is not None:
             due.setdefault(away.pool, []).append(agent)
         elif away is not None and away.ticks > 1:
-            world.away[agent] = away._replace(ticks=away.ticks - 1)
+            herd_of(agent, world).away[number_of(agent)] = away._replace(ticks=away.ticks - 1)
     for pool in (p for p in here.board.pools if p in due):
         statement = here.board.pools[pool]
-        filled = {cell for cell in world.position if cell is not None}
+        filled = occupied(world)
         free = [c for c in free_cells(statement.domain, set(), here) if c not in filled]
         order = return_stream(statement.order_stream)
         for agent in due[pool]:
-            away = here.world.away[agent]
+            away = away_of(agent, here.world)
             names = {variable.name: agent for variable in variables_around(statement.domain)}  # the one agent it may name
             fitting = _fitting(statement.domain, free, names, here)
             if fitting and away is not None:
-                cell = here.take(order, agent, fitting)[0]
+                cell = here.take(order, number_of(agent), fitting)[0]
                 free.remove(cell)
                 _enter(agent, cell, away.facing, return_stream(statement.heading_stream), here, world)
 
 
-def free_cells(domain: ir.Domain, leaving: set[int], here: Instance) -> list[Cell]:
-    """Returns the free cells of the destination's kinds in reading order. The cells of `leaving` agents are free."""
+def free_cells(domain: ir.Domain, leaving: set[Body], here: Instance) -> list[Cell]:
+    """Returns the free cells of the destination's kinds in reading order. The cells of those who are `leaving` are free."""
     assert domain.restriction is None, "a destination is not around anything"
-    covered = {cell for agent, cell in enumerate(here.world.position) if agent not in leaving}
+    covered = occupied(here.world, leaving)
     return [cell for cell in cells_of(here.board, domain.var.kinds) if cell not in covered]
 
 
@@ -94,18 +96,18 @@ def _fitting(domain: ir.Domain, free: list[Cell], names: Mapping[str, Value], he
     return [cell for cell in free if evaluate(domain.where, here.only({**names, domain.var.name: cell}))]
 
 
-def _enter(agent: int, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World) -> None:
-    world.position[agent] = cell
-    world.away[agent] = None
+def _enter(agent: Body, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World) -> None:
+    herd_of(agent, world).position[number_of(agent)] = cell
+    herd_of(agent, world).away[number_of(agent)] = None
     match facing:
         case None:
-            world.heading[agent] = here.word(stream, agent) >> 30
+            turn(agent, here.word(stream, number_of(agent)) >> 30, world)
         case "same":
             pass
         case _:
-            world.heading[agent] = HEADINGS.index(facing)
+            turn(agent, HEADINGS.index(facing), world)
 
 
-def _leave(agent: int, away: Away, world: World) -> None:
-    world.position[agent] = None
-    world.away[agent] = away
+def _leave(agent: Body, away: Away, world: World) -> None:
+    herd_of(agent, world).position[number_of(agent)] = None
+    herd_of(agent, world).away[number_of(agent)] = away

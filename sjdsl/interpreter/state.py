@@ -24,6 +24,13 @@ class Cell(NamedTuple):
     col: int
 
 
+class Mover(NamedTuple):
+    """A mover, by its sort and its number among those of the sort."""
+
+    sort: str
+    number: int
+
+
 class Pool(NamedTuple):
     """All sends of one phase use to one destination as written; `number` counts them within the phase."""
 
@@ -40,6 +47,16 @@ class Away(NamedTuple):
 
 
 @dataclass
+class Herd:
+    """All movers of one sort, each list in the order of their numbers."""
+
+    position: list[Cell | None]
+    moved: list[bool]
+    away: list[Away | None]  # None: here
+    fields: dict[str, list[Value]]  # `heading` among them
+
+
+@dataclass
 class World:
     """One state between two steps or two phases. Lists over agents are in id order, over cells in reading order."""
 
@@ -53,6 +70,7 @@ class World:
     away: list[Away | None]  # None: here
     marks: list[tuple[str, int, int]]  # (name of the phase, row, col)
     params: dict[str, Value]
+    movers: dict[str, Herd] = field(default_factory=dict)  # by sort
 
 
 @dataclass
@@ -83,7 +101,12 @@ def copied(world: World) -> World:
         moved=list(world.moved),
         away=list(world.away),
         marks=list(world.marks),
+        movers={sort: _copied(herd) for sort, herd in world.movers.items()},
     )
+
+
+def _copied(herd: Herd) -> Herd:
+    return Herd(list(herd.position), list(herd.moved), list(herd.away), {k: list(v) for k, v in herd.fields.items()})
 
 
 def default_params(game: ir.Game) -> dict[str, Value]:

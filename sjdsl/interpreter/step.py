@@ -9,6 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named, event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
+from sjdsl.interpreter.bodies import away_of, bodies, where_is
 from sjdsl.interpreter.evaluate import arguments_of, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
@@ -27,9 +28,7 @@ def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell |
     world = declared_world(board, dict(params))
     stays = (game.agents.actions.index("stay"),) * board.agents
     world = _phase(game.start, Instance(board, world, stays, draws), _nothing_yet(board), tell)
-    assert all(place is not None or away is not None for place, away in zip(world.position, world.away, strict=True)), (
-        "an agent has no place"
-    )
+    assert all(where_is(body, world) is not None or away_of(body, world) is not None for body in bodies(world)), "somebody has no place"
     return world
 
 
@@ -120,7 +119,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
         write_fields(writes, here.board, world)
     if id(phase) in here.board.moving:
         assert not writes.sends, f"`{phase.label}` moves and sends"
-        move(writes.movers or {}, here, world)
+        move(writes.sort, writes.movers or {}, writes.courses, here, world)
     send(phase.name, writes.sends, here, world)
     for agent in writes.removes:
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"
@@ -158,6 +157,9 @@ def _tick(here: Instance) -> World:
     for key, declared in board.cell_fields.items():
         if declared.timer:
             world.cells[key] = [_fallen(v) for v in world.cells[key]]
+    for (sort, name), declared in board.mover_fields.items():
+        if declared.timer:
+            world.movers[sort].fields[name] = [_fallen(v) for v in world.movers[sort].fields[name]]
     bring_back(Instance(board, copied(world), here.actions, here.draws), world)
     _check_places(board, world)
     return world
@@ -192,7 +194,7 @@ def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
 
 
 def _check_places(board: Board, world: World) -> None:
-    places = [place for place in world.position if place is not None]
-    assert len(set(places)) == len(places), f"two agents on one cell: {world.position}"
-    assert all(place in board.kind_of for place in places), world.position
-    assert all(place is None or away is None for place, away in zip(world.position, world.away, strict=True))
+    places = [place for body in bodies(world) if (place := where_is(body, world)) is not None]
+    assert len(set(places)) == len(places), f"two on one cell: {world.position}, {world.movers}"
+    assert all(place in board.kind_of for place in places), places
+    assert all(where_is(body, world) is None or away_of(body, world) is None for body in bodies(world))

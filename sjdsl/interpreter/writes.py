@@ -9,14 +9,15 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.bodies import Body
 from sjdsl.interpreter.evaluate import agents_in, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import check_interval
-from sjdsl.interpreter.state import Cell, Value, World
+from sjdsl.interpreter.state import Cell, Mover, Value, World
 
 
 class Slot(NamedTuple):
-    """One entry of one field. `owner`: (kind, number of the cell), ("agent", id) or None; `entries`: one index a `by` level."""
+    """One entry of one field. `owner`: (kind or sort, number of the cell or mover), ("agent", id) or None; `entries`: one index a `by` level."""
 
     name: str
     owner: tuple[str, int] | None
@@ -24,9 +25,12 @@ class Slot(NamedTuple):
 
 
 class Sending(NamedTuple):
-    """An agent on its way by this statement, `ticks` from now (0: at once). `names`: the variables around, which its destination may name."""
+    """An agent or a mover on its way by this statement, `ticks` from now (0: at once).
 
-    agent: int
+    names: the variables around, which its destination may name.
+    """
+
+    agent: Body
     send: ir.Send
     ticks: int
     names: Mapping[str, Value]
@@ -35,7 +39,7 @@ class Sending(NamedTuple):
 class Shifting(NamedTuple):
     """An agent sent some cells by this statement. `target`: its own cell if the way is not free; None of who has no cell."""
 
-    agent: int
+    agent: Body
     statement: ir.Shift
     target: Cell | None
 
@@ -55,7 +59,9 @@ _WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Shift, ir.Remove, ir.
 
 @dataclass
 class Writes:
-    """Everything the statements of one phase wrote. `movers`: rank of each agent of a `move`, None without one.
+    """Everything the statements of one phase wrote. `movers`: rank of each agent or mover of a `move`, None without one.
+
+    sort: of those who `move`. courses: the direction in which each mover of a `move` goes, None if it stays.
 
     told, drawn: an account of it, statement by statement, where one is wanted; else None.
     """
@@ -66,8 +72,10 @@ class Writes:
     tallies: list[Counted] = field(default_factory=list)
     sends: list[Sending] = field(default_factory=list)
     shifts: list[Shifting] = field(default_factory=list)
-    removes: set[int] = field(default_factory=set)
-    movers: dict[int, int] | None = None
+    removes: set[Body] = field(default_factory=set)
+    movers: dict[Body, int] | None = None
+    sort: str = ""
+    courses: dict[Body, int | None] = field(default_factory=dict)
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
     told: list[Done] | None = None
@@ -101,7 +109,7 @@ def declaration(slot: Slot, board: Board) -> ir.VarField:
         return board.world_fields[slot.name]
     if slot.owner[0] == "agent":
         return board.agent_fields[slot.name]
-    return board.cell_fields[slot.owner[0], slot.name]
+    return board.cell_fields.get((slot.owner[0], slot.name)) or board.mover_fields[slot.owner[0], slot.name]
 
 
 def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
@@ -111,6 +119,8 @@ def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
     assert owner is not None, f"`{target.name}` of nobody is written"
     if target.held_by == "agent":
         return "agent", owner
+    if isinstance(owner, Mover):
+        return owner.sort, owner.number
     return here.board.kind_of[owner], here.board.number[owner]
 
 
@@ -190,6 +200,8 @@ def _put(slot: Slot, value: Value, world: World) -> None:
             world.fields[slot.name] = whole
         case ("agent", agent):
             world.agents[slot.name][agent] = whole
+        case (sort, number) if sort in world.movers:
+            world.movers[sort].fields[slot.name][number] = whole
         case (kind, number):
             world.cells[kind, slot.name][number] = whole
 
@@ -200,6 +212,8 @@ def _holder(slot: Slot, world: World) -> Value:
             return world.fields[slot.name]
         case ("agent", agent):
             return world.agents[slot.name][agent]
+        case (sort, number) if sort in world.movers:
+            return world.movers[sort].fields[slot.name][number]
         case (kind, number):
             return world.cells[kind, slot.name][number]
 

@@ -7,6 +7,7 @@ import numpy as np
 from jax import Array
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, shape_named
 from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
@@ -93,7 +94,7 @@ class Chooser:
         if not self._moves.actions:  # nobody walks: a rule applies to those who are there already
             return self._is_there(goals, here), jnp.broadcast_to(done, here[0].shape)
         arrived, found, best = first_moves(self._moves, goals, enterable, here, wanted)
-        walks = self._walk(best, enterable, here, present, bits)
+        walks = self._walk(best, enterable, here, present, self._movers(state), bits)
         return found, jnp.where(arrived, done, walks)
 
     def _is_there(self, goals: Array, here: tuple[Array, Array, Array]) -> Array:
@@ -111,8 +112,16 @@ class Chooser:
         taken: Array = lowered.taken(state, self._env.params)
         return taken
 
-    def _walk(self, best: Array, enterable: Array, here: tuple[Array, Array, Array], present: Array, bits: Array) -> Array:
-        """Returns the moves; where another agent stands in the way, half of them are drawn from those that enter nothing that is avoided."""
+    def _movers(self, state: Any) -> list[Array]:
+        """Returns where the movers of each sort are, `row * width + column` of the map, -1 for those that are away."""
+        cols, width = self._shape[1] + 2 * self._pad, self._shape[1]
+        positions = [getattr(state, attribute_of("position", sort.name)) for sort in self._game.movers]
+        return [jnp.where(at == 0, -1, (at // cols - self._pad) * width + at % cols - self._pad) for at in positions]
+
+    def _walk(
+        self, best: Array, enterable: Array, here: tuple[Array, Array, Array], present: Array, movers: list[Array], bits: Array
+    ) -> Array:
+        """Returns the moves; where another agent or a mover is in the way, half of them are drawn from those that enter nothing avoided."""
         heading, row, col = here
         if not self._moves.actions:
             return jnp.full(row.shape, self._stay, jnp.int32)
@@ -122,6 +131,8 @@ class Chooser:
         to_row, to_col = (jnp.take_along_axis(x, best[:, None], axis=1) for x in (rows, cols))
         others = present[None] & ~jnp.eye(row.shape[0], dtype=bool)
         blocked = jnp.any((to_row == row[None]) & (to_col == col[None]) & others, axis=1)
+        for at in movers:
+            blocked = blocked | jnp.any((to_row * self._shape[1] + to_col) == at[None], axis=1)
         drawn = jnp.argmax(jnp.cumsum(may, axis=1) > below(bits[:, 0], jnp.sum(may, axis=1))[:, None], axis=1)
         move = jnp.where(blocked & (bits[:, 1] < jnp.uint32(HALF)), drawn.astype(jnp.int32), best)
         return jnp.asarray(self._moves.actions, jnp.int32)[move]
@@ -165,9 +176,13 @@ class Chooser:
         module = self._env.module
         if self._pad == module.PAD:
             return state
-        row, col = self._env.cells(state)
-        cols = self._shape[1] + 2 * self._pad
-        return state.replace(position=jnp.where(state.position == 0, 0, (row + self._pad) * cols + col + self._pad))
+        (_, cols), own = module.FRAME, module.PAD
+        moved = {}
+        for sort in ("", *(movers.name for movers in self._game.movers)):
+            at = getattr(state, attribute_of("position", sort))
+            row, col = at // cols - own + self._pad, at % cols - own + self._pad
+            moved[attribute_of("position", sort)] = jnp.where(at == 0, 0, row * (self._shape[1] + 2 * self._pad) + col)
+        return state.replace(**moved)
 
 
 def open_cells(game: ir.Game) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named, blocks_always
 from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.bodies import occupied, where_is
 from sjdsl.interpreter.evaluate import arguments_of, evaluate, members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD, lanes_from
@@ -111,7 +112,7 @@ def _taken(rule: ir.Act | ir.Aim, here: Instance) -> int:
 
 def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:
     for found in members_of(domain, here):
-        cell = here.world.position[found.member] if isinstance(found.member, int) else found.member
+        cell = found.member if isinstance(found.member, Cell) else where_is(found.member, here.world)
         if cell is not None:
             yield cell
 
@@ -152,11 +153,11 @@ def _distances(ground: Ground, goals: Collection[Pose], enterable: Collection[Ce
 
 
 def _move(ground: Ground, pose: Pose, distance: dict[Pose, int], enterable: Collection[Cell], here: Instance, bits: tuple[int, int]) -> int:
-    """Returns the first of the moves that lead nearest; where another agent stands in the way, one of all moves half of the time."""
+    """Returns the first of the moves that lead nearest; where another agent or a mover is in the way, one of all moves half of the time."""
     ways = {number: ground.after(name, pose) for number, name in ground.moves.items()}
     ways = {number: after for number, after in ways.items() if after.cell == pose.cell or after.cell in enterable}
     best = min((number for number, after in ways.items() if after in distance), key=lambda number: (distance[ways[number]], number))
-    others = [cell for other, cell in enumerate(here.world.position) if other != here.names["agent"]]
+    others = occupied(here.world, without={here.names["agent"]})
     if ways[best].cell not in others or bits[1] >= 1 << 31:
         return best
     return list(ways)[bits[0] * len(ways) >> 32]

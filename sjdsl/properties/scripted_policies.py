@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.bodies import where_is
 from sjdsl.interpreter.evaluate import members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, World
@@ -69,5 +70,5 @@ def _cells_of(domain: ir.Domain, game: ir.Game, world: World, agent: int) -> lis
     """Returns the cells of the members of a domain, for the agent that walks, in the order of their numbers."""
     here = Instance(board_of(game), world, names={"agent": agent})
     found = [m.member for m in members_of(domain, here)]
-    cells = [world.position[m] if isinstance(m, int) else m for m in found]
+    cells = [m if isinstance(m, Cell) else where_is(m, world) for m in found]
     return [cell for cell in cells if cell is not None]

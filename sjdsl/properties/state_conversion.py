@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.interpreter.state import Away, Cell, Value, World, default_params
+from sjdsl.compiler.ir.names import attribute_name, attribute_of
+from sjdsl.interpreter.state import Away, Cell, Herd, Value, World, default_params
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.states import FACINGS, pool_numbers
 
@@ -14,19 +14,32 @@ from sjdsl.testing.states import FACINGS, pool_numbers
 def world_of(env: Environment, state: Any) -> World:
     """Returns a compiled state, without its marks, as a world of the interpreter with the parameters of the file."""
     game = env.game
-    rows, cols = (np.asarray(x).tolist() for x in env.cells(state))
-    here = (np.asarray(state.position) > 0).tolist()
+    agents = _herd("", (), env, state)
     return World(
         step=int(state.step),
         cells={(k.name, f.name): _many(state, f) for k in game.kinds for f in k.fields},
         agents={f.name: _many(state, f) for f in game.agents.fields},
         fields={f.name: _held(np.asarray(getattr(state, attribute_name(f))), f.type) for f in game.fields},
-        position=[Cell(r, c) if at else None for r, c, at in zip(rows, cols, here, strict=True)],
+        position=agents.position,
         heading=np.asarray(state.heading).tolist(),
-        moved=np.asarray(state.moved).tolist() if hasattr(state, "moved") else [False] * env.num_agents,
-        away=[None if at else away for at, away in zip(here, _away(env, state), strict=True)],
+        moved=agents.moved,
+        away=agents.away,
         marks=[],
         params=default_params(game),
+        movers={sort.name: _herd(sort.name, sort.fields, env, state) for sort in game.movers},
+    )
+
+
+def _herd(sort: str, fields: tuple[ir.VarField, ...], env: Environment, state: Any) -> Herd:
+    """Returns where the agents, or the movers of a sort, are."""
+    (_, cols), pad = env.module.FRAME, env.module.PAD
+    at = np.asarray(getattr(state, attribute_of("position", sort))).tolist()
+    moved = getattr(state, attribute_of("moved", sort), None)
+    return Herd(
+        position=[Cell(p // cols - pad, p % cols - pad) if p else None for p in at],
+        moved=[False] * len(at) if moved is None else np.asarray(moved).tolist(),
+        away=[None if p else away for p, away in zip(at, _away(env, state, sort, len(at)), strict=True)],
+        fields={field.name: _many(state, field) for field in fields},
     )
 
 
@@ -53,9 +66,10 @@ def _held(stored: np.ndarray, type_: ir.Type) -> Value:
             return int(stored)
 
 
-def _away(env: Environment, state: Any) -> list[Away]:
-    if not hasattr(state, "away"):
-        return [Away(0, None, None)] * env.num_agents
+def _away(env: Environment, state: Any, sort: str, many: int) -> list[Away]:
+    names = [attribute_of(name, sort) for name in ("away", "away_pool", "away_facing")]
+    if not hasattr(state, names[0]):
+        return [Away(0, None, None)] * many
     pools = {number: pool for pool, number in pool_numbers(env.game).items()}
-    told = zip(*(np.asarray(x).tolist() for x in (state.away, state.away_pool, state.away_facing)), strict=True)
+    told = zip(*(np.asarray(getattr(state, name)).tolist() for name in names), strict=True)
     return [Away(ticks, pools[pool], FACINGS[facing]) if ticks else Away(0, None, None) for ticks, pool, facing in told]

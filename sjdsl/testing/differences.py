@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import all_fields, counts_of, marking_phases
 from sjdsl.interpreter import observe as interpreter_view
+from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Outcome, World
 from sjdsl.interpreter.step import action_mask
 from sjdsl.runtime.env import Environment
@@ -19,18 +20,19 @@ MANY = 12  # of longer lists only the entries that differ are shown
 def state_differences(env: Environment, state: Any, world: World, seen: Any, allowed: Any = None, close: float = CLOSE) -> list[str]:
     """Returns where two states differ: places, fields, timers, marks, who is away, what is seen and, if given, allowed."""
     game, (_, cols), pad = env.game, env.module.FRAME, env.module.PAD
-    places = [(p // cols - pad, p % cols - pad) if p else None for p in np.asarray(state.position).tolist()]
-    pairs = [
-        ("places", places, [None if p is None else tuple(p) for p in world.position]),
+    pairs: list[tuple[str, Any, Any]] = [
         ("headings", np.asarray(state.heading).tolist(), world.heading),
         ("step", int(state.step), world.step),
     ]
     if allowed is not None:
         pairs.append(("allowed actions", np.asarray(allowed).tolist(), action_mask(game, world)))
-    if hasattr(state, "moved"):
-        pairs.append(("moved", np.asarray(state.moved).tolist(), world.moved))
-    if hasattr(state, "away"):
-        pairs.append(("away", np.asarray(state.away).tolist(), [a.ticks if a else 0 for a in world.away]))
+    for sort, herd in herds(world).items():
+        of, at = f" of {sort}" if sort else "", np.asarray(getattr(state, attribute_of("position", sort))).tolist()
+        places = [(p // cols - pad, p % cols - pad) if p else None for p in at]
+        pairs.insert(0, (f"places{of}", places, [None if p is None else tuple(p) for p in herd.position]))
+        for name, theirs in (("moved", herd.moved), ("away", [a.ticks if a else 0 for a in herd.away])):
+            if hasattr(state, attribute_of(name, sort)):
+                pairs.append((f"{name}{of}", np.asarray(getattr(state, attribute_of(name, sort))).tolist(), theirs))
     for phase in marking_phases(game):
         cells = np.asarray(getattr(state, f"mark_{phase.name}", ())).tolist()
         marked = sorted({(cell // cols - pad, cell % cols - pad) for cell in cells if cell})

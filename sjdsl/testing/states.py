@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import all_fields, contains, phases_of
 from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.compiler.optimise import optimise
+from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Away, Facing, Pool, World
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.values import stored
@@ -23,6 +24,8 @@ def held_values(declared: ir.VarField, world: World) -> Any:
             return world.cells[declared.kind, declared.name]
         case "agent":
             return world.agents[declared.name]
+        case "mover":
+            return world.movers[declared.kind].fields[declared.name]
         case _:
             return world.fields[declared.name]
 
@@ -41,18 +44,18 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
     Raises ValueError for a timer longer than any that the game sets can be.
     """
     state, (_, cols), pad = blank, env.module.FRAME, env.module.PAD
-    changed: dict[str, Any] = {
-        "step": world.step,
-        "position": [0 if p is None else (p.row + pad) * cols + p.col + pad for p in world.position],
-        "heading": world.heading,
-    }
-    if hasattr(state, "moved"):
-        changed["moved"] = world.moved
-    if hasattr(state, "away"):
-        numbers = pool_numbers(env.game)
-        changed["away"] = [a.ticks if a else 0 for a in world.away]
-        changed["away_pool"] = [numbers[a.pool] if a and a.pool else 0 for a in world.away]
-        changed["away_facing"] = [FACINGS.index(a.facing) if a else 0 for a in world.away]
+    changed: dict[str, Any] = {"step": world.step, "heading": world.heading}
+    numbers = pool_numbers(env.game)
+    for sort, herd in herds(world).items():
+        poses = {
+            "position": [0 if p is None else (p.row + pad) * cols + p.col + pad for p in herd.position],
+            "moved": herd.moved,
+            "away": [a.ticks if a else 0 for a in herd.away],
+            "away_pool": [numbers[a.pool] if a and a.pool else 0 for a in herd.away],
+            "away_facing": [FACINGS.index(a.facing) if a else 0 for a in herd.away],
+        }
+        named = {attribute_of(name, sort): values for name, values in poses.items()}
+        changed |= {name: values for name, values in named.items() if hasattr(state, name)}
     for declared in all_fields(env.game):
         values, dtype = np.asarray(stored_values(declared, world)), getattr(state, attribute_name(declared)).dtype
         if declared.timer and values.max(initial=0) > np.iinfo(dtype).max:

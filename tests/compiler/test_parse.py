@@ -170,7 +170,12 @@ def test_spans_of_chains_and_brackets() -> None:
         ("send a to b", "Send(a, Domain(b, -, -, -, -), -, -, -)"),
         ("send a to b after c facing north otherwise stay", "Send(a, Domain(b, -, -, -, -), c, north, stay)"),
         ("remove a", "Remove(a)"),
-        ("move each a", "Move(Domain(a, -, -, -, -))"),
+        ("move each a", "Move(Domain(a, -, -, -, -), -)"),
+        ("move each a ahead", "Move(Domain(a, -, -, -, -), Ahead())"),
+        ("move each a where b along c.d", "Move(Domain(a, -, -, -, b), Along(Path(c, [Member(d)])))"),
+        ("move each a at random avoiding b", "Move(Domain(a, -, -, -, -), AtRandom(Domain(b, -, -, -, -)))"),
+        ("move each a toward b", "Move(Domain(a, -, -, -, -), Toward(Domain(b, -, -, -, -), -))"),
+        ("move each a away from b", "Move(Domain(a, -, -, -, -), AwayFrom(Domain(b, -, -, -, -), -))"),
         ("mark disc(2) of a", "Mark(ShapeRef(disc, [2]), a)"),
     ],
 )

@@ -6,7 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.interpreter.state import Away, Cell, Pool, World
+from sjdsl.interpreter.state import Away, Cell, Herd, Pool, World
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.states import FACINGS, pool_numbers
 
@@ -26,16 +26,29 @@ def world_of(env: Environment, state: Any, params: dict[str, Any]) -> World:
         away=[None if place else away(env, state, agent) for agent, place in enumerate(position)],
         marks=[],
         params=params,
+        movers={sort.name: herd(env, state, sort) for sort in game.movers},
     )
 
 
-def away(env: Environment, state: Any, agent: int) -> Away:
-    """Returns how an agent without a place waits."""
-    ticks = int(state.away[agent]) if hasattr(state, "away") else 0
+def herd(env: Environment, state: Any, sort: ir.Movers) -> Herd:
+    """Returns all movers of a sort."""
+    (_, cols), pad, many = env.module.FRAME, env.module.PAD, range(sort.number)
+    position = [Cell(int(p) // cols - pad, int(p) % cols - pad) if p else None for p in getattr(state, f"{sort.name}_position")]
+    return Herd(
+        position=position,
+        moved=[bool(m) for m in getattr(state, f"{sort.name}_moved", [False for _ in many])],
+        away=[None if place else away(env, state, number, f"{sort.name}_away") for number, place in enumerate(position)],
+        fields={f.name: [held(v, f.type) for v in stored(state, f)] for f in sort.fields},
+    )
+
+
+def away(env: Environment, state: Any, agent: int, name: str = "away") -> Away:
+    """Returns how an agent (or a mover, whose attributes begin with `name`) without a place waits."""
+    ticks = int(getattr(state, name)[agent]) if hasattr(state, name) else 0
     if ticks == 0:
         return Away(0, None, None)
     pools: dict[int, Pool] = {number: pool for pool, number in pool_numbers(env.game).items()}
-    return Away(ticks, pools[int(state.away_pool[agent])], FACINGS[int(state.away_facing[agent])])
+    return Away(ticks, pools[int(getattr(state, f"{name}_pool")[agent])], FACINGS[int(getattr(state, f"{name}_facing")[agent])])
 
 
 def stored(state: Any, declared: ir.VarField) -> np.ndarray:

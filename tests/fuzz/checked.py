@@ -9,6 +9,7 @@ from tests.fuzz.members import domain
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Variable
 from tests.fuzz.statements import braces
+from tests.fuzz.writing import HEADING
 
 ATTRIBUTES = ("index", "heading", "moved", "row", "col")
 LABELS = ("near_by", "far_off", "mine", "theirs")
@@ -59,6 +60,12 @@ def observe(w: World) -> list[Lines]:
             text = f"{owner}.{f.name}" if owner else f.name
             made = _observable(w, owner, f, text) if w.is_now(0.15 if owner == "everyone" else 0.35) else ""
             lines += [made] if made else []
+    for sort in w.movers.values():
+        if w.is_now(0.15):
+            lines.append(f"hide {sort.name}" + (f" when {condition(_observable_scope(w, sort.name), 1)}" if w.is_now(0.7) else ""))
+        for f in (HEADING, *sort.fields):
+            made = _observable(w, sort.name, f, f"{sort.name}.{f.name}") if w.is_now(0.3) else ""
+            lines += [made] if made else []
     for owner in ("agent", "other", "everyone"):
         names = r.sample(ATTRIBUTES, 2) if w.is_now(0.3) else []
         lines += [_perhaps_when(w, owner, f"show {owner}.{name}") for name in names if name != "heading" or owner != "other"]
@@ -102,6 +109,8 @@ def _observable_scope(w: World, owner: str) -> Scope:
     scope = Scope(w, "observable", (Variable("agent"),))
     if owner in ("other", "everyone"):
         return scope.having(Variable(owner))
+    if owner in w.movers:
+        return scope.having(Variable(owner, sort=owner))
     if owner in w.kinds or owner in w.groups:
         return scope.having(Variable(owner, w.kinds_of(owner)))
     return scope

@@ -97,6 +97,10 @@ def whereabouts(scope: Scope, depth: int) -> str:
                 from tests.fuzz.acting import chosen
 
                 return chosen(scope, v, depth)
+    for v in scope.movers():
+        found += [f"{v.name}.moved", f"{v.name}.away", f"not {v.name}.moved"]
+        if scope.counts:
+            found.append(f"{v.name} on {r.choice([*w.kinds, *w.groups])}")
     if scope.counts or scope.sort == "observable":
         found += [f"nobody on {v.name}" for v in scope.cells()]
     return r.choice(found) if found else ""
@@ -110,6 +114,7 @@ def agents_compared(scope: Scope, _depth: int) -> str:
     found = [f"{h} {not_} nobody" for h in (*holders, *sets) for not_ in ("is", "is not")]
     found += [f"{a} is {b}" for a in (*holders, *members) for b in (*holders, *members) if a != b]
     found += [f"{a} is not {b}" for a in members for b in members if a != b]
+    found += [f"{a.name} is not {b.name}" for a in scope.movers() for b in scope.movers() if a.name != b.name and a.sort == b.sort]
     found += [f"{a} in {s}" for a in (*holders, *members) for s in sets]
     return r.choice(found) if found else ""
 

@@ -16,7 +16,7 @@ from sjdsl.compiler.syntax.parse import read_tree
 from tests.fuzz.programs import Program
 
 SIGNS = ("CMP", "SIGN", "TIMES")  # terminals that are several signs
-ABSTRACT = ("Expression", "Statement", "RestrictionNode", "TurnNode", "PolicyRuleNode")
+ABSTRACT = ("Expression", "Statement", "RestrictionNode", "TurnNode", "PolicyRuleNode", "CourseNode")
 
 
 class Grammar:

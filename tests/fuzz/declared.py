@@ -83,6 +83,7 @@ class World:
     kinds: dict[str, Kind] = field(default_factory=dict)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     agent_fields: list[Field] = field(default_factory=list)
+    movers: dict[str, Kind] = field(default_factory=dict)  # `cells`: how many there are
     fields: list[Field] = field(default_factory=list)
     actions: tuple[str, ...] = ()  # those without arguments
     with_arguments: list[Any] = field(default_factory=list)  # acting.Action
@@ -124,6 +125,18 @@ class World:
             given = {f.name: f for f in fields}
             alike = {n: f for n, f in alike.items() if n in given and (given[n].type, given[n].timer) == (f.type, f.timer)}
         return list(alike.values())
+
+    def fields_of(self, sort: str) -> list[Field]:
+        """Returns the fields of the agents, or of movers of a sort, beside their headings."""
+        return self.movers[sort].fields if sort else self.agent_fields
+
+    def number_of(self, sort: str) -> int:
+        return self.movers[sort].cells if sort else self.agents
+
+    @property
+    def bodies(self) -> int:
+        """How many agents and movers there are."""
+        return self.agents + sum(sort.cells for sort in self.movers.values())
 
     def num_cells(self, kinds: tuple[str, ...]) -> int:
         return sum(self.kinds[k].cells for k in kinds)

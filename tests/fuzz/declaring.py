@@ -15,6 +15,7 @@ AGENT_FIELDS = ("bag", "mood", "purse", "last", "met", "debt", "tired", "rank")
 WORLD_FIELDS = ("pot", "turns", "king", "night", "sky")
 SIZES = ("reach", "most", "wide", "span", "team")
 PARAMS = ("pay", "fee", "luck", "rain", "share", "delay", "few", "many", "table_a", "table_b", "swap")
+MOVERS = ("deer", "ball", "cart")
 ACTIONS = ("zap", "peer", "hand_over")
 MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
 EVENTS = ("seen", "eaten", "hits", "deals")
@@ -46,6 +47,9 @@ def declare(random: Random) -> World:
     acts = [*random.sample(MOVES, random.randint(2, 6)), "stay", *random.sample(ACTIONS, random.randint(1, 3))]
     random.shuffle(acts)
     w.actions = tuple(acts) if random.random() < 0.97 else ("stay",)
+    for i, name in enumerate(random.sample(MOVERS, random.choice((0, 0, 1, 1, 2)))):
+        fields = [a_field(w, f, sets=True) for f in random.sample(FIELDS, random.choice((0, 1, 2)))]
+        w.movers[name] = Kind(name, "do"[i], fields, cells=random.choice((1, 1, 2, 3)))
     shapes(w)
     for name in random.sample(EVENTS, random.randint(1, 3)):
         w.events.append(Event(name, w.level() if w.is_now(0.4) else (), w.is_now(0.5)))
@@ -56,7 +60,7 @@ def declare(random: Random) -> World:
 
 
 def _declared_sets(w: World) -> list[tuple[str, ...]]:
-    fields = [*w.agent_fields, *w.fields, *(f for k in w.kinds.values() for f in k.fields)]
+    fields = [*w.agent_fields, *w.fields, *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields)]
     return list(dict.fromkeys(s for f in fields for s in (f.type.words, *f.type.by) if s and sort_of(s) == "word"))
 
 
@@ -279,7 +283,7 @@ def _map(w: World) -> None:
     legend = [(k, g) for k in kinds if k is not absent for g in k.glyphs]
     grid = [[r.choice(legend) if w.is_now(0.6) else (common, common.glyph) for _ in range(width)] for _ in range(height)]
     cells = [(i, j) for i in range(height) for j in range(width)]
-    for i, j in r.sample(cells, min(len(cells), w.agents + 1)):
+    for i, j in r.sample(cells, min(len(cells), w.bodies + 1)):
         grid[i][j] = (common, common.glyph)
     for row in grid:
         for kind, _ in row:

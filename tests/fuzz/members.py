@@ -15,16 +15,17 @@ Made = tuple[str, Scope, int]  # text, the scope inside, the most members
 def domain(scope: Scope, depth: int, kind: str = "", counted: bool = False, single: bool = False, shape: bool = False) -> Made:
     """Returns a domain. `kind`: whose; `counted`: in `count` or `sum`; `single`: one member at most; `shape`: `in SHAPE of` is needed."""
     w, r = scope.world, scope.world.random
-    kind = kind or r.choice(("agent", "agent", *w.kinds, *w.groups))
-    kinds = () if kind == "agent" else w.kinds_of(kind)
-    place, most = _place(scope, kinds, shape, counted)
+    kind = kind or r.choice(("agent", "agent", *w.kinds, *w.groups, *w.movers))
+    sort = kind if kind in w.movers else ""
+    kinds = () if kind == "agent" or sort else w.kinds_of(kind)
+    place, most = _place(scope, kinds, shape, counted, sort)
     name = kind if not scope.uses(kind) and r.random() < 0.5 else w.variable()
     text = kind if name == kind else f"{kind} as {name}"
     number = -1 if counted else len(scope.frames)
     frames = scope.frames if counted else (*scope.frames, Frame(single, placed=bool(place)))
     listed = not (single or counted or place.startswith(" in {") or most == 1)
-    inner = replace(scope.having(Variable(name, kinds, number, listed)), frames=frames)
-    if kind == "agent" and r.random() < 0.25 and scope.counts:
+    inner = replace(scope.having(Variable(name, kinds, number, listed, sort)), frames=frames)
+    if not kinds and r.random() < 0.25 and scope.counts:
         under = r.choice([*w.kinds, *w.groups])
         bound = under if not inner.uses(under) and r.random() < 0.5 else w.variable()
         text += f" on {under}" if bound == under else f" on {under} as {bound}"
@@ -33,7 +34,7 @@ def domain(scope: Scope, depth: int, kind: str = "", counted: bool = False, sing
     if r.random() < 0.5:
         guard, inner = where(inner, depth)
         text += f" where {guard}"
-    return text, inner, min(most, w.agents if kind == "agent" else w.num_cells(kinds))
+    return text, inner, min(most, w.num_cells(kinds) if kinds else w.number_of(sort))
 
 
 def where(scope: Scope, depth: int) -> tuple[str, Scope]:
@@ -50,16 +51,22 @@ def where(scope: Scope, depth: int) -> tuple[str, Scope]:
     return condition(scope, max(depth, 0)), scope
 
 
-def _place(scope: Scope, kinds: tuple[str, ...], shape: bool, counted: bool) -> tuple[str, int]:
+def _place(scope: Scope, kinds: tuple[str, ...], shape: bool, counted: bool, sort: str = "") -> tuple[str, int]:
     """Returns ` in …` or nothing, and the most members there."""
     r = scope.world.random
     anchors = scope.variables if scope.counts else ()
     if scope.sort == "start":  # nobody has a place yet
-        anchors = tuple(a for a in anchors if not a.is_agent)
+        anchors = tuple(a for a in anchors if not a.turns)
     if anchors and (shape or r.random() < 0.45):
-        anchor = r.choice([a for a in anchors if a.is_agent] or anchors) if shape else r.choice(anchors)
-        found = shape_for(scope, anchor.is_agent)
+        anchor = r.choice([a for a in anchors if a.turns] or anchors) if shape else r.choice(anchors)
+        found = shape_for(scope, anchor.turns)
         return f" in {found[0]} of {anchor.name}", found[1]
+    movers = [v.name for v in scope.movers() if v.sort == sort]
+    if movers and not counted and r.random() < 0.1:
+        named = r.sample(movers, r.randint(1, min(2, len(movers))))
+        return f" in {{ {', '.join(named)} }}", len(named)
+    if sort:
+        return "", 10**6
     if kinds:
         held = [text for text, type_ in scope.single_values("cell") if set(type_.kinds) & set(kinds)]
         return (f" in {r.choice(held)}", 1) if held and r.random() < 0.4 else ("", 10**6)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.acting import forbidden
 from tests.fuzz.checked import checks, metrics, observe
 from tests.fuzz.conditions import condition
@@ -45,7 +46,7 @@ def program(random: Random) -> Program:
     sections: list[Lines] = [[n.text] for n in (*w.sizes, *w.params)]
     files: dict[str, str] = {}
     loose = [['cite "nobody\'s source"'], ['about summary "one line" "and one more"']] if w.is_now(0.1) else []
-    loose += [_episode(w), *_kinds(w), *([g] for g in _groups(w)), *([f.text] for f in w.fields), _map(w, files), agents(w)]
+    loose += [_episode(w), *_kinds(w), *([g] for g in _groups(w)), *([f.text] for f in w.fields), _map(w, files), agents(w), *movers(w)]
     loose += [[t] for t in w.shape_texts] + [[d.text] for d in w.defines]
     turns, phases = schedule(w)
     loose += [start(w), [f"schedule {' -> '.join(turns)}"], *phases, metrics(w), *policies(w), *scenarios(w), *checks(w), *observe(w)]
@@ -141,18 +142,30 @@ def _kinds(w: World) -> list[Lines]:
         lines = [f.text for f in kind.fields] + kind.extra
         blockable = [s.text for s in w.shapes if s.blockable]
         if kind is not next(iter(w.kinds.values())) and w.is_now(0.35):
-            what = w.random.choice(["agents", "agents", *blockable])
+            what = w.random.choice(["agents", "agents", *w.movers, *blockable])
             more = [b for b in blockable if b != what]
-            what += f", {w.random.choice(more)}" if more and w.is_now(0.3) else ""
+            what += f", {w.random.choice(more)}" if more and what not in w.movers and w.is_now(0.3) else ""
             test = ""
             if w.is_now(0.5):
                 scope = replace(Scope(w, "block").having(Variable(kind.name, (kind.name,))), bound=frozenset({kind.name, "agent"}))
+                if what in w.movers:
+                    scope = replace(scope, bound=scope.bound | {what}).having(Variable(what, sort=what))
                 if what == "agents":
                     scope = scope.having(Variable("agent"))
                 test = f" when {condition(scope, 1)}"
             lines.append(f"blocks {what}{test}")
         w.random.shuffle(lines)
         made.append(braces(f'kind {kind.name} "{kind.glyph}"', lines) if lines or w.is_now(0.1) else [f'kind {kind.name} "{kind.glyph}"'])
+    return made
+
+
+def movers(w: World) -> list[Lines]:
+    """Declares the sorts of movers."""
+    made = []
+    for sort in w.movers.values():
+        number = w.random.choice([str(sort.cells), *(s.name for s in w.sizes if s.value == sort.cells)])
+        head = f'movers {sort.name} {number} "{sort.glyph}"'
+        made.append(braces(head, [f.text for f in sort.fields]) if sort.fields or w.is_now(0.2) else [head])
     return made
 
 
@@ -226,6 +239,8 @@ def start(w: World) -> Lines:
         inner = replace(scope.having(Variable(name, (), 0, listed=True)), frames=(Frame(False),))
         body += block(inner, phase, 3)
     lines = braces("each agent" if name == "agent" else f"each agent as {name}", body)
+    for sort in w.movers:
+        lines += [f"each {sort} {{ send {sort} to {first}{w.random.choice(('', ' facing south', ' facing same'))} }}"]
     if w.is_now(0.3):
         lines += block(scope, phase, 1)
     return braces("phase start", lines)
@@ -246,6 +261,10 @@ def schedule(w: World) -> tuple[list[str], list[Lines]]:
         body = block(scope, Phase(Written()), 0, least=r.choice((1, 2)))
         phases.append(braces(f"phase {name}" + (f"({', '.join(names)})" if names else ""), body))
         turns += [f"{name}{arguments}" for arguments, *_ in uses]
+    for sort in w.movers:
+        if w.is_now(0.8):
+            turns.insert(r.randint(0, len(turns)), f"let_{sort}_go")
+            phases.append(braces(f"phase let_{sort}_go", [_go(w, sort)]))
     if _needs_tick(w, phases):
         turns.insert(r.randint(0, len(turns)), "tick")
     elif w.is_now(0.1):
@@ -268,8 +287,26 @@ def _move(w: World) -> str:
     return f"move each {text}" if w.is_now(0.4) else "move each agent"
 
 
+def _go(w: World, sort: str) -> str:
+    """Returns how movers go in a phase of their own."""
+    text, inner, _ = domain(Scope(w, "phase"), 1, kind=sort)
+    avoiding = f" avoiding {domain(inner, 1)[0]}" if w.is_now(0.3) else ""
+    match w.random.choice(("ahead", "along", "random", "toward", "toward", "away", "away")):
+        case "ahead":
+            return f"move each {text} ahead"
+        case "along":
+            agent = w.random.choice(HEADINGS)
+            return f"move each {text} along {agent}"
+        case "random":
+            return f"move each {text} at random{avoiding}"
+        case "toward":
+            return f"move each {text} toward {domain(inner, 1)[0]}{avoiding}"
+        case _:
+            return f"move each {text} away from {domain(inner, 1)[0]}{avoiding}"
+
+
 def _needs_tick(w: World, phases: list[Lines]) -> bool:
-    fields = [*w.agent_fields, *w.fields, *(f for k in w.kinds.values() for f in k.fields)]
+    fields = [*w.agent_fields, *w.fields, *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields)]
     return any(f.timer for f in fields) or any(" after " in line for p in phases for line in p)
 
 
@@ -325,8 +362,9 @@ def _dropped(w: World) -> Lines:
 
 def _other_phase(w: World) -> Lines:
     first = next(iter(w.kinds))
+    movers = [f"each {sort} {{ send {sort} to {first} }}" for sort in w.movers]
     return braces(
-        "phase start", [f"each agent {{ send agent to {destination(Scope(w), first) if w.is_now(0.05) else first} facing west }}"]
+        "phase start", [*movers, f"each agent {{ send agent to {destination(Scope(w), first) if w.is_now(0.05) else first} facing west }}"]
     )
 
 

@@ -278,7 +278,10 @@ def over(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
     whose, *rest = text.split()
     whole = not rest or (len(rest) == 2 and rest[0] == "as")
     around = scope.sort in ("phase", "metric", "check") and scope.agents()
-    sure = whole and (around if whose == "agent" else w.num_cells(w.kinds_of(whose)))
+    if whose in w.movers:
+        sure = whole and scope.sort in ("phase", "metric", "check") and any(v.sort == whose for v in scope.movers())
+    else:
+        sure = whole and (around if whose == "agent" else w.num_cells(w.kinds_of(whose)))
     if not sure or w.is_now(0.5):
         parts.append(made(scope, unit, 0))
         text += f" otherwise {parts[1][0]}"
@@ -292,7 +295,7 @@ def over(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
 def apart(scope: Scope) -> Typed | None:
     """Returns the distance between two that have a place."""
     w = scope.world
-    placed = [] if scope.sort == "forbid" else [v.name for v in scope.variables if scope.sort != "start" or not v.is_agent]
+    placed = [] if scope.sort == "forbid" else [v.name for v in scope.variables if scope.sort != "start" or not v.turns]
     if not placed:
         return None
     names = [w.random.choice(placed) for _ in "ab"]

@@ -15,15 +15,22 @@ class Variable:
     """An agent, or a cell of `kinds`.
 
     frame: the number of the quantifier that binds it, -1 for none. listed: it runs through all agents, so that it can be marked around.
+    sort: of a mover.
     """
 
     name: str
     kinds: tuple[str, ...] = ()
     frame: int = -1
     listed: bool = False
+    sort: str = ""
 
     @property
     def is_agent(self) -> bool:
+        return not self.kinds and not self.sort
+
+    @property
+    def turns(self) -> bool:
+        """Whether it has a heading: an agent or a mover."""
         return not self.kinds
 
 
@@ -61,7 +68,10 @@ class Scope:
         return [v for v in self.variables if v.is_agent]
 
     def cells(self) -> list[Variable]:
-        return [v for v in self.variables if not v.is_agent]
+        return [v for v in self.variables if v.kinds]
+
+    def movers(self) -> list[Variable]:
+        return [v for v in self.variables if v.sort]
 
     def uses(self, name: str) -> bool:
         """Returns whether a variable around has this name, be it one that is of no use here."""
@@ -88,7 +98,7 @@ class Scope:
         found.append(("step", ir.Type(kind="int", unit="steps", low=0)))
         found += [(f.name, f.type) for f in w.fields]
         for v in self.variables:
-            found += self._of_agent(v) if v.is_agent else self._of_cell(v)
+            found += self._of_cell(v) if v.kinds else self._of_agent(v)
         for text in self.sure:
             found += [(f"{text}.{f.name}", f.type) for f in w.agent_fields]
             found.append((f"{text}.index", _index(w)))
@@ -96,8 +106,8 @@ class Scope:
 
     def _of_agent(self, v: Variable) -> list[Typed]:
         w = self.world
-        found = [(f"{v.name}.{f.name}", f.type) for f in w.agent_fields]
-        found += [(f"{v.name}.index", _index(w)), (f"{v.name}.heading", ir.Type(kind="word", words=HEADINGS))]
+        found = [(f"{v.name}.{f.name}", f.type) for f in w.fields_of(v.sort)]
+        found += [(f"{v.name}.index", _index(w, v.sort)), (f"{v.name}.heading", ir.Type(kind="word", words=HEADINGS))]
         if self.sort not in ("forbid", "start"):
             found += self._place(v)
         return found
@@ -131,8 +141,8 @@ def is_painted(f: Field) -> bool:
     return not f.type.by and (f.type.kind in ("word", "agent") or small)
 
 
-def _index(w: World) -> ir.Type:
-    return ir.Type(kind="int", unit="number", low=0, high=w.agents - 1)
+def _index(w: World, sort: str = "") -> ir.Type:
+    return ir.Type(kind="int", unit="number", low=0, high=w.number_of(sort) - 1)
 
 
 __all__ = ["Frame", "Scope", "Typed", "Variable"]

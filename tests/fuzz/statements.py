@@ -57,7 +57,7 @@ def statement(scope: Scope, phase: Phase, depth: int) -> Lines:
     if depth >= NESTED or r.random() < 0.3:
         return effect(scope, phase)
     choices = ["each"] * 5 + ["pick"] * 2 + ["when"] * 3 + ["chance"] * 2
-    if [v for v in scope.variables if scope.sort != "start" or not v.is_agent]:
+    if [v for v in scope.variables if scope.sort != "start" or not v.turns]:
         choices += ["first"] * 2
     if not scope.frames or scope.world.is_now(0.03):
         choices += ["match"] * 2
@@ -109,7 +109,7 @@ def match_(scope: Scope, phase: Phase, depth: int) -> Lines:
     """Returns a `match`, mostly of agents with agents."""
     w = scope.world
     left, inner, _ = domain(scope, 1, kind="agent" if w.is_now(0.7) else "")
-    nearest = w.is_now(0.35) and scope.sort != "start" and any(v.is_agent for v in inner.variables)
+    nearest = w.is_now(0.35) and scope.sort != "start" and any(v.turns for v in inner.variables)
     right, within, _ = domain(inner, 1, kind="agent" if w.is_now(0.7) else "", shape=nearest)
     if " in " in left.split(" where ")[0] and not w.is_now(BOLD):
         return effect(scope, phase)
@@ -251,7 +251,7 @@ def send(scope: Scope, phase: Phase) -> Lines:
     w, r = scope.world, scope.world.random
     if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
         return []
-    agents = [v for v in scope.agents() if is_own(v, scope) or w.is_now(0.5)]
+    agents = [v for v in (*scope.agents(), *scope.movers()) if is_own(v, scope) or w.is_now(0.5)]
     if not agents:
         return []
     who = r.choice(agents)
@@ -263,7 +263,7 @@ def send(scope: Scope, phase: Phase) -> Lines:
         text, kind = r.choice(held), ""
     else:
         text = destination(replace(named, sort="start") if later else named, kind)
-    certain = kind and " where " not in text and w.num_cells(w.kinds_of(kind)) >= w.agents
+    certain = kind and " where " not in text and w.num_cells(w.kinds_of(kind)) >= w.bodies
     phase.written.places += 1
     delay = f" after {r.choice(('1', '2', '3', _delay(scope)))}" if later else ""
     facing = f" facing {r.choice(('north', 'east', 'south', 'west', 'same'))}" if w.is_now(0.5) else ""
@@ -276,7 +276,7 @@ def shift(scope: Scope, phase: Phase) -> Lines:
     w, r = scope.world, scope.world.random
     if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
         return []
-    agents = [v for v in scope.agents() if is_own(v, scope) or w.is_now(0.5)]
+    agents = [v for v in (*scope.agents(), *scope.movers()) if is_own(v, scope) or w.is_now(0.5)]
     if not agents:
         return []
     who = r.choice(agents)
@@ -320,7 +320,7 @@ def remove(scope: Scope, phase: Phase) -> Lines:
     w = scope.world
     if scope.sort == "start" or phase.written.places or not w.is_now(0.4):
         return []
-    agents = [v.name for v in scope.agents()]
+    agents = [v.name for v in (*scope.agents(), *scope.movers())]
     if not agents:
         return []
     phase.written.places += 1

@@ -4,11 +4,13 @@ from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import sort_of
+from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.conditions import agent_value, somebody, word
 from tests.fuzz.declared import Field, Lines
 from tests.fuzz.quantities import fitted, integer, key_for, real
 from tests.fuzz.reading import Scope, Typed, Variable
 
+HEADING = Field("heading", ir.Type(kind="word", words=HEADINGS), "")  # of movers: a field as others are
 BOLD = 0.06  # how often a write is made that may well be refused
 
 
@@ -45,7 +47,8 @@ def write(scope: Scope, written: Written, depth: int) -> Lines:
     w = scope.world
     options: list[tuple[Variable | None, Field, str]] = [(None, f, f.name) for f in w.fields]
     for v in scope.variables:
-        fields = w.agent_fields if v.is_agent else w.cell_fields(v.kinds)
+        fields = w.cell_fields(v.kinds) if v.kinds else w.fields_of(v.sort)
+        fields = [*fields, HEADING] if v.sort else fields
         options += [(v, f, f"{v.name}.{f.name}") for f in fields]
     held = [Variable(text) for text in scope.sure] if w.is_now(0.3) else []
     options += [(v, f, f"{v.name}.{f.name}") for v in held for f in w.agent_fields]
@@ -91,6 +94,8 @@ def _own_entry(scope: Scope, owner: Variable | None, f: Field) -> str:
 def _keys(owner: Variable | None, f: Field) -> list[tuple[str, str, str]]:
     if owner is None:
         return [("world", "", f.name)]
+    if owner.sort:
+        return [("mover", owner.sort, f.name)]
     return [("agent", "", f.name)] if owner.is_agent else [("cell", k, f.name) for k in owner.kinds]
 
 

@@ -13,6 +13,7 @@ Cells = dict[tuple[str, str], list[Any]]
 def draw(game: ir.Game, view: View) -> list[str]:
     """Returns the rows of the map as they look now; a cell in a state without a glyph has its kind's own."""
     arrows = {place: arrow for arrow, h in ARROWS.items() for place, heading in zip(view.places, view.heading, strict=True) if h == heading}
+    arrows |= {place: sort.glyph for sort in game.movers for place in view.herds[sort.name] if place is not None}
     number: dict[str, int] = {}
     rows = []
     for r, row in enumerate(game.rows):
@@ -27,11 +28,13 @@ def draw(game: ir.Game, view: View) -> list[str]:
     return rows
 
 
-def read(game: ir.Game, rows: list[str], view: View) -> tuple[list[Place], list[str], Cells]:
-    """Returns what a picture shows: agents in reading order, their headings, and the fields its glyphs speak of."""
+def read(game: ir.Game, rows: list[str], view: View) -> tuple[list[Place], list[str], Cells, dict[str, list[Place]]]:
+    """Returns what a picture shows: agents in reading order, their headings, the fields its glyphs speak of, and movers in reading order."""
     assert [len(r) for r in rows] == [len(r) for r in game.rows], "the picture is not as large as the map"
     places: list[Place] = []
     heading: list[str] = []
+    herds: dict[str, list[Place]] = {sort.name: [] for sort in game.movers}
+    sorts = {sort.glyph: sort.name for sort in game.movers}
     told = {(g.kind, name) for g in game.glyphs for name in meaning(game, g.glyph)}
     cells = {key: list(values) for key, values in view.cells.items() if key in told}
     number: dict[str, int] = {}
@@ -44,11 +47,15 @@ def read(game: ir.Game, rows: list[str], view: View) -> tuple[list[Place], list[
                 places.append((r, c))
                 heading.append(ARROWS[glyph])
                 continue
+            if glyph in sorts:
+                herds[sorts[glyph]].append((r, c))
+                continue
             assert kind_of(game, glyph) == kind, f"row {r}, column {c}: the map has no `{glyph}` there"
             for name, value in meaning(game, glyph).items():
                 cells[kind, name][index] = value
     assert len(places) == game.agents.number, f"{len(places)} agents in the picture, not {game.agents.number}"
-    return places, heading, cells
+    assert all(len(herds[sort.name]) == sort.number for sort in game.movers), f"the picture has the movers {herds}"
+    return places, heading, cells, herds
 
 
 def kind_of(game: ir.Game, glyph: str) -> str:

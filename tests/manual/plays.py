@@ -25,7 +25,7 @@ Place = tuple[int, int] | None
 class View:
     """What can be seen of a game after a reset or a step, as plain values: words as texts, agents as numbers.
 
-    cells: (kind, field) -> a value for each cell. events: name or `name[word]` -> a count, or one for each agent.
+    cells: (kind, field) -> a value for each cell, and (sort, field) for each mover. herds: where the movers of each sort are. events: name or `name[word]` -> a count, or one for each agent.
     away: ticks until each agent returns, 0 for those here and those removed. observation: agents x rows x columns x planes;
     None, as `allowed`, where the compiled step has not looked (after a picture). chosen: what each agent would do under each policy of
     the file, no move of it drawn; None of the compiled step.
@@ -46,6 +46,7 @@ class View:
     truncated: bool = False
     terminated: bool = False
     chosen: dict[str, list[str]] | None = None
+    herds: dict[str, list[Place]] = field(default_factory=dict)
 
 
 class Play(Protocol):
@@ -53,8 +54,10 @@ class Play(Protocol):
 
     def reset(self, key: Key) -> View: ...
 
-    def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
-        """Puts agents and cells as a picture shows them."""
+    def arrange(
+        self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]], herds: dict[str, list[Place]]
+    ) -> View:
+        """Puts agents, movers and cells as a picture shows them."""
         ...
 
     def step(self, actions: Sequence[int], key: Key) -> View: ...
@@ -71,7 +74,11 @@ class Interpreted:
         self.world = reset(self.game, self.params, Threefry(*key))
         return self._view()
 
-    def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
+    def arrange(
+        self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]], herds: dict[str, list[Place]]
+    ) -> View:
+        for sort, at in herds.items():
+            self.world.movers[sort].position = [None if p is None else Cell(*p) for p in at]
         self.world.position = [None if p is None else Cell(*p) for p in places]
         self.world.heading = [HEADINGS.index(h) for h in heading]
         self.world.cells |= {key: list(values) for key, values in cells.items()}
@@ -98,12 +105,14 @@ class Interpreted:
 
     def _view(self) -> View:
         world = self.world
+        fields = world.cells | {(sort, name): values for sort, herd in world.movers.items() for name, values in herd.fields.items()}
         return View(
             steps=world.step,
             places=[None if p is None else (p.row, p.col) for p in world.position],
             heading=[HEADINGS[h] for h in world.heading],
             away=[0 if a is None else a.ticks for a in world.away],
-            cells={key: [_plain(v) for v in values] for key, values in world.cells.items()},
+            cells={key: [_plain(v) for v in values] for key, values in fields.items()},
+            herds={sort: [None if p is None else (p.row, p.col) for p in herd.position] for sort, herd in world.movers.items()},
             agents={name: [_plain(v) for v in values] for name, values in world.agents.items()},
             world={name: _plain(v) for name, v in world.fields.items()},
             allowed=action_mask(self.game, world),
@@ -159,13 +168,17 @@ class Compiled:
         self.state, seen = self.begin(np.array(key, np.uint32))
         return self._view(seen)
 
-    def arrange(self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]]) -> View:
+    def arrange(
+        self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]], herds: dict[str, list[Place]]
+    ) -> View:
         from sjdsl.compiler.ir.names import attribute_name
 
         (_, cols), pad = self.module.FRAME, self.module.PAD
-        position = [0 if p is None else (p[0] + pad) * cols + p[1] + pad for p in places]
         changed: dict[str, Any] = {
-            "position": np.array(position, np.int32),
+            f"{sort}_position".lstrip("_"): np.array([0 if p is None else (p[0] + pad) * cols + p[1] + pad for p in at], np.int32)
+            for sort, at in {"": places, **herds}.items()
+        }
+        changed |= {
             "heading": np.array([HEADINGS.index(h) for h in heading], np.int32),
         }
         for (kind, name), values in cells.items():
@@ -201,13 +214,18 @@ class Compiled:
     def _view(self, seen: Any) -> View:
         state, (_, cols), pad = self.state, self.module.FRAME, self.module.PAD
         allowed, observation = (None, None) if seen is None else map(np.asarray, seen)
-        places = [None if p == 0 else (p // cols - pad, p % cols - pad) for p in np.asarray(state.position).tolist()]
+        at = {
+            sort: np.asarray(getattr(state, f"{sort}_position".lstrip("_"))).tolist() for sort in ("", *(m.name for m in self.game.movers))
+        }
+        herds = {sort: [None if p == 0 else (p // cols - pad, p % cols - pad) for p in some] for sort, some in at.items()}
+        places = herds.pop("")
         return View(
             steps=int(state.step),
             places=places,
             heading=[HEADINGS[h] for h in np.asarray(state.heading).tolist()],
             away=np.asarray(getattr(state, "away", np.zeros(len(places), int))).tolist(),
-            cells={(k.name, f.name): self._values(f) for k in self.game.kinds for f in k.fields},
+            cells={(k.name, f.name): self._values(f) for k in (*self.game.kinds, *self.game.movers) for f in k.fields},
+            herds=herds,
             agents={f.name: self._values(f) for f in self.game.agents.fields},
             world={f.name: self._values(f) for f in self.game.fields},
             allowed=None if allowed is None else allowed.tolist(),

@@ -214,10 +214,11 @@ def values_of(game: ir.Game, view: View, path: str) -> list[Any]:
             return list(plane_names(game))
     name, *keys = re.findall(r"[\w.]+", path)
     owner, _, member = name.rpartition(".")
-    if owner == "agent" and member in ("row", "col"):
-        return ["-" if p is None else p[member == "col"] for p in view.places]
-    if owner == "agent" and member == "away":
-        return [p is None for p in view.places]
+    places = {"agent": view.places, **view.herds}.get(owner, [])
+    if places and member in ("row", "col"):
+        return ["-" if p is None else p[member == "col"] for p in places]
+    if places and member == "away":
+        return [p is None for p in places]
     if owner == "agent" and member == "ticks":
         return view.away
     if owner == "agent" and member == "heading":
@@ -235,7 +236,9 @@ def _listed(value: Any) -> list[Any]:
 def _entry(game: ir.Game, owner: str, name: str, value: Any, keys: list[str]) -> Any:
     if not keys:
         return value
-    fields = {"": game.fields, "agent": game.agents.fields}.get(owner) or next(k for k in game.kinds if k.name == owner).fields
+    fields = {"": game.fields, "agent": game.agents.fields}.get(owner) or next(
+        k for k in (*game.kinds, *game.movers) if k.name == owner
+    ).fields
     words = next(f for f in fields if f.name == name).type.by[0]
     place = entry_named(words, keys[0])
     assert place is not None, keys

@@ -147,6 +147,7 @@ def test_every_code_is_listed_with_its_title():
 
 LIMITS = {
     "agents": limits.MAX_AGENTS,
+    "movers of one sort": limits.MAX_MOVERS,
     "actions": limits.MAX_ACTIONS,
     "words in one set": limits.MAX_WORDS,
     "rows or columns of a map": limits.MAX_MAP_SIDE,

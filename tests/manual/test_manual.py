@@ -141,8 +141,8 @@ class Both:
     def reset(self, key):
         return self._same([play.reset(key) for play in self.plays])
 
-    def arrange(self, places, heading, cells):
-        return self._same([play.arrange(places, heading, cells) for play in self.plays])
+    def arrange(self, places, heading, cells, herds):
+        return self._same([play.arrange(places, heading, cells, herds) for play in self.plays])
 
     def step(self, actions, key):
         return self._same([play.step(actions, key) for play in self.plays])

@@ -127,6 +127,16 @@ class Agents(Node):
     attributes: tuple[Acts | Moves | Field | Timer | Forbid | Blocks, ...]
 
 
+class Movers(Node):
+    """`movers deer 4 "d" { timer resting }`"""
+
+    span: Span
+    name: Name
+    number: Expr
+    glyph: String
+    attributes: tuple[Field | Timer, ...]
+
+
 class Shape(Node):
     """A picture (rows) or a call."""
 
@@ -378,6 +388,7 @@ Section = (
     | Timer
     | Map
     | Agents
+    | Movers
     | Shape
     | Define
     | Schedule

@@ -142,9 +142,43 @@ class Remove(Node):
     who: Path
 
 
-class Move(Node):
+class Toward(Node):
+    """`toward D avoiding E`, or `away from D avoiding E`"""
+
     span: Span
     domain: Domain
+    avoided: Domain | None
+
+
+class AwayFrom(Node):
+    span: Span
+    domain: Domain
+    avoided: Domain | None
+
+
+class AtRandom(Node):
+    span: Span
+    avoided: Domain | None
+
+
+class Ahead(Node):
+    span: Span
+
+
+class Along(Node):
+    span: Span
+    heading: Expr
+
+
+Course = Toward | AwayFrom | AtRandom | Ahead | Along
+
+
+class Move(Node):
+    """Agents move as they chose; movers take a `course`."""
+
+    span: Span
+    domain: Domain
+    course: Course | None
 
 
 class Mark(Node):

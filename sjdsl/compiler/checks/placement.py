@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.start_values import Place, holds_at_start, places
@@ -12,7 +13,14 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import domain as domain_text
-from sjdsl.compiler.ir.queries import phases_of
+from sjdsl.compiler.ir.queries import mover_sort, phases_of
+
+
+class Body(NamedTuple):
+    """An agent (of no sort), or a mover."""
+
+    sort: str
+    number: int
 
 
 @dataclass
@@ -20,7 +28,7 @@ class Pool:
     """The sends of one phase use to one destination: whether any lacks `otherwise stay`, and whom they may reach."""
 
     sends: list[ir.Send] = field(default_factory=list)
-    agents: set[int] = field(default_factory=set)
+    reached: set[Body] = field(default_factory=set)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -28,26 +36,40 @@ class Pool:
 
 
 def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
-    """Reports agents without a place at the start, and sends without enough cells."""
+    """Reports agents and movers without a place at the start, and sends without enough cells."""
     _check_start(game, problems)
     for phase in phases_of(game):
         _check_capacity(phase, game, problems, sources)
 
 
+def _sorts(game: ir.Game) -> dict[str, int]:
+    """Returns how many agents there are, and how many movers of each sort."""
+    return {"": game.agents.number} | {sort.name: sort.number for sort in game.movers}
+
+
+def _bodies(game: ir.Game) -> list[Body]:
+    return [Body(sort, number) for sort, many in _sorts(game).items() for number in range(many)]
+
+
 def _check_start(game: ir.Game, problems: Problems) -> None:
-    missing = [i for i in range(game.agents.number) if not _always_sent(game.start.body, i)]
-    if missing:
-        who = f"agent {missing[0]}" if len(missing) == 1 else f"agents {missing[0]} .. {missing[-1]}"
-        problems.add(errors.NotSentAtStart(game.start.span, who=who))
+    for sort, many in _sorts(game).items():
+        missing = [i for i in range(many) if not _always_sent(game.start.body, Body(sort, i))]
+        if missing:
+            who = f"{sort or 'agent'} {missing[0]}" if len(missing) == 1 else f"{sort or 'agents'} {missing[0]} .. {missing[-1]}"
+            problems.add(errors.NotSentAtStart(game.start.span, who=who))
 
 
-def _always_sent(body: tuple[ir.Stmt, ...], agent: int) -> bool:
-    """Returns whether the statements certainly send this agent (they stand in an `each agent`)."""
+def _is_of(who: ir.Expr, agent: Body) -> bool:
+    return mover_sort(who) == agent.sort and not (isinstance(who, ir.Member) and who.who == "cell")
+
+
+def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
+    """Returns whether the statements certainly send this agent or mover (they stand in an `each` of all of them)."""
     for s in body:
         match s:
-            case ir.Send() if s.after is None and not s.stay:
+            case ir.Send() if s.after is None and not s.stay and _is_of(s.who, agent):
                 return True
-            case ir.Each(domain=ir.Domain(var=ir.Member(who="agent"), on=None, restriction=None)):
+            case ir.Each(domain=ir.Domain(on=None, restriction=None)) if _is_of(s.domain.var, agent):
                 if s.domain.where is None or _decide(s.domain.where, agent) is True:
                     if _always_sent(s.body, agent):
                         return True
@@ -62,7 +84,7 @@ def _always_sent(body: tuple[ir.Stmt, ...], agent: int) -> bool:
     return False
 
 
-def _branches_send(s: ir.When, agent: int) -> bool:
+def _branches_send(s: ir.When, agent: Body) -> bool:
     for branch in s.branches:
         decided = _decide(branch.test, agent)
         if decided is False:
@@ -74,7 +96,7 @@ def _branches_send(s: ir.When, agent: int) -> bool:
     return _always_sent(s.otherwise, agent)
 
 
-def _decide(test: ir.Expr, agent: int) -> bool | None:
+def _decide(test: ir.Expr, agent: Body) -> bool | None:
     """Returns whether a condition holds for this agent, if that follows from its index alone."""
     parts = [_decide_one(p, agent) for p in conjuncts(test)]
     if False in parts:
@@ -82,7 +104,7 @@ def _decide(test: ir.Expr, agent: int) -> bool | None:
     return True if all(p is True for p in parts) else None
 
 
-def _decide_one(test: ir.Expr, agent: int) -> bool | None:
+def _decide_one(test: ir.Expr, agent: Body) -> bool | None:
     match test:
         case ir.Not():
             inner = _decide(test.value, agent)
@@ -110,12 +132,12 @@ def _decide_one(test: ir.Expr, agent: int) -> bool | None:
             return None
 
 
-def _number(e: ir.Expr, agent: int) -> float | None:
+def _number(e: ir.Expr, agent: Body) -> float | None:
     match e:
         case ir.Number():
             return e.value
-        case ir.Attribute(name="index"):
-            return agent
+        case ir.Attribute(name="index") if _is_of(e.owner, agent):
+            return agent.number
         case ir.Arithmetic(fn="%"):
             left, right = _number(e.args[0], agent), _number(e.args[1], agent)
             return None if left is None or not right else left % right
@@ -125,10 +147,10 @@ def _number(e: ir.Expr, agent: int) -> float | None:
 
 def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems, sources: Mapping[str, Source]) -> None:
     pools: dict[int, Pool] = {}
-    for agent in range(game.agents.number):
+    for agent in _bodies(game):
         for send in _possible_sends(phase.body, agent):
             pool = pools.setdefault(send.pool, Pool())
-            pool.agents.add(agent)
+            pool.reached.add(agent)
             if send not in pool.sends:
                 pool.sends.append(send)
     earlier: list[Pool] = []
@@ -150,15 +172,16 @@ def _as_written(domain: ir.Domain, sources: Mapping[str, Source]) -> str:
     return " ".join(re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split())
 
 
-def _possible_sends(body: tuple[ir.Stmt, ...], agent: int) -> list[ir.Send]:
+def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
     """Returns the sends that may reach this agent, as far as conditions on its index tell."""
     found: list[ir.Send] = []
     for s in body:
         match s:
             case ir.Send():
-                found.append(s)
+                if _is_of(s.who, agent):
+                    found.append(s)
             case ir.Each() | ir.Pick() | ir.First():
-                own = s.domain.var.who == "agent" and s.domain.where is not None
+                own = _is_of(s.domain.var, agent) and s.domain.where is not None
                 if not (own and _decide(s.domain.where, agent) is False and _innermost(s.body)):  # type: ignore[arg-type]
                     found += _possible_sends(s.body, agent)
                 if not isinstance(s, ir.Each):
@@ -180,7 +203,7 @@ def _innermost(body: tuple[ir.Stmt, ...]) -> bool:
     return not any(isinstance(n, ir.Each | ir.Pick | ir.First | ir.Match) for s in body for n in ir.walk(s))
 
 
-def _when_sends(s: ir.When, agent: int) -> list[ir.Send]:
+def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
     found: list[ir.Send] = []
     for branch in s.branches:
         decided = _decide(branch.test, agent)
@@ -194,8 +217,8 @@ def _when_sends(s: ir.When, agent: int) -> list[ir.Send]:
 def _check_room(
     pool: Pool, sharing: list[Pool], lacking: ir.Send, game: ir.Game, problems: Problems, sources: Mapping[str, Source]
 ) -> None:
-    """Besides all agents, those may be in the way that were sent to the same cells before: in their new places and in their old ones."""
-    domain, needed = pool.sends[0].domain, game.agents.number + len({agent for p in sharing for agent in p.agents})
+    """Besides all agents and movers, those may be in the way that were sent to the same cells before: in their new and in their old places."""
+    domain, needed = pool.sends[0].domain, len(_bodies(game)) + len({agent for p in sharing for agent in p.reached})
     cells = len(places(game, domain.var.kinds)) if domain.where is None else 0
     place = _as_written(domain, sources)
     if domain.where is not None:
@@ -210,16 +233,18 @@ def _check_room_at_start(
     """Agents take cells in the order of their numbers: each needs more cells that fit than others before it may have taken."""
     domain, span = pool.sends[0].domain, lacking.span
     own = any(variables_around(s.domain) for s in pool.sends)
-    earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.agents}
-    for agent in sorted(pool.agents):
+    earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.reached}
+    for agent in sorted(pool.reached):
         sure, possible = _cells_at_start(pool, agent, game)
         taken = sum(other != agent and not sure.isdisjoint(cells) for other, cells in earlier.items())
         earlier[agent] = earlier.get(agent, set()) | possible
         if len(sure) > taken:
             continue
-        place, everybody = _as_written(domain, sources), len({*pool.agents, *earlier})
+        place, everybody = _as_written(domain, sources), len({*pool.reached, *earlier})
         if own:
-            problems.add(errors.TooFewForOne(span, place=place, cells=len(sure), agents=taken, agent=agent))
+            problems.add(
+                errors.TooFewForOne(span, place=place, cells=len(sure), agents=taken, who=f"{agent.sort or 'agent'} {agent.number}")
+            )
         elif domain.where is None:
             problems.add(errors.TooFewCells(span, kind=place, cells=len(sure), agents=everybody))
         else:
@@ -227,11 +252,11 @@ def _check_room_at_start(
         return
 
 
-def _cells_at_start(pool: Pool, agent: int, game: ir.Game) -> tuple[set[Place], set[Place]]:
+def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place], set[Place]]:
     """Returns the cells that certainly fit an agent when the episode begins, and those that may."""
     sure, possible = set(), set()
     for s in pool.sends:
-        known = {s.who.name: agent} if isinstance(s.who, ir.Member) else {}
+        known = {s.who.name: agent.number} if isinstance(s.who, ir.Member) else {}
         for place in places(game, s.domain.var.kinds):
             fits = True if s.domain.where is None else holds_at_start(s.domain.where, {**known, s.domain.var.name: place}, game)
             if fits is not False:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import glyphs_of, starts_of
+from sjdsl.compiler.ir.queries import glyphs_of, movers_named, starts_of
 
 _COMPARED = {
     "<": operator.lt,
@@ -37,7 +37,7 @@ def places(game: ir.Game, kinds: tuple[str, ...]) -> list[Place]:
 
 
 def holds_at_start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> bool | None:
-    """Returns whether a condition holds in `phase start`; None if that is not known. `names`: an agent's number, or a cell."""
+    """Returns whether a condition holds in `phase start`; None if that is not known. `names`: the number of an agent or mover, or a cell."""
     try:
         return bool(_value(e, names, game))
     except NotKnown:
@@ -73,7 +73,8 @@ def _start(e: ir.FieldRead, names: Mapping[str, Place | int], game: ir.Game) -> 
         place = names[e.owner.name]
         if isinstance(place, Place):
             return starts_of(game, next(g for g in game.glyphs if g.glyph == place.glyph))[e.name]
-        return next(f.start for f in game.agents.fields if f.name == e.name)
+        fields = movers_named(game, e.kinds[0]).fields if e.held_by == "mover" else game.agents.fields
+        return next(f.start for f in fields if f.name == e.name)
     if e.owner is None:
         return next(f.start for f in game.fields if f.name == e.name)
     raise NotKnown

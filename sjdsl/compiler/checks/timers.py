@@ -37,7 +37,7 @@ def _sets(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
     found = []
     for node in (n for t in turns for n in ir.walk(t)):
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == timer.name:
-            same = timer.kind in node.target.kinds if timer.held_by == "cell" else node.target.held_by == timer.held_by
+            same = node.target.held_by == timer.held_by and (not timer.kind or timer.kind in node.target.kinds)
             if same and node.value.type.high > 0:
                 found.append(node)
     return found

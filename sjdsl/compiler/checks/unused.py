@@ -22,7 +22,7 @@ def _check_actions(game: ir.Game, composition: Composition, problems: Problems) 
     nodes = [n for turn in game.schedule for n in ir.walk(turn)]
     asked = {game.agents.actions[n.action] for n in nodes if isinstance(n, ir.Chose)}
     asked |= {n.action for n in nodes if isinstance(n, ir.ChoseWith)}
-    moving = any(isinstance(n, ir.Move) for n in nodes)
+    moving = any(isinstance(n, ir.Move) and n.course is None for n in nodes)
     assert composition.acts is not None
     idle = [a.name for a in composition.acts.actions if a.name.text not in asked and a.name.text != "stay"]
     for action in idle:
@@ -56,6 +56,12 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
         for attribute in kind.fields:
             if Declared(attribute.name, kind.name) not in used and attribute.type.kind != "word":
                 problems.add(errors.Unused(attribute.span, what="the field", name=f"{kind.name}.{attribute.name}"))
+    for sort in game.movers:
+        if Declared(sort.name) not in used:
+            problems.add(errors.Unused(composition.movers[sort.name].name.span, what="the sort of movers", name=sort.name))
+        for attribute in sort.fields:
+            if Declared(attribute.name, sort.name) not in used and attribute.name != "heading":
+                problems.add(errors.Unused(attribute.span, what="the field", name=f"{sort.name}.{attribute.name}"))
     for name, constant in composition.constants.items():
         if Declared(name) not in used:
             what = "the size" if constant.is_size else "the parameter"

@@ -18,7 +18,7 @@ from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import Fact, contradict, facts
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import declared_field, phases_of, written_field
+from sjdsl.compiler.ir.queries import declared_field, mover_sort, phases_of, written_field
 
 
 class Quantifier(Record):
@@ -38,9 +38,9 @@ class Branch(Record):
 
 
 class Target(Record):
-    """What is written: the place of an agent, or a field of agents, cells or the world; `entries` of a row, None for any of them."""
+    """What is written: the place of an agent or a mover, or a field of something; `entries` of a row, None for any of them."""
 
-    of: Literal["agent", "cell", "world", "place"]
+    of: Literal["agent", "cell", "mover", "world", "place"]
     name: str = ""
     entries: tuple[str | None, ...] = ()
 
@@ -81,7 +81,8 @@ class Write(Record, eq=False):
         return tuple(Fact(f.condition, target) for f in self.facts if {v.name for v in free_variables(f.condition)} <= target.keys())
 
 
-PLACE = Target("place")
+def _place(who: ir.Expr) -> Target:
+    return Target("place", mover_sort(who))
 
 
 class Around(Record):
@@ -146,14 +147,18 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
             case ir.Send():
                 value = ("send", s.pool, None if s.after is None else form(s.after), s.facing, s.stay)
                 depends = _names(s.domain, around) | (frozenset() if s.after is None else _names(s.after, around))
-                yield _write("place", PLACE, (), s.who, value, depends, s, around)
+                yield _write("place", _place(s.who), (), s.who, value, depends, s, around)
+                if mover_sort(s.who) and s.facing != "same":  # the heading of a mover is a field
+                    yield _write("set", Target("mover", "heading"), (mover_sort(s.who),), s.who, value, depends, s, around)
             case ir.Shift():
                 parts = (s.to, s.steps, s.heading, s.other)
                 by: Form = ("shift", s.quarters, s.facing, *(None if part is None else form(part) for part in parts))
                 depends = frozenset(name for part in parts if part is not None for name in _names(part, around))
-                yield _write("place", PLACE, (), s.who, by, depends, s, around)
+                yield _write("place", _place(s.who), (), s.who, by, depends, s, around)
+                if mover_sort(s.who) and s.facing != "same":
+                    yield _write("set", Target("mover", "heading"), (mover_sort(s.who),), s.who, by, depends, s, around)
             case ir.Remove():
-                yield _write("place", PLACE, (), s.who, ("remove",), frozenset(), s, around)
+                yield _write("place", _place(s.who), (), s.who, ("remove",), frozenset(), s, around)
             case _:
                 pass
 
@@ -370,7 +375,7 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     elif {a.sort, b.sort} == {"set", "add"}:
         problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
     else:
-        owner = "agent" if a.target.of == "place" else a.target.of
+        owner = (a.target.name or "agent") if a.target.of == "place" else a.target.of
         problems.add(errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label))
 
 

@@ -24,6 +24,7 @@ MAX_SHAPE_CELLS = 256
 MAX_WINDOW = 32  # cells to one side
 MAX_AGENTS = 64
 MAX_ACTIONS = 256
+MAX_MOVERS = 64  # of one sort
 MAX_KINDS = 64
 MAX_WORDS = 64  # in one set
 MAX_FIELDS = 128
@@ -36,7 +37,7 @@ MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
 
 CHAINS = ("sum", "prod", "expr", "and_e")
 STATEMENTS = frozenset((
-    "cite", "about", "size", "param", "episode", "kind", "group", "field", "timer", "map", "agents", "shape", "define",
+    "cite", "about", "size", "param", "episode", "kind", "group", "field", "timer", "map", "agents", "movers", "shape", "define",
     "schedule", "phase", "observe", "look", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
     "moves", "forbid", "window", "show", "hide", "event", "mean", "final", "require", "always", "once", "conserved",
     "monotone", "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",

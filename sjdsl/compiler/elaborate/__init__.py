@@ -110,6 +110,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         glyphs=tuple(glyph for _, glyph in static.glyphs),
         fields=tuple(static.fields.values()),
         agents=agents,
+        movers=tuple(static.movers.values()),
         shapes=tuple(shape for name, shape in static.shapes.items() if name not in of_policies),
         start=begin,
         schedule=turns,

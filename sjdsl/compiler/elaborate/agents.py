@@ -79,5 +79,5 @@ def _blocks(game: Composition, static: Static, problems: Problems) -> tuple[ir.B
                     help_ = "agents always block each other: no two are on one cell; name the shapes whose lanes end at an agent"
                     raise problems.fail(errors.WrongSort(what.span, name="agents", what="the agents", wanted="a shape", help=help_))
             test = None if blocks.condition is None else scope.condition(blocks.condition)
-            found += blocked(blocks, test, scope)
+            found += blocked(blocks, {"": test}, scope)
     return tuple(found)

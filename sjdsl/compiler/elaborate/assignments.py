@@ -44,6 +44,8 @@ def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
             return static.fields[field.name]
         case "agent":
             return static.agent_fields[field.name]
+        case "mover":
+            return static.mover_fields(field.kinds[0])[field.name]
         case "cell":
             return static.kinds[field.kinds[0]][field.name]
 

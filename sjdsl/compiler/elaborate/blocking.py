@@ -1,21 +1,26 @@
 """Elaborates `blocks`: what cells of a kind, or agents, stop."""
 
+from collections.abc import Mapping
+
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.scope import Declared, Scope
 
 
-def blocked(blocks: ast.Blocks, test: ir.Expr | None, scope: Scope) -> list[ir.Block]:
-    """Returns what is stopped, the agents or shapes by name, where a condition holds."""
-    found = []
+def blocked(blocks: ast.Blocks, tests: Mapping[str, ir.Expr | None], scope: Scope) -> list[ir.Block]:
+    """Returns what is stopped, the agents, sorts of movers or shapes by name, where a condition holds.
+
+    tests: the condition as it is asked about movers, by their sort; about all others, by no name.
+    """
+    static, found = scope.static, []
     for what in blocks.what:
-        if Declared(what.text, among="shapes") in scope.static.broken:
+        if Declared(what.text, among="shapes") in static.broken:
             continue
-        if what.text != "agents" and what.text not in scope.static.shapes:
-            scope.problems.unknown(what, ["agents", *scope.static.shapes], "what a cell can block")
+        if what.text != "agents" and what.text not in static.shapes and what.text not in static.movers:
+            scope.problems.unknown(what, ["agents", *static.movers, *static.shapes], "what a cell can block")
             continue
-        if what.text != "agents" and scope.static.shapes[what.text].see_through:
+        if what.text in static.shapes and static.shapes[what.text].see_through:
             problem = f"the shape `{what.text}` sees through everything"
             scope.problems.add(errors.NeverHappens(what.span, problem=problem))
-        found.append(ir.Block(what=what.text, condition=test, origin=blocks.span))
+        found.append(ir.Block(what=what.text, condition=tests.get(what.text, tests.get("")), origin=blocks.span))
     return found

@@ -14,6 +14,7 @@ from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.movers import declare_movers
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.runtime.actions import HEADINGS
 
@@ -56,7 +57,8 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
                 problems.add(errors.WrittenTwice(name.span, what=f"the word `{name.text}`"))
         static.word_sets.append(tuple(dict.fromkeys(spelt)))
 
-    attributes = [a for k in game.kinds.values() for a in k.attributes] + list(game.agent_fields.values())
+    owners: tuple[ast.Kind | ast.Movers, ...] = (*game.kinds.values(), *game.movers.values())
+    attributes = [a for owner in owners for a in owner.attributes] + list(game.agent_fields.values())
     for item in [*attributes, *game.fields.values()]:
         if isinstance(item, ast.Field):
             if isinstance(item.type, ast.Words):
@@ -85,12 +87,13 @@ def _check_names(game: Composition, static: Static, problems: Problems) -> None:
         ("a field of the world", game.fields),
         ("a kind", game.kinds),
         ("a group", game.groups),
+        ("a sort of movers", game.movers),
     )
     for what, table in tables:
         for name, node in table.items():
             if name in RESERVED_VARIABLES:
                 problems.add(errors.NameTaken(node.name.span, name=name, what="something of the language"))
-            elif name in SEEN and what in ("a kind", "a group"):
+            elif name in SEEN and what in ("a kind", "a group", "a sort of movers"):
                 problems.add(errors.NameTaken(node.name.span, name=name, what=SEEN[name]))
             elif name in taken:
                 problems.add(errors.NameTaken(node.name.span, name=name, what=taken[name]))
@@ -124,10 +127,12 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
             made_field = one_field(declared, scope, "world", "")
             static.fields[made_field.name] = made_field
     declare_agents(game, scope)
+    declare_movers(game, scope)
 
 
 def _check_counts(game: Composition, problems: Problems) -> None:
-    fields = [a for k in game.kinds.values() for a in k.attributes if isinstance(a, ast.Field | ast.Timer)]
+    owners: tuple[ast.Kind | ast.Movers, ...] = (*game.kinds.values(), *game.movers.values())
+    fields = [a for owner in owners for a in owner.attributes if isinstance(a, ast.Field | ast.Timer)]
     counts = (
         ("kinds", len(game.kinds), limits.MAX_KINDS),
         ("fields", len(fields) + len(game.fields) + len(game.agent_fields), limits.MAX_FIELDS),
@@ -181,8 +186,16 @@ def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[
 
 
 def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block]:
-    test = None
-    if attribute.condition is not None:
-        inner = scope.bind(kind, ir.Member(name=kind, who="cell", kinds=(kind,)))
-        test = inner.bind("agent", ir.Member(name="agent", who="agent")).condition(attribute.condition)
-    return blocked(attribute, test, scope)
+    static = scope.static
+    sorts = dict.fromkeys(what.text if what.text in static.movers else "" for what in attribute.what)
+    tests = {sort: _blocks_when(attribute, kind, sort, scope) for sort in sorts}
+    return blocked(attribute, tests, scope)
+
+
+def _blocks_when(attribute: ast.Blocks, kind: str, sort: str, scope: Scope) -> ir.Expr | None:
+    """Returns the condition of `blocks`, about the cell and about who moves: an agent (or the anchor of a shape), or a mover of a sort."""
+    if attribute.condition is None:
+        return None
+    who = ir.Member(name="agent", who="agent") if not sort else ir.Member(name=sort, who="mover", kinds=(sort,))
+    cell = ir.Member(name=kind, who="cell", kinds=(kind,))
+    return scope.bind(kind, cell).bind(who.name, who).condition(attribute.condition)

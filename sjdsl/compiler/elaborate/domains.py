@@ -7,7 +7,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, kinds_named, unknown
-from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 
 
@@ -16,6 +16,9 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
     chosen = d.bind or d.kind
     if d.kind.text == "agent":
         var = ir.Member(name=_own_name(chosen, scope), who="agent", origin=d.kind.span)
+    elif d.kind.text in scope.static.movers:
+        scope.static.used.add(Declared(d.kind.text))
+        var = ir.Member(name=_own_name(chosen, scope), who="mover", kinds=(d.kind.text,), origin=d.kind.span)
     else:
         kinds = kinds_named(d.kind, scope)
         var = ir.Member(name=_own_name(chosen, scope), who="cell", kinds=kinds, origin=d.kind.span)
@@ -34,7 +37,7 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
 
 def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
     assert d.on is not None
-    if var.who != "agent":
+    if var.who == "cell":
         raise scope.problems.fail(
             errors.WrongSort(d.kind.span, name=d.kind.text, what="a kind of cell", wanted="an agent (`agent on KIND`)")
         )
@@ -80,7 +83,7 @@ def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member,
             return near(restriction.shape, restriction.anchor, scope)
         case ast.Members():
             members = tuple(_variable(name, scope) for name in restriction.names)
-            if any(m.who != var.who for m in members):
+            if any(m.who != var.who or (var.who == "mover" and m.kinds != var.kinds) for m in members):
                 raise scope.problems.fail(errors.WrongType(restriction.span, wanted="variables of the same sort", given="a mixture"))
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
@@ -98,7 +101,7 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
     shape = shapes.used(ref, scope)
     member = _variable(anchor, scope)
-    if member.who == "agent":
+    if member.who != "cell":
         check_placed(member, ref.span, f"{shape.name} of {anchor.text}", scope)
     if shape.directed and member.who == "cell":
         raise scope.problems.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))
@@ -119,7 +122,13 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
 def most_members(d: ir.Domain, scope: Scope) -> int:
     """Returns the most members a domain can have."""
     static = scope.static
-    everywhere = static.num_agents if d.var.who == "agent" else sum(static.cells.get(k, 0) for k in d.var.kinds)
+    match d.var.who:
+        case "agent":
+            everywhere = static.num_agents
+        case "mover":
+            everywhere = static.movers[d.var.kinds[0]].number
+        case "cell":
+            everywhere = sum(static.cells.get(k, 0) for k in d.var.kinds)
     match d.restriction:
         case ir.Near():
             return min(everywhere, sum(map(len, static.shapes[d.restriction.shape].lanes)))

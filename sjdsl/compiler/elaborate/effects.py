@@ -12,17 +12,20 @@ from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.runtime.actions import HEADINGS
 
 FACINGS = (*HEADINGS, "same")
 LATER = "who is sent `after` some ticks finds its cell when it comes back: keep what it needs in a field of its own, set before it is sent"
 
 
-def agent(e: ast.Path, scope: Scope) -> ir.Expr:
-    """Returns one agent."""
+def body(e: ast.Path, scope: Scope) -> ir.Expr:
+    """Returns one agent, or one mover."""
     built = scope.expression(e)
+    if isinstance(built, ir.Member) and built.who == "mover":
+        return built
     if not as_agent(built):
-        raise wrong_type(scope, e, "an agent", built.type)
+        raise wrong_type(scope, e, "an agent or a mover" if scope.static.movers else "an agent", built.type)
     check_somebody(built, e.span, scope)
     return built
 
@@ -81,7 +84,7 @@ def facing(name: ast.Name | None, scope: Scope) -> str | None:
 
 
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
-    who = agent(s.who, scope)
+    who = body(s.who, scope)
     after = None if s.after is None else scope.number(s.after, ("steps",), "a number of steps")
     if s.after is not None and after is not None and after.type.low < 0:
         raise scope.problems.fail(errors.Negative(s.after.span, name="the delay"))
@@ -95,6 +98,8 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if held is not None and s.stay is None:
         raise scope.problems.fail(errors.TakenOrNowhere(s.span, place=text(held)))
     place = use.streams.header(s.domain.span, s.domain.span.end)
+    if mover_sort(who):  # each sort is placed by itself
+        place = f"{place} of {mover_sort(who)}"
     if held is not None and after is None:
         header = use.streams.header(s.span, s.span.end)
         stream, turned = use.streams.of_statement(header), use.streams.of_statement(f"heading of {header}")

@@ -139,6 +139,8 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
         return ir.Same(left=left, right=right, origin=e.span)
     if all(as_agent(x) for x in (left, right)):
         return ir.Same(left=left, right=right, origin=e.span)
+    if isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.who == right.who == "mover" and left.kinds == right.kinds:
+        return ir.Same(left=left, right=right, origin=e.span)
     help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
     wanted = "a word, an agent or a cell"
     single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None
@@ -184,7 +186,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             raise scope.problems.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
-    if not (isinstance(agent, ir.Member) and agent.who == "agent"):
+    if not (isinstance(agent, ir.Member) and agent.who != "cell"):
         raise wrong_type(scope, e.who, "an agent that a statement around has named", agent.type, _by_name(agent))
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)

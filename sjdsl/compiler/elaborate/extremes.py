@@ -40,16 +40,16 @@ def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
         case None if d.var.who == "cell":
             return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
         case None:
-            return static.can_be_away and not _somebody_is_here(scope)
+            return static.can_be_away and not _somebody_is_here(d.var, scope)
         case ir.Among():
             return d.var.who == "cell"
         case _:
             return True
 
 
-def _somebody_is_here(scope: Scope) -> bool:
-    """Returns whether a domain around has an agent; other parts of a game may speak of one that is away."""
-    agents = (v for v in scope.variables.values() if isinstance(v, ir.Member) and v.who == "agent")
+def _somebody_is_here(var: ir.Member, scope: Scope) -> bool:
+    """Returns whether a domain around has an agent (or such a mover); other parts of a game may speak of one that is away."""
+    agents = (v for v in scope.variables.values() if isinstance(v, ir.Member) and (v.who, v.kinds) == (var.who, var.kinds))
     return scope.part in ("phase", "start", "metrics", "checks", "policy") and any(agents)
 
 

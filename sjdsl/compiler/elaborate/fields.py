@@ -12,7 +12,7 @@ from sjdsl.compiler.ir.types import describe, join_units, words
 
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "reward")
 
-Holder = Literal["agent", "cell", "world"]  # what has the field
+Holder = Literal["agent", "cell", "mover", "world"]  # what has the field
 
 
 def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: Holder, kind: str) -> dict[str, ir.VarField]:
@@ -30,10 +30,10 @@ def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: Holder, kin
 
 def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: Holder, kind: str) -> ir.VarField:
     """Returns one field with its type and starting value."""
-    taken = AGENT_ATTRIBUTES if held_by == "agent" else CELL_ATTRIBUTES if held_by == "cell" else ()
+    taken = {"agent": AGENT_ATTRIBUTES, "mover": AGENT_ATTRIBUTES, "cell": CELL_ATTRIBUTES, "world": ()}[held_by]
     if declared.name.text in taken:
-        what = "a field of the agents" if held_by == "agent" else "a field of a kind"
-        problem = "every agent has it already" if held_by == "agent" else "every cell has it already"
+        what = {"agent": "a field of the agents", "mover": "a field of movers"}.get(held_by, "a field of a kind")
+        problem = f"every {held_by} has it already"
         scope.problems.add(errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem))
     name, span = declared.name.text, declared.span
     if isinstance(declared, ast.Timer):

@@ -14,6 +14,7 @@ from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.printer import expression as text
 
 AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
+MOVER_ATTRIBUTES = ("index", "moved", "away", "row", "col")
 CELL_ATTRIBUTES = ("row", "col")
 NOWHERE = "nowhere"  # the value of a field that holds no cell; a word where a field has such a word
 
@@ -70,7 +71,8 @@ def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     if kinds is None and Declared(name.text) in scope.static.broken:
         raise Poisoned
     if kinds is None:
-        raise scope.problems.unknown(name, ["agent", *scope.static.kinds, *scope.static.groups], "the agents and kinds of this game")
+        known = ["agent", *scope.static.movers, *scope.static.kinds, *scope.static.groups]
+        raise scope.problems.unknown(name, known, "the agents and kinds of this game")
     return kinds
 
 
@@ -88,6 +90,7 @@ def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
             "a field of the world": static.fields,
             "a kind": static.kinds,
             "a group": static.groups,
+            "a sort of movers": static.movers,
         }
         what = next((w for w, table in tables.items() if name.text in table), "")
         what = what or ("a word" if static.is_word(name.text) else "")
@@ -131,8 +134,9 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     if name.text in scope.withheld:
         what, wanted = "a variable of the statements around", "the agent that is sent, or something of the world,"
         return scope.problems.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]))
-    if static.kinds_of(name.text) or name.text == "agent":
+    if static.kinds_of(name.text) or name.text == "agent" or name.text in static.movers:
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
+        what = "a sort of movers" if name.text in static.movers else what
         wanted, help_ = f"a variable of a statement around (`each {name.text} …`)", ""
         if scope.defining:
             wanted = "a parameter"
@@ -171,6 +175,7 @@ def _owned(name: str, near: str, static: Static) -> str:
         return guesses.VALUES[name]
     owners = ["agent"] * (name in static.agent_fields or name in AGENT_ATTRIBUTES)
     owners += [kind for kind, fields in static.kinds.items() if name in fields]
+    owners += [sort for sort in static.movers if name in static.mover_fields(sort)]
     paths = " or ".join(f"`{owner}.{name}`" for owner in owners[:3])
     return f"a field is written with its owner: {paths}" if owners and not near else ""
 

@@ -19,7 +19,8 @@ from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.types import element, words
 from sjdsl.runtime.actions import HEADINGS
 
-What = Literal["cell", "own", "other", "everyone", "world", "heading"]
+What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
+RELATIVE = ("same heading", "turned right", "opposite", "turned left")  # how the heading of a mover is seen
 OWNERS: dict[str, What] = {
     "agent": "own",
     "other": "other",
@@ -48,6 +49,8 @@ def observables(game: Composition, static: Static, problems: Problems) -> tuple[
                 )
     if not any(isinstance(o, ast.Hide) and hides_others(o) and o.condition is None for o in game.observables.values()):
         seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
+    for sort, movers in static.movers.items():
+        seen["mover", sort, ""] = ir.Observable(what="mover", kind=sort, type=words((sort,)), origin=movers.origin)
     shown: set[Key] = set()
     for observable in game.observables.values():
         with problems.survive():
@@ -56,7 +59,7 @@ def observables(game: Composition, static: Static, problems: Problems) -> tuple[
             elif not is_of_a_plane(observable, static):
                 _hide(observable, seen, static, problems)
     _put_looks(seen, game, static, problems)
-    order = ("cell", "heading", "other", "everyone", "own", "world")
+    order = ("cell", "heading", "other", "mover", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
@@ -103,6 +106,8 @@ def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems
         )
     if numbered or members:
         return [replace(seen, numbered=numbered) for seen in _of_owner(head, members[0], path, static, problems)]
+    if head in static.movers:
+        return [Seen(("mover", head, ""))]
     kinds = static.kinds_of(head)
     if kinds is not None and (head in static.kinds or (isinstance(observable, ast.Show) and observable.labels)):
         return [Seen(("cell", kind, "")) for kind in kinds]
@@ -114,6 +119,11 @@ def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems
 
 def _of_owner(head: str, name: ast.Name, path: ast.Path, static: Static, problems: Problems) -> list[Seen]:
     """Returns what `head.name` is: of agents, or of the cells of a kind or group."""
+    if head in static.movers and Declared(name.text, head) not in static.broken:
+        fields = static.mover_fields(head)
+        if name.text not in fields:
+            raise no_field(name, f"a mover `{head}`", fields, guesses.PLACES, problems)
+        return [Seen(("mover", head, name.text), fields[name.text])]
     kinds = static.kinds_of(head)
     owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
     if any(Declared(name.text, owner) in static.broken for owner in owners):
@@ -160,6 +170,9 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], stati
         elif found.field is not None:
             static.used.add(Declared(name, "agent" if what in OWNERS.values() else kind))
             seen[found.key] = _shown(show, found, found.field, static, problems)
+        elif what == "mover":
+            told = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
+            raise problems.fail(errors.WrittenTwice(show.span, what=told))
         elif show.condition is not None and found.key in seen:  # headings of others, which are seen anyway
             shown_when = observer_scope(what, "", "", static, problems).condition(show.condition)
             seen[found.key] = seen[found.key].model_copy(update={"hidden_when": ir.Not(value=shown_when, origin=show.span)})
@@ -181,6 +194,8 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, static: Static, prob
         raise problems.fail(errors.WrongType(show.what.span, wanted="a field that holds an agent before `.index`", given="another field"))
     elif not labels:
         _check_plain(show, what, type_, problems)
+    if what == "mover" and name == "heading":
+        type_ = words(RELATIVE)
     observable = ir.Observable(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
     if condition is None:
         return observable
@@ -195,6 +210,8 @@ def _whose(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     owner: ir.Member | None = None
     if what == "cell":
         owner = ir.Member(name=kind, who="cell", kinds=(kind,))
+    elif what == "mover":
+        owner = ir.Member(name=kind, who="mover", kinds=(kind,))
     elif what != "world":
         owner = ir.Member(name=next(n for n, w in OWNERS.items() if w == what), who="agent")
     held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, kinds=(kind,) if kind else (), name=name)

@@ -10,6 +10,7 @@ from sjdsl.compiler.elaborate.keys import key_of
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
     CELL_ATTRIBUTES,
+    MOVER_ATTRIBUTES,
     NOWHERE,
     as_agent,
     check_placed,
@@ -87,6 +88,8 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     """Returns `owner.name`: a field or a read-only attribute of an agent or a cell."""
     if kinds_of_cell(owner) is not None:
         return cell_member(owner, name, scope)
+    if isinstance(owner, ir.Member) and owner.who == "mover":
+        return mover_member(owner, name, scope)
     if (isinstance(owner, ir.Member) and owner.who == "agent") or owner.type.kind == "agent":
         return agent_member(owner, name, scope)
     raise scope.problems.fail(errors.WrongType(name.span, wanted="an agent or a cell before the point", given=describe(owner.type)))
@@ -123,6 +126,23 @@ def attribute_types(static: Static) -> dict[str, ir.Type]:
     }
 
 
+def mover_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
+    """Returns a field or a read-only attribute of a mover; its heading is a field."""
+    static, sort = scope.static, owner.kinds[0]
+    fields = static.mover_fields(sort)
+    if name.text in fields:
+        static.used.add(Declared(name.text, sort))
+        return ir.FieldRead(type=fields[name.text].type, owner=owner, held_by="mover", kinds=owner.kinds, name=name.text, origin=name.span)
+    if name.text in ("row", "col"):
+        check_placed(owner, name.span, f"{text(owner)}.{name.text}", scope)
+    types = attribute_types(static) | {"index": integer(0, static.movers[sort].number - 1, "number")}
+    if name.text in types:
+        return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
+    if Declared(name.text, sort) in static.broken:
+        raise Poisoned
+    raise no_field(name, f"a mover `{sort}`", [*fields, *MOVER_ATTRIBUTES], guesses.PLACES, scope.problems)
+
+
 def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: Scope) -> Poisoned:
     what = f"the {asked} of an agent that a field holds: it may be away"
     help_ = f"name it: `each agent as x in {text(agent)}` has those who are there, and `{instead}`"
@@ -148,7 +168,7 @@ def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Expr:
         raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
     if not isinstance(place, ir.Member):
         raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
-    if place.who == "agent":
+    if place.who != "cell":
         check_placed(place, tree.span, said, scope)
     return place
 

@@ -48,6 +48,7 @@ class Static:
     cell_types: dict[str, tuple[str, ...]] = field(default_factory=dict)  # what `cell of NAME` can be, known before any field is
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
+    movers: dict[str, ir.Movers] = field(default_factory=dict)
     actions: tuple[str, ...] = ()
     action_names: list[str] = field(default_factory=list)  # as declared: `vote`, where the actions are `vote(0)`, `vote(1)`, …
     with_arguments: dict[str, ir.ActionWithArguments] = field(default_factory=dict)
@@ -79,12 +80,16 @@ class Static:
         """Returns the kinds a kind's or group's name stands for."""
         return (name,) if name in self.kinds else self.groups.get(name)
 
+    def mover_fields(self, sort: str) -> dict[str, ir.VarField]:
+        """Returns the fields of a sort of movers by name."""
+        return {field.name: field for field in self.movers[sort].fields}
+
     def is_word(self, name: str) -> bool:
         return any(name in words for words in self.word_sets)
 
     def names(self) -> set[str]:
         """Returns every name an expression may start with."""
-        named = {*self.sizes, *self.params, *self.fields, *self.defines, *self.kinds, *self.groups, "step", "agent"}
+        named = {*self.sizes, *self.params, *self.fields, *self.defines, *self.kinds, *self.groups, *self.movers, "step", "agent"}
         return named | {w for words in self.word_sets for w in words}
 
 

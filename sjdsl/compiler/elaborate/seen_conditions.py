@@ -15,6 +15,8 @@ def observer_scope(what: str, kind: str, named: str, static: Static, problems: P
     if what == "cell":
         cell = ir.Member(name=kind, who="cell", kinds=(kind,))
         return scope.bind(kind, cell).bind(named, cell)
+    if what == "mover":
+        return scope.bind(kind, ir.Member(name=kind, who="mover", kinds=(kind,)))
     if what in ("other", "heading"):
         return scope.bind("other", ir.Member(name="other", who="agent"))
     if what == "everyone":

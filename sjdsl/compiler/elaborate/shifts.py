@@ -5,7 +5,7 @@ from typing import Any
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.effects import agent, facing
+from sjdsl.compiler.elaborate.effects import body, facing
 from sjdsl.compiler.elaborate.lookup import check_placed
 from sjdsl.compiler.elaborate.paths import placed
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
@@ -19,7 +19,7 @@ BACK = 2
 
 def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
     """Returns `send x by n DIRECTION`."""
-    who = agent(s.who, scope)
+    who = body(s.who, scope)
     check_placed(who, s.span, "send … by", scope)
     way = _direction(s.direction, who, scope)
     look = facing(s.facing, scope)
@@ -51,7 +51,9 @@ def _direction(d: ast.Direction, who: ir.Expr, scope: Scope) -> dict[str, Any]:
         return {"other": placed(d.path, scope.expression(d.path), f"{d.how} …", scope), "quarters": BACK if d.how == "away" else 0}
     name = d.path.name.text
     if not d.path.steps and name in TURNED and name not in scope.variables:
-        look = ir.Attribute(type=words(HEADINGS), owner=who, name="heading", origin=d.path.span)
+        look: ir.Expr = ir.Attribute(type=words(HEADINGS), owner=who, name="heading", origin=d.path.span)
+        if isinstance(who, ir.Member) and who.who == "mover":
+            look = ir.FieldRead(type=words(HEADINGS), owner=who, held_by="mover", kinds=who.kinds, name="heading", origin=d.path.span)
         return {"heading": look, "quarters": TURNED[name]}
     heading = scope.expression(d.path)
     if heading.type.kind != "word" or heading.type.by or not set(heading.type.words) <= set(HEADINGS):

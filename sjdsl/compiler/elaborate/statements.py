@@ -8,8 +8,9 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.assignments import add, set_
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, near
-from sjdsl.compiler.elaborate.effects import agent, give, send, tally
+from sjdsl.compiler.elaborate.effects import body, give, send, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
+from sjdsl.compiler.elaborate.movers import move
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.shifts import shift
 from sjdsl.compiler.elaborate.streams import PhaseUse
@@ -60,7 +61,7 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
         case ast.Shift():
             return shift(s, scope, use), scope
         case ast.Remove():
-            return ir.Remove(who=agent(s.who, scope), origin=s.span), scope
+            return ir.Remove(who=body(s.who, scope), origin=s.span), scope
         case ast.Move():
             return move(s, scope, use), scope
         case ast.Mark():
@@ -199,7 +200,7 @@ def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: 
         return domain(s.domain, scope)
     except Poisoned:
         kinds = [s.domain.kind.text] + ([] if s.domain.on is None else [s.domain.on.kind.text])
-        if not all(k == "agent" or scope.static.kinds_of(k) for k in kinds):
+        if not all(k == "agent" or k in scope.static.movers or scope.static.kinds_of(k) for k in kinds):
             raise  # a misspelt kind would make every use of its variable one more mistake
         around = scope if s.domain.where is None else scope.unsure()
         inner = around.bind((s.domain.bind or s.domain.kind).text, None)
@@ -324,11 +325,3 @@ def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     if high > 1 + 1e-9 or low < -1e-9:
         raise scope.problems.fail(errors.ProbabilityRange(e.span, labels=parameters_read(scope.static, p), low=low, high=high))
     return p
-
-
-def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
-    movers, _ = domain(s.domain, scope)
-    if movers.var.who != "agent":
-        raise scope.problems.fail(errors.WrongSort(s.domain.kind.span, name=s.domain.kind.text, what="a kind of cell", wanted="`agent`"))
-    stream = use.streams.of_statement(use.streams.header(s.span, s.span.end))
-    return ir.Move(domain=movers, stream=stream, origin=s.span)

@@ -61,11 +61,11 @@ class ParamRef(Expression):
 
 
 class Member(Expression):
-    """A variable bound by a domain: an agent (`who` agent) or a cell of one of `kinds`."""
+    """A variable bound by a domain: an agent (`who` agent), a cell of one of `kinds`, or a mover of the one sort in `kinds`."""
 
     type: Type = Type(kind="member")
     name: str
-    who: Literal["agent", "cell"]
+    who: Literal["agent", "cell", "mover"]
     kinds: tuple[str, ...] = ()
 
 
@@ -79,18 +79,18 @@ class Local(Expression):
 class FieldRead(Expression):
     """A field at the start of the phase. `owner` is a Member, an expression of type agent or cell, or None for a world field.
 
-    `kinds`: the kinds of the owner, for a cell's field. A whole row if `type.by`.
+    `kinds`: the kinds of the owner, for a cell's field, or the sort of the mover. A whole row if `type.by`.
     """
 
     type: Type
     owner: Expr | None
-    held_by: Literal["agent", "cell", "world"]
+    held_by: Literal["agent", "cell", "mover", "world"]
     kinds: tuple[str, ...] = ()
     name: str
 
 
 class Attribute(Expression):
-    """Read-only facts: of an agent `index`, `heading` (word), `moved`, `away`; of an agent or cell `row`, `col`."""
+    """Read-only facts: of an agent or mover `index`, `moved`, `away`, of an agent `heading` (word); of any of them or a cell `row`, `col`."""
 
     type: Type
     owner: Expr
@@ -212,14 +212,14 @@ class ArgumentOf(Expression):
 
 
 class Unoccupied(Expression):
-    """`nobody on soil`: no agent is on this cell (a cell Member) at the start of the phase."""
+    """`nobody on soil`: no agent and no mover is on this cell (a cell Member) at the start of the phase."""
 
     type: Type = CONDITION
     cell: Expr
 
 
 class StandsOn(Expression):
-    """`agent on grass`: the agent's cell is of one of `kinds`."""
+    """`agent on grass`: the cell of the agent (or mover) is of one of `kinds`."""
 
     type: Type = CONDITION
     agent: Expr
@@ -353,7 +353,7 @@ class Shape(Node):
 
 
 class Near(RestrictionNode):
-    """The shape's cells around `anchor`, an agent or cell Member; `shape` names one of `Game.shapes`."""
+    """The shape's cells around `anchor`, a Member; `shape` names one of `Game.shapes`."""
 
     shape: str
     anchor: Member
@@ -378,7 +378,7 @@ class Among(RestrictionNode):
 
 
 class Domain(Node):
-    """All (present) agents, or all cells of `kinds`, restricted; binds `var`, and `on_var` to the cell under the agent."""
+    """All (present) agents or movers, or all cells of `kinds`, restricted; binds `var`, and `on` to the cell under the agent or mover."""
 
     var: Member
     on: Member | None = None

@@ -30,10 +30,10 @@ class Param(Node):
 
 
 class VarField(Node):
-    """A variable of each cell of `kind`, each agent (`agents`) or the world. `start`: number, word, or None for nobody."""
+    """A variable of each cell of `kind`, each agent, each mover of the sort `kind`, or the world. `start`: number, word, or None for nobody."""
 
     name: str
-    held_by: Literal["agent", "cell", "world"]
+    held_by: Literal["agent", "cell", "mover", "world"]
     kind: str = ""
     type: Type
     capped: bool = False
@@ -42,9 +42,10 @@ class VarField(Node):
 
 
 class Block(Node):
-    """`what`: `agents` or a shape's name. The condition reads the cell (Member `kind`) and `agent` (mover or anchor).
+    """`what`: `agents`, a sort of movers or a shape's name. The condition reads the cell (Member `kind`) and `agent` (who moves, or the anchor).
 
-    Of agents that end the lanes of a shape it reads Member `agent`, who stands in the way.
+    For a sort of movers it reads the mover, by the name of the sort, instead. Of agents that end the lanes of a shape it reads Member
+    `agent`, who stands in the way.
     """
 
     what: str
@@ -111,6 +112,15 @@ class Agents(Node):
     with_arguments: tuple[ActionWithArguments, ...] = ()
 
 
+class Movers(Node):
+    """A sort of movers: things that occupy cells and move by rules. `glyph`: in pictures. The first of its fields is `heading`."""
+
+    name: str
+    number: int
+    glyph: str
+    fields: tuple[VarField, ...] = ()
+
+
 class Phase(TurnNode):
     """One use of a phase. `label` as in the schedule (`sprout(red)`); `name` a Python identifier, unique in the game.
 
@@ -151,6 +161,8 @@ class Label(Node):
 class Observable(Node):
     """Something seen. `what`: `cell` (field of `kind` at each cell), `own`, `other`, `everyone`, `world` (fields), `heading` (others').
 
+    `mover`: the movers of the sort `kind` at each cell, whether there is one (no field) or a field of it; `heading` relative to the observer's.
+
     A `cell` without a field is the whole look of the kind: its labels are looks, those of other kinds by their names.
     `everyone`: the field of each agent, one plane an agent in the order of their numbers, the same in the whole window.
     `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
@@ -159,7 +171,7 @@ class Observable(Node):
     A field of agents may be an attribute (`row`, `heading`); one that holds an agent is seen as the words of `type`: `nobody`, `0`, `1`, …
     """
 
-    what: Literal["cell", "own", "other", "everyone", "world", "heading"]
+    what: Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
     kind: str = ""
     field: str = ""
     word: str | None = None
@@ -316,6 +328,7 @@ class Game(Node):
     glyphs: tuple[GlyphMeaning, ...]
     fields: tuple[VarField, ...] = ()
     agents: Agents
+    movers: tuple[Movers, ...] = ()
     shapes: tuple[Shape, ...] = ()
     start: Phase
     schedule: tuple[Turn, ...]

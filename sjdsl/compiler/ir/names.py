@@ -35,6 +35,7 @@ KERNELS = {
     "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place", "place_fitting"),
     "sjdsl.runtime.planes": ("TokenPlane",),
     "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp"),
+    "sjdsl.runtime.steering": ("gains", "is_one_of"),
     "sjdsl.runtime.line_of_sight": ("reached",),
     "sjdsl.runtime.egocentric_windows": ("fill", "paint", "planes_of", "windows"),
 }
@@ -45,6 +46,7 @@ RESERVED = {
     *(name for names in KERNELS.values() for name in names),
 }  # fmt: skip
 STATE = ("step", "position", "heading", "moved", "away", "away_pool", "away_facing")
+POSE = ("position", "moved", "away", "away_pool", "away_facing")  # what State has of each mover beside its fields
 _IDENTIFIER = re.compile(r"[a-z_][a-z0-9_]*")
 _TAKEN = {"replace"}  # a method of flax.struct dataclasses
 
@@ -83,11 +85,17 @@ def phase_function(name: str) -> str:
 
 def attribute_name(field: ir.VarField) -> str:
     """Returns the name of a field in State: `soil_fruit`, `agent_bag`, `world_trials`."""
-    prefix = {"cell": field.kind, "agent": "agent", "world": "world"}[field.held_by]
+    prefix = field.kind if field.held_by in ("cell", "mover") else field.held_by
     return identifier(f"{prefix}_{field.name}")
+
+
+def attribute_of(name: str, sort: str) -> str:
+    """Returns the attribute of State for a fact about all agents (`position`), or about all movers of a sort (`deer_position`)."""
+    return identifier(f"{sort}_{name}") if sort else name
 
 
 def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
     """Returns every attribute of State that comes from a name of the game, with its declaration."""
     fields: list[tuple[str, ir.Node]] = [(attribute_name(field), field) for field in all_fields(game)]
+    fields += [(attribute_of(name, sort.name), sort) for sort in game.movers for name in POSE]
     return fields + [(f"mark_{phase.name}", phase) for phase in marking_phases(game)]

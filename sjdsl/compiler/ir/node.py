@@ -54,6 +54,10 @@ class TurnNode(Node):
     """One place of the schedule."""
 
 
+class CourseNode(Node):
+    """Which way movers go."""
+
+
 class PolicyRuleNode(Node):
     """One rule of a scripted policy."""
 

@@ -3,8 +3,8 @@
 They say what a game declares and where, never what its rules mean: the interpreter may ask them and stays an oracle.
 """
 
-from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Shape
-from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Observable, Phase, VarField
+from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Member, Shape
+from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.ir.statements import Remove, Send
@@ -19,13 +19,14 @@ def contains(node: Node, *sorts: type[Node]) -> bool:
 
 
 def all_fields(game: Game) -> tuple[VarField, ...]:
-    """Returns every declared variable: those of cells, kind by kind, then those of agents and of the world."""
-    return (*(field for kind in game.kinds for field in kind.fields), *game.agents.fields, *game.fields)
+    """Returns every declared variable: those of cells, kind by kind, then those of agents, of movers, sort by sort, and of the world."""
+    of_cells = (field for kind in game.kinds for field in kind.fields)
+    return (*of_cells, *game.agents.fields, *(field for sort in game.movers for field in sort.fields), *game.fields)
 
 
 def declared_field(game: Game, read: FieldRead, kind: str = "") -> VarField:
     """Returns the declaration of the variable that is read or written. `kind`: which of the kinds it may be of, instead of the first."""
-    owner = {"cell": kind or next(iter(read.kinds), "")}.get(read.held_by, "")
+    owner = (kind or next(iter(read.kinds), "")) if read.held_by in ("cell", "mover") else ""
     return next(f for f in all_fields(game) if (f.held_by, f.kind, f.name) == (read.held_by, owner, read.name))
 
 
@@ -46,8 +47,11 @@ def shows_attribute(observable: Observable) -> bool:
 
 
 def shown_field(game: Game, observable: Observable) -> VarField:
-    """Returns the declaration of the variable, of agents or of the world, that an observation shows."""
-    return next(f for f in (game.fields if observable.what == "world" else game.agents.fields) if f.name == observable.field)
+    """Returns the declaration of the variable, of agents, of movers or of the world, that an observation shows."""
+    fields = game.fields if observable.what == "world" else game.agents.fields
+    if observable.what == "mover":
+        fields = movers_named(game, observable.kind).fields
+    return next(f for f in fields if f.name == observable.field)
 
 
 def kind_named(game: Game, name: str) -> Kind:
@@ -110,6 +114,17 @@ def heading_observable(game: Game) -> Observable | None:
     return next((observable for observable in game.observables if observable.what == "heading"), None)
 
 
-def can_be_away(game: Game) -> bool:
-    """Returns whether an agent can be off the map: sent away for some ticks, or removed."""
-    return any(isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None) for node in walk(game))
+def movers_named(game: Game, name: str) -> Movers:
+    """Returns the declaration of a sort of movers."""
+    return next(sort for sort in game.movers if sort.name == name)
+
+
+def mover_sort(who: Expr) -> str:
+    """Returns the sort of movers that a variable is one of; nothing for an agent."""
+    return who.kinds[0] if isinstance(who, Member) and who.who == "mover" else ""
+
+
+def can_be_away(game: Game, sort: str = "") -> bool:
+    """Returns whether an agent, or a mover of a sort, can be off the map: sent away for some ticks, or removed."""
+    leaving = (node for node in walk(game) if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None))
+    return any(mover_sort(node.who) == sort for node in leaving)

@@ -3,14 +3,16 @@
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Member
-from sjdsl.compiler.ir.node import INSTANCE, Node, Statement, Type
+from sjdsl.compiler.ir.node import INSTANCE, CourseNode, Node, Statement, Type
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Stmt: TypeAlias = (
         "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End"
     )
+    Course: TypeAlias = "Wander | Along"
 else:
     Stmt = Annotated[Statement, INSTANCE]
+    Course = Annotated[CourseNode, INSTANCE]
 
 
 RETURN = 0x52455455  # the streams of those who return from being away differ from those of their `Send` by this
@@ -158,8 +160,29 @@ class Remove(Statement):
 
 
 class Move(Statement):
+    """All members of a domain step at once: agents as they chose, movers on their `course`."""
+
     domain: Domain
+    course: Course | None = None
     stream: int
+
+
+class Wander(CourseNode):
+    """To one of the neighbouring cells that are open and free, by lot; it stays if there is none.
+
+    `goal`: only those nearer to its nearest member, or (`away`) those farther from it. `avoided`: cells, or whose cells, are not open.
+    """
+
+    goal: Domain | None = None
+    away: bool = False
+    avoided: Domain | None = None
+    stream: int
+
+
+class Along(CourseNode):
+    """One cell this way."""
+
+    heading: Expr
 
 
 class Mark(Statement):

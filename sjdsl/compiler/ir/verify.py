@@ -48,6 +48,7 @@ def _check_streams(game: ir.Game) -> None:
                     | ir.Chance(stream=stream)
                     | ir.Match(stream=stream)
                     | ir.Move(stream=stream)
+                    | ir.Wander(stream=stream)
                 ):
                     streams[stream] += 1
                 case ir.Shift():

@@ -169,7 +169,7 @@ def _step(turns: list[Function], module: Module) -> Function:
 
 def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function:
     w = Writer(module, phase.name, starting=phase is module.game.start)
-    sends = Sends(pools, away_stored=module.stores_away)
+    sends = Sends(pools)
     block(phase.body, IterationScope(), w, sends)
     w.origin = None
     finish_writes(w)
@@ -198,13 +198,15 @@ def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
             w.origin = field.origin
             w.assign(attribute_name(field), array.Binary("-", array.call("jnp.maximum", old, array.Literal(1)), array.Literal(1)))
     w.origin = None
-    if module.stores_away:
+    away = [sort for sort in module.sorts if module.stores_away(sort)]
+    if away:
         if w.changed:
             w.set(STATE, replaced("state", w.changed))
             w.changed.clear()
-        bring_back(pools, w)
+        bring_back(pools, away, w)
     w.give_back(replaced("state", w.changed), OUT)
-    doc = "All timers fall by one; agents whose time away is over return." if module.stores_away else "All timers fall by one."
+    who = " and ".join(sort or "agents" for sort in away)
+    doc = f"All timers fall by one; {who} whose time away is over return." if away else "All timers fall by one."
     return _function(w, "tick", PHASE, "tuple[State, Outcome]", doc)
 
 

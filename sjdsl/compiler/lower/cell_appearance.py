@@ -173,7 +173,8 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     if marking:
         planes.append(TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1))
     everyone = tuple(f"everyone[{agent}]." for agent in range(game.agents.number))
-    for what, prefixes in (("other", ("other.",)), ("everyone", everyone), ("own", ("agent.",)), ("world", ("",))):
+    owners: dict[str, tuple[str, ...]] = {"other": ("other.",), "mover": ("",), "everyone": everyone, "own": ("agent.",), "world": ("",)}
+    for what, prefixes in owners.items():
         for observable in game.observables:
             if observable.what == what:
                 planes += [_field_plane(observable, prefix, game) for prefix in prefixes]
@@ -181,10 +182,13 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
 
 
 def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> TokenPlane:
+    if observable.what == "mover":
+        prefix = f"{observable.kind}." if observable.field else observable.kind
     name = f"{prefix}{observable.field}" + (f"[{entry_name(observable.word)}]" if observable.word else "")
     words = shown_words(observable)
     if words:
-        words = ("nobody", *words) if observable.what == "other" else words
+        nobody = {"other": ("nobody",), "mover": ("none",)}.get(observable.what, ())
+        words = (*nobody, *words)
         return TokenPlane(name, "word", words, len(words) - 1)
     high = number_bound(observable, game)
     if high == float("inf"):
@@ -211,7 +215,7 @@ def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     bound = 0.0
     for node in ir.walk(game):
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead):
-            if node.target.name == field.name and node.target.held_by == field.held_by:
+            if node.target.name == field.name and node.target.held_by == field.held_by and field.kind in (*node.target.kinds, ""):
                 bound = max(bound, largest(node.value, game))
     return bound
 

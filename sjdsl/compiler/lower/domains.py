@@ -5,6 +5,7 @@ from itertools import combinations
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
@@ -35,7 +36,7 @@ class Swept(Record):
 
 def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """Returns the scope inside a domain: one more axis unless the member is determined, its mask and its variables."""
-    inner = _agents(d, scope, w) if d.var.who == "agent" else _cells(d, scope, w)
+    inner = _cells(d, scope, w) if d.var.who == "cell" else _bodies(d, scope, w)
     if d.on is not None:
         agent = inner.variables[d.var.name]
         assert isinstance(agent, AgentVar)
@@ -60,7 +61,7 @@ def in_set(members: Value, axis: Axis) -> Value:
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
     """Returns the set that a domain is, as bits, if it is nothing but a set of agents none of whom can be away."""
-    if not isinstance(d.restriction, ir.InAgents) or d.restriction.value.type.kind != "agents" or d.on or d.where or w.module.can_be_away:
+    if not isinstance(d.restriction, ir.InAgents) or d.restriction.value.type.kind != "agents" or d.on or d.where or w.module.can_be_away():
         return None
     return w.value(d.restriction.value, scope.always())
 
@@ -74,8 +75,9 @@ def extended(scope: IterationScope, axis: Axis | None, d: ir.Domain, variable: V
     )
 
 
-def _agents(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
-    n = w.module.agents
+def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
+    sort = mover_sort(d.var)
+    n = w.module.extent(sort)
     match d.restriction:
         case ir.InAgents() if d.restriction.value.type.kind in ("agent", "member"):
             index = w.keep(d.var.name, w.value(d.restriction.value, scope))
@@ -86,8 +88,8 @@ def _agents(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
             return _among(d, d.restriction, scope, w)
         case _:
             pass
-    axis = w.axis(d.var.name, w.module.agents)
-    variable = AgentVar(iota(axis), axis)
+    axis = w.axis(d.var.name, n)
+    variable = AgentVar(iota(axis), axis, sort)
     inner = extended(scope, axis, d, variable, variable.index, n).when(state_reads.present(variable, w))
     match d.restriction:
         case ir.Near():
@@ -101,14 +103,14 @@ def _agents(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
 def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> IterationScope:
     """`each agent as one in { a, b }`: an axis over the named variables; one agent named twice counts once."""
     axis = w.axis(d.var.name, len(among.members))
-    if d.var.who != "agent":
+    if d.var.who == "cell":
         raise NotSupported("a list of cells in braces", d.origin, "write the statement for each of the cells by itself")
     indices = [scope.variables[m.name].number for m in among.members]
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
     index = w.keep(d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis)))
-    variable = AgentVar(index)
-    inner = extended(scope, axis, d, variable, index, w.module.agents).when(state_reads.present(variable, w))
+    variable = AgentVar(index, sort=mover_sort(d.var))
+    inner = extended(scope, axis, d, variable, index, w.module.extent(variable.sort)).when(state_reads.present(variable, w))
     for earlier, later in sorted(combinations(range(len(indices)), 2), key=lambda pair: pair[::-1]):
         same = binary("==", indices[later], indices[earlier], "bool")
         is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
@@ -270,7 +272,7 @@ def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: A
         raise NotSupported(what, block.origin, "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone")
     variables: dict[str, Variable] = {kind.name: CellVar(site, (kind.name,))}
     if agent is not None:
-        variables["agent"] = agent
+        variables[agent.sort or "agent"] = agent
     assert block.condition is not None
     test = w.value(block.condition, IterationScope(axes=cells.axes, variables=variables))
     blocks = both(state_reads.is_site(site, (kind.name,), w), test)

@@ -119,10 +119,9 @@ class Layout:
     def blocking_table(self, what: str) -> Expression:
         return call("blocking", *MAP, Literal(self.blocking_glyphs(what)))
 
-    @property
-    def next_table(self) -> Expression:
-        """Where a step from a cell in a direction leads."""
-        return call("next_cells", *MAP, Literal(self.blocking_glyphs("agents")))
+    def next_table(self, what: str = "agents") -> Expression:
+        """Where a step from a cell in a direction leads agents, or movers of a sort."""
+        return call("next_cells", *MAP, Literal(self.blocking_glyphs(what)))
 
     def offsets_table(self, shape: ir.Shape) -> Expression:
         """What to add to a cell for each heading and each cell of a shape, which are numbered lane by lane."""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, binary, both, iota, spread
 from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.draws import KEY
@@ -23,11 +24,16 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
         raise NotSupported("`match` of one certain agent", s.origin, instead)
     var = s.right.var
     partner = w.keep(var.name, _partners(s, left, w))
-    size = w.module.agents if var.who == "agent" else w.module.num_cells(var.kinds)
+    size = _all_of(var, w)
     matched = binary("<", partner, Value(size, "i32"), "bool")
-    right: Variable = AgentVar(partner) if var.who == "agent" else CellVar(partner, var.kinds)
+    right: Variable = CellVar(partner, var.kinds) if var.who == "cell" else AgentVar(partner, sort=mover_sort(var))
     inner = left.always().binding(**{var.name: right}, **under(s.right, right, w))
     return inner.when(scope.mask).when(w.keep("matched", matched))
+
+
+def _all_of(var: ir.Member, w: Writer) -> Literal:
+    """Returns how many there are of what a variable is."""
+    return w.module.num_cells(var.kinds) if var.who == "cell" else w.module.extent(mover_sort(var))
 
 
 def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
@@ -36,7 +42,7 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     alike = (s.left.var.who, s.left.var.kinds) == (right.var.who, right.var.kinds)
     if not alike and set(s.left.var.kinds) & set(right.var.kinds):
         raise NotSupported("a `match` of two groups that have cells in common", s.origin, "match a group with itself, or with other kinds")
-    size = w.module.agents if right.var.who == "agent" else w.module.num_cells(right.var.kinds)
+    size = _all_of(right.var, w)
     if s.first:
         inner, lanes, found = nearest(right, left.always(), w)
         mask = both(left.mask, found)

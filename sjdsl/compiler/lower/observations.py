@@ -35,7 +35,7 @@ def observe(w: Writer) -> array.Expression:
     marks = [p for p in parts if p.marks is not None]
     if marks:
         columns.insert(2, w.keep("marks", _without_hidden(_marks(marks, planes, seen, w), planes, axes, w)))
-    columns += [*_everyone(axes, w), *_own(axes, w)]
+    columns += [*_movers(planes, axes, w), *_everyone(axes, w), *_own(axes, w)]
     away = state_reads.present(AgentVar(iota(axes[0]), axes[0]), w)
     present = array.Literal(None) if away is None else away.node
     return array.call("planes_of", array.Name("WINDOW"), present, *(_full(c, axes) for c in columns))
@@ -240,7 +240,7 @@ def _shown_where(observable: ir.Observable, value: Value, place: IterationScope,
     if observable.shown_when is None:
         return value
     words = shown_words(observable)
-    hidden = literal(len(words) - 1 + (observable.what == "other") if words else 0, "u8")
+    hidden = literal(len(words) - 1 + (observable.what in ("other", "mover")) if words else 0, "u8")
     shown: Value | None = w.value(observable.shown_when, place)
     if observable.hidden_when is not None:
         shown = both(shown, invert(w.value(observable.hidden_when, place)))
@@ -266,7 +266,8 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     if shows_attribute(observable):
         return _attribute(observable, place, w)
     declared = shown_field(w.module.game, observable)
-    read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, name=observable.field)
+    kinds = (declared.kind,) if declared.kind else ()
+    read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, kinds=kinds, name=observable.field)
     stored = state_reads.field(read, who, w)
     if observable.word is not None:
         by = declared.type.by[0]
@@ -292,6 +293,37 @@ def _attribute(observable: ir.Observable, place: IterationScope, w: Writer) -> V
         assert isinstance(agent, AgentVar)
         value = select(state_reads.present(agent, w), value, literal(0, "i32"))
     return as_dtype(value, "u8")
+
+
+def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+    """Returns the planes of movers: for each sort where they are, then one for each thing shown of them."""
+    columns = []
+    for observable in (s for s in w.module.game.observables if s.what == "mover"):
+        w.origin = observable.origin
+        columns.append(w.keep(f"seen_{observable.kind}", _mover_plane(observable, planes[observable.kind], axes, w)))
+    return columns
+
+
+def _mover_plane(observable: ir.Observable, painted: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
+    """Returns what is seen of the movers of a sort, from their numbers as painted: one up, 0 where none is."""
+    there = binary("!=", painted, literal(0, "u8"), "bool")
+    who = array.Binary("-", array.Cast(painted.node, "i32"), array.Literal(1))
+    number = w.keep(f"which_{observable.kind}", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes))
+    mover, observer = AgentVar(number, sort=observable.kind), AgentVar(iota(axes[0]), axes[0])
+    place = IterationScope(axes=axes, variables={"agent": observer, observable.kind: mover})
+    if not observable.field:
+        value = as_dtype(there, "u8")
+    elif observable.field == "heading" and not observable.labels:
+        turned = array.Binary("-", state_reads.heading(mover).node, array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
+        value = Value(array.Cast(array.Binary("+", array.Binary("&", turned, array.Literal(3)), array.Literal(1)), "u8"), "u8", axes)
+    else:
+        value = _field_observable(observable, mover, place, w)
+        if observable.labels or observable.type.kind == "word":
+            value = binary("+", value, literal(1, "u8"), "u8")
+    value = select(there, _shown_where(observable, value, place, w), literal(0, "u8"))
+    if observable.hidden_when is not None and observable.shown_when is None:
+        value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
+    return value
 
 
 def _marks(marks: list[Part], planes: dict[str, Value], seen: list[array.Name], w: Writer) -> Value:

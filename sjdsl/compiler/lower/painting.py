@@ -27,6 +27,7 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     contents = max(look.raw + look.raw_values for look in looks(game))
     wanted: list[tuple[str, int, ir.Phase | None]] = [("content", _bits(contents), None)]
     wanted.append(("agent", _bits(game.agents.number + 1) if by_id else 3, None))
+    wanted += [(sort.name, _bits(1 + shown_movers(sort, game)), None) for sort in game.movers if shown_movers(sort, game)]
     wanted += [(f"mark_{phase.name}", 1, phase) for phase in seen_marks(game)]
     found: list[Part] = []
     used = [0]
@@ -37,6 +38,12 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
         found.append(Part(name, plane, used[plane], bits, phase))
         used[plane] += bits
     return tuple(found)
+
+
+def shown_movers(sort: ir.Movers, game: ir.Game) -> int:
+    """Returns how many movers of a sort are told apart: 1 if only their presence is seen, 0 if nothing is."""
+    fields = [s.field for s in game.observables if s.what == "mover" and s.kind == sort.name]
+    return sort.number if any(fields) else len(fields)
 
 
 def _bits(values: int) -> int:
@@ -79,7 +86,21 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
         shown = Value(call("jnp.ones", w.module.agents, path("jnp.uint8")), "u8")
     shifted = binary("<<", shown, shift_of(agent, w), "u8")
     w.set(planes[agent.plane], call("paint", planes[agent.plane], POSITION, shifted.node))
+    for sort in (sort for sort in game.movers if shown_movers(sort, game)):
+        _paint_movers(sort, parts, planes, w)
     return planes
+
+
+def _paint_movers(sort: ir.Movers, parts: tuple[Part, ...], planes: list[Name], w: Writer) -> None:
+    """Writes the movers of a sort into the planes: one up, or 1 each if nothing but their presence is seen."""
+    w.origin = sort.origin
+    part = next(p for p in parts if p.name == sort.name)
+    if shown_movers(sort, w.module.game) > 1:
+        number = binary("+", Value(Arange(w.module.extent(sort.name), "u8"), "u8"), literal(1, "u8"), "u8")
+    else:
+        number = Value(call("jnp.ones", w.module.extent(sort.name), path("jnp.uint8")), "u8")
+    shifted = binary("<<", number, shift_of(part, w), "u8")
+    w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(sort.name), shifted.node))
 
 
 def first_look(look: Look, w: Writer) -> Value:

@@ -15,14 +15,15 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     mask = scope.mask or TRUE
     if who.axis is not None:
         hit = reduce("any", mask, tuple(a for a in scope.axes if a != who.axis))
-        return hit if hit.axes else Value(array.call("jnp.full", w.module.agents, hit.node), "bool")
+        return hit if hit.axes else Value(array.call("jnp.full", w.module.extent(who.sort), hit.node), "bool")
     return Value(scattered(who, array.Literal(True), "bool", scope, w), "bool")
 
 
 def scattered(who: AgentVar, value: array.Expression, dtype: str, scope: IterationScope, w: Writer) -> array.Expression:
     """Returns a value for each agent that some instance is about, `[N]`; 0 for the others."""
-    at = w.keep("to_agent", select(scope.mask, who.index, Value(w.module.agents, "i32")))
-    return array.Update(array.call("jnp.zeros", w.module.agents, array.DTYPES[dtype]), (at.node,), "set", value, drop=True)  # type: ignore[index]
+    extent = w.module.extent(who.sort)
+    at = w.keep(f"to_{who.sort or 'agent'}", select(scope.mask, who.index, Value(extent, "i32")))
+    return array.Update(array.call("jnp.zeros", extent, array.DTYPES[dtype]), (at.node,), "set", value, drop=True)  # type: ignore[index]
 
 
 def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:
@@ -37,4 +38,4 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
     over = tuple(a for a in value.axes if a != who.axis)
     if over:
         value = reduce("max", select(scope.mask, value, literal(0, "i32")), tuple(a for a in scope.axes if a != who.axis))
-    return value.node if value.axes else array.call("jnp.full", w.module.agents, value.node)
+    return value.node if value.axes else array.call("jnp.full", w.module.extent(who.sort), value.node)

@@ -49,13 +49,25 @@ def _statement(s: ir.Stmt) -> str:
         case ir.Remove():
             return f"removes {_value(s.who)}"
         case ir.Move():
-            return f"moves each {_domain(s.domain)}"
+            return f"moves each {_domain(s.domain)}{_course(s.course)}"
         case ir.Mark():
             return f"marks {s.shape}"
         case ir.End():
             return "ends the episode"
         case _:
             assert_never(s)
+
+
+def _course(course: ir.Course | None) -> str:
+    match course:
+        case None:
+            return ""
+        case ir.Along():
+            return f" along {_value(course.heading) or 'a heading'}"
+        case ir.Wander():
+            return " at random" if course.goal is None else f" {'away from' if course.away else 'toward'} {_domain(course.goal)}"
+        case _:
+            assert_never(course)
 
 
 def _inside(what: str, *bodies: tuple[ir.Stmt, ...]) -> str:

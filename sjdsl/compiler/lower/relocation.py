@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.free_variables import variables_around
+from sjdsl.compiler.ir.names import attribute_of
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, both, iota, literal, reduce, select, spread, union
 from sjdsl.compiler.lower.draws import KEY
@@ -17,7 +19,6 @@ from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.actions import HEADINGS
 
 ANY_HEADING, SAME_HEADING = 4, 5  # of an agent that is away
-AWAY = array.path("state.away")
 
 
 class Pool(Record):
@@ -30,6 +31,11 @@ class Pool(Record):
     @property
     def kinds(self) -> tuple[str, ...]:
         return self.send.domain.var.kinds
+
+    @property
+    def sort(self) -> str:
+        """The sort of the movers that are sent; nothing for agents."""
+        return mover_sort(self.send.who)
 
 
 class Sent(Record):
@@ -54,14 +60,13 @@ class Sends:
     """The sends of one phase: for each pool who goes at once, and who goes away first."""
 
     pools: tuple[Pool, ...]
-    away_stored: bool = False
     now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
-    removed: list[array.Expression] = field(default_factory=list)
+    removed: list[tuple[str, array.Expression]] = field(default_factory=list)
     shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
-        """Notes who is sent, `[N]` bool."""
+        """Notes who is sent, `[N]` bool (of movers, as many as there are of the sort)."""
         sent = w.keep("sent", per_agent(s.who, scope, w)).node
         pool = next(p for p in self.pools if p.send.pool == s.pool)
         own = _own_cells(s, scope, w) if s.after is None or s.after.type.low <= 0 else None
@@ -80,7 +85,7 @@ class Sends:
         self.shifted.append(shifted(s, scope, w))
 
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
-        self.removed.append(w.keep("removed", per_agent(s.who, scope, w)).node)
+        self.removed.append((mover_sort(s.who), w.keep("removed", per_agent(s.who, scope, w)).node))
 
 
 def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression | None:
@@ -97,9 +102,10 @@ def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression
             fits = reduce("any", both(scope.mask, fits) or TRUE, gone)
         return w.keep("fitting", Value(spread(fits, (who.axis, axis)), "bool")).node
     axes = union(who.index.axes, () if scope.mask is None else scope.mask.axes, tuple(a for a in fits.axes if a != axis))
-    at = w.keep("to_agent", Value(spread(select(scope.mask, who.index, Value(w.module.agents, "i32")), axes), "i32"))
+    extent = w.module.extent(who.sort)
+    at = w.keep(f"to_{who.sort or 'agent'}", Value(spread(select(scope.mask, who.index, Value(extent, "i32")), axes), "i32"))
     rows = spread(fits, (*axes, axis))
-    table = array.call("jnp.zeros", array.Sequence((w.module.agents, axis.extent)), array.Name("bool"))
+    table = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
     return w.keep("fitting", Value(array.Update(table, (at.node,), "set", rows, drop=True), "bool")).node
 
 
@@ -147,8 +153,7 @@ def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
 
 def finish(sends: Sends, w: Writer) -> None:
     """Writes the placing of all who are sent in a phase."""
-    can_be_away = any(a.after is not None for p in sends.pools for a in _sends_of(p, w.module)) or sends.away_stored
-    earlier: list[tuple[Pool, array.Expression]] = []
+    earlier: list[tuple[Pool, array.Name]] = []
     for pool in sends.pools:
         parts = sends.now.get(pool.number, [])
         if not parts:
@@ -158,23 +163,23 @@ def finish(sends: Sends, w: Writer) -> None:
         left = None
         if not any(s.stay for s in _sends_of(pool, w.module)):
             left = _any_of([sent, *(leaving.who for leaving in sends.away if leaving.pool is pool)])
-        entered: list[array.Expression] = [who for p, who in earlier if set(p.kinds) & set(pool.kinds)]
+        entered = [(p.sort, who) for p, who in earlier if set(p.kinds) & set(pool.kinds)]
         placed = place(pool, sent, left, _fitting(parts), w, entered=entered)
         earlier.append((pool, placed))
         _headings(pool, parts, placed, w)
-        if can_be_away:
-            _put("away", placed, array.Literal(0), w)
+        if w.module.stores_away(pool.sort):
+            _put("away", pool.sort, placed, array.Literal(0), w)
     for leaving in sends.away:
-        w.origin = leaving.send.origin
-        _put("position", leaving.who, state_reads.nowhere(w).node, w)
-        _put("away", leaving.who, leaving.delays, w)
-        _put("away_pool", leaving.who, array.Literal(leaving.pool.number), w)
-        _put("away_facing", leaving.who, _facing(leaving.send, w), w)
+        w.origin, sort = leaving.send.origin, leaving.pool.sort
+        _put("position", sort, leaving.who, state_reads.nowhere(w).node, w)
+        _put("away", sort, leaving.who, leaving.delays, w)
+        _put("away_pool", sort, leaving.who, array.Literal(leaving.pool.number), w)
+        _put("away_facing", sort, leaving.who, _facing(leaving.send, w), w)
     w.origin = None
-    for removed in sends.removed:
-        _put("position", removed, state_reads.nowhere(w).node, w)
-        if sends.away_stored:
-            _put("away", removed, array.Literal(0), w)
+    for sort, removed in sends.removed:
+        _put("position", sort, removed, state_reads.nowhere(w).node, w)
+        if w.module.stores_away(sort):
+            _put("away", sort, removed, array.Literal(0), w)
     if sends.shifted:
         settle(sends.shifted, w)
 
@@ -187,9 +192,17 @@ def _fitting(parts: list[Sent]) -> array.Expression | None:
     return _any_of(list(rows))
 
 
-def _put(attribute: str, who: array.Expression, value: array.Expression, w: Writer) -> None:
-    """Gives an attribute of some agents a new value."""
+def _put(name: str, sort: str, who: array.Expression, value: array.Expression, w: Writer) -> None:
+    """Gives a fact about some agents, or some movers of a sort, a new value."""
+    attribute = attribute_of(name, sort)
     w.assign(attribute, array.Where(who, value, w.current(attribute)))
+
+
+def _put_heading(sort: str, who: array.Expression, heading: array.Expression, w: Writer) -> None:
+    """Turns some agents or movers; the heading of a mover is a field, and so a byte."""
+    if sort:
+        heading = array.scalar(heading, "u8") if isinstance(heading, array.Literal) else array.Cast(heading, "u8")
+    _put("heading", sort, who, heading, w)
 
 
 def _any_of(who: list[array.Expression]) -> array.Expression:
@@ -224,14 +237,14 @@ def place(
     own: array.Expression | None,
     w: Writer,
     stream_change: int = 0,
-    entered: list[array.Expression] | None = None,
+    entered: list[tuple[str, array.Name]] | None = None,
 ) -> array.Name:
     """Writes the placing of one pool; returns who found a cell. The cells of those who are `leaving` count as free.
 
     own: the cells that fit each agent, `[N, S]` bool; None where they are the same for all. entered: who has been placed on such cells
-    before in this phase, `[N]` bool each.
+    before in this phase, by sort, `[N]` bool each.
     """
-    kinds = pool.send.domain.var.kinds
+    kinds, attribute = pool.kinds, attribute_of("position", pool.sort)
     extent = w.module.num_cells(kinds)
     axis = w.axis("destination", extent)
     free: Value | None = None
@@ -241,32 +254,42 @@ def place(
         return both(free, Value(array.Unary("~", taken), "bool", (axis,)))
 
     if pool.phase != "start":
-        site, _ = state_reads.site_under(state_reads.everybody(w), kinds, w)
-        free = without("others", site.node if leaving is None else array.Where(leaving, extent, site.node))
-    if entered:
-        newly = array.Where(_any_of(entered), w.current("position"), state_reads.nowhere(w).node)
+        free = without("others", _sites(pool, leaving, w))
+    for sort in dict.fromkeys(sort for sort, _ in entered or ()):
+        who: list[array.Expression] = [one for other, one in entered or () if other == sort]
+        newly = array.Where(_any_of(who), w.current(attribute_of("position", sort)), state_reads.nowhere(w).node)
         free = without("entered", state_reads.site_at(Value(newly, "i32"), kinds, w).node)
     if pool.send.domain.where is not None and own is None:
         free = both(free, _fits(pool.send, axis, IterationScope(), w))
     free = TRUE if free is None else free
     free = w.keep("free", free) if free.axes else Value(array.call("jnp.full", extent, free.node), "bool", (axis,))
     placed = array.Name(w.names.fresh("placed"))
-    before = w.current("position")
-    position = w.changed.get("position") or array.Name(w.names.fresh("position"))
+    before = w.current(attribute)
+    position = w.changed.get(attribute) or array.Name(w.names.fresh(attribute))
     assert isinstance(position, array.Name)
-    w.changed["position"] = position
+    w.changed[attribute] = position
     stream = w.stream(pool.send.order_stream ^ stream_change)
-    bits = array.call("random_bits", KEY, stream, w.module.agents)
+    bits = array.call("random_bits", KEY, stream, w.module.extent(pool.sort))
     cells = state_reads.cells_of(kinds, w)
     among = (cells, free.node) if own is None else (cells, free.node, own)
     w.unpack((position, placed), array.call("place" if own is None else "place_fitting", *among, bits, before, sent))
     return placed
 
 
+def _sites(pool: Pool, leaving: array.Expression | None, w: Writer) -> array.Expression:
+    """Returns which cells of the destination somebody stands on, by their numbers: those of the pool's own sort first."""
+    found: list[array.Expression] = []
+    for sort in sorted(w.module.sorts, key=lambda sort: sort != pool.sort):
+        site, _ = state_reads.site_under(state_reads.everybody(w, sort), pool.kinds, w)
+        stays = leaving is None or sort != pool.sort
+        found.append(site.node if stays else array.Where(leaving, w.module.num_cells(pool.kinds), site.node))  # type: ignore[arg-type]
+    return found[0] if len(found) == 1 else array.call("jnp.concatenate", array.Sequence(tuple(found), is_list=True))
+
+
 def _any_heading(pool: Pool, w: Writer, stream_change: int = 0) -> array.Expression:
-    """Returns a random heading for each agent."""
+    """Returns a random heading for each agent, or each mover of the pool's sort."""
     stream = w.stream(pool.send.heading_stream ^ stream_change)
-    return array.call("below", array.call("random_bits", KEY, stream, w.module.agents), array.Literal(4))
+    return array.call("below", array.call("random_bits", KEY, stream, w.module.extent(pool.sort)), array.Literal(4))
 
 
 def _headings(pool: Pool, parts: list[Sent], placed: array.Name, w: Writer) -> None:
@@ -275,34 +298,50 @@ def _headings(pool: Pool, parts: list[Sent], placed: array.Name, w: Writer) -> N
         if facing == "same":
             continue
         who = placed if len(parts) == 1 else array.Binary("&", part.who, placed)
-        _put("heading", who, _any_heading(pool, w) if facing is None else heading_number(facing, w), w)
+        _put_heading(pool.sort, who, _any_heading(pool, w) if facing is None else heading_number(facing, w), w)
 
 
-def bring_back(pools: dict[str, tuple[Pool, ...]], w: Writer) -> None:
-    """Writes the part of `tick` in which respawn delays count down and agents return whose delay is over: pool by pool, each on the map as it then is."""
-    is_nowhere = array.Binary("==", array.path("state.position"), state_reads.nowhere(w).node)
-    due = w.bind("due", array.Binary("&", is_nowhere, array.Binary("==", AWAY, array.Literal(1))))
-    waiting = array.Cast(array.Binary("&", is_nowhere, array.Binary(">", AWAY, array.Literal(1))), "i32")
-    w.set(array.Name("state"), replaced("state", {"away": array.Binary("-", AWAY, waiting)}))
+def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[str], w: Writer) -> None:
+    """Writes the part of `tick` in which respawn delays count down and those return whose delay is over.
+
+    They return pool by pool, each on the map as it then is. sorts: of those who can be sent away.
+    """
+    due: dict[str, array.Expression] = {}
+    left: dict[str, array.Expression] = {}
+    for sort in sorts:
+        away = array.path(f"state.{attribute_of('away', sort)}")
+        is_nowhere = array.Binary("==", state_reads.positions(sort), state_reads.nowhere(w).node)
+        due[sort] = w.bind("due", array.Binary("&", is_nowhere, array.Binary("==", away, array.Literal(1))))
+        waiting = array.Cast(array.Binary("&", is_nowhere, array.Binary(">", away, array.Literal(1))), "i32")
+        left[attribute_of("away", sort)] = array.Binary("-", away, waiting)
+    w.set(array.Name("state"), replaced("state", left))
     for pool in (p for phase in pools.values() for p in phase):
-        if not any(s.after is not None for s in _sends_of(pool, w.module)):
-            continue
-        w.forget()
-        w.origin = pool.send.origin
-        to_pool = array.Binary("==", array.path("state.away_pool"), array.Literal(pool.number))
-        back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
-        placed = place(pool, back, None, _of_those_who_return(pool, w), w, ir.RETURN)
-        wanted, heading = array.path("state.away_facing"), array.path("state.heading")
-        is_any = array.Binary("==", wanted, w.module.number("any_heading", ANY_HEADING))
-        is_same = array.Binary("==", wanted, w.module.number("same_heading", SAME_HEADING))
-        facing = w.bind("facing", array.Where(is_any, _any_heading(pool, w, ir.RETURN), wanted))
-        w.set(facing, array.Where(is_same, heading, facing))
-        w.assign("heading", array.Where(placed, facing, heading))
-        w.assign("away", array.Where(placed, array.Literal(0), AWAY))
-        w.set(array.Name("state"), replaced("state", w.changed))
-        w.changed.clear()
+        if any(s.after is not None for s in _sends_of(pool, w.module)):
+            _return(pool, due[pool.sort], w)
     w.forget()
     w.origin = None
+
+
+def _return(pool: Pool, due: array.Expression, w: Writer) -> None:
+    """Writes how those come back to the map who were sent away to one pool."""
+    w.forget()
+    w.origin = pool.send.origin
+    away, away_pool, wanted, heading = (
+        array.path(f"state.{attribute_of(name, pool.sort)}") for name in ("away", "away_pool", "away_facing", "heading")
+    )
+    to_pool = array.Binary("==", away_pool, array.Literal(pool.number))
+    back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
+    placed = place(pool, back, None, _of_those_who_return(pool, w), w, ir.RETURN)
+    is_any = array.Binary("==", wanted, w.module.number("any_heading", ANY_HEADING))
+    is_same = array.Binary("==", wanted, w.module.number("same_heading", SAME_HEADING))
+    facing = w.bind("facing", array.Where(is_any, _any_heading(pool, w, ir.RETURN), wanted))
+    if pool.sort:
+        w.set(facing, array.Cast(facing, "u8"))
+    w.set(facing, array.Where(is_same, heading, facing))
+    w.assign(attribute_of("heading", pool.sort), array.Where(placed, facing, heading))
+    w.assign(attribute_of("away", pool.sort), array.Where(placed, array.Literal(0), away))
+    w.set(array.Name("state"), replaced("state", w.changed))
+    w.changed.clear()
 
 
 def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:
@@ -311,8 +350,8 @@ def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:
     named = variables_around(s.domain)
     if not named:
         return None
-    agents = w.axis("agent", w.module.agents)
+    agents = w.axis(pool.sort or "agent", w.module.extent(pool.sort))
     axis = w.axis("destination", w.module.num_cells(s.domain.var.kinds))
-    everybody = AgentVar(iota(agents), agents)
+    everybody = AgentVar(iota(agents), agents, pool.sort)
     scope = IterationScope(axes=(agents,), variables={variable.name: everybody for variable in named})
     return w.keep("fitting", Value(spread(_fits(s, axis, scope, w), (agents, axis)), "bool")).node

@@ -17,14 +17,15 @@ class NotSupported(Exception):
 
 
 class AgentVar(Record):
-    """An agent: its id along `axis` (each agent once), or computed ids `index`."""
+    """An agent, or a mover of a `sort`: its number along `axis` (each once), or computed numbers `index`."""
 
     index: Value
     axis: Axis | None = None
+    sort: str = ""
 
     @property
     def number(self) -> Value:
-        """The number of the agent among all."""
+        """The number of the agent or mover among all of its sort."""
         return self.index
 
 

@@ -5,6 +5,7 @@ from itertools import count
 from math import prod
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
@@ -103,7 +104,7 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
 def _chosen_variable(member: Variable, axis: Axis, best: Value) -> Variable:
     """Returns the variable of the one picked: its number, or the number at its place in a shape."""
     if isinstance(member, AgentVar):
-        return AgentVar(best)
+        return AgentVar(best, sort=member.sort)
     return CellVar(best if member.axis is not None else _take(member.site, axis, best), member.kinds)
 
 
@@ -167,7 +168,7 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
     lanes = _lanes(d, w)
     found, chosen = _nearest_in_lanes(shape, ok, spread(candidate.number, axes), d.var.name, w)
     found, chosen = (replace(value, axes=(*rest, lanes)) for value in (found, chosen))
-    variable = AgentVar(chosen) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
+    variable = AgentVar(chosen, sort=candidate.sort) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
     inner = _in_lanes(scope, lanes).always().binding(**{d.var.name: variable}, **under(d, variable, w))
     return inner, lanes, found
 
@@ -213,9 +214,10 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
         return CellVar(site, d.var.kinds), ok, axis
     swept = sweep(d.restriction, scope, w)
     cells = swept.cells
-    standing = w.keep("standing", Value(stand_on(cells, array.path("state.position")), "bool"))
+    sort = mover_sort(d.var)
+    standing = w.keep("standing", Value(stand_on(cells, state_reads.positions(sort)), "bool"))
     first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
     anybody = w.keep("anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes))
     reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else None
-    return AgentVar(who), both(anybody, reached) or TRUE, swept.axis
+    return AgentVar(who, sort=sort), both(anybody, reached) or TRUE, swept.axis

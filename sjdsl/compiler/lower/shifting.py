@@ -4,6 +4,8 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.ir.names import attribute_of
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.axes import Value, as_dtype, binary, both, indexed, invert, iota, literal, reduce, select
 from sjdsl.compiler.lower.domains import blocked_by, stand_on
@@ -96,11 +98,13 @@ def _is_free(s: ir.Shift, who: AgentVar, at: Value, by: Value, steps: Value, w: 
         return None
     if most == 1:
         return _is_open(w.keep("ahead", binary("+", at, by, "i32")), who, w)
+    everybody = state_reads.all_positions(w)
+    assert everybody is not None
     axis = w.axis("way", most)
     number = binary("+", iota(axis), literal(1, "i32"), "i32")
     cells = w.keep("way", binary("+", at, binary("*", by, number, "i32"), "i32"))
     clear = _is_open(cells, who, w)
-    standing = Value(array.Reduce("any", stand_on(cells, array.path("state.position")), (len(cells.axes),)), "bool", cells.axes)
+    standing = Value(array.Reduce("any", stand_on(cells, everybody), (len(cells.axes),)), "bool", cells.axes)
     last = binary(">=", number, steps, "bool")
     clear = both(clear, invert(select(last, literal(False, "bool"), standing))) or clear
     if s.steps.type.low < most:  # what lies beyond the last cell does not matter
@@ -109,32 +113,48 @@ def _is_free(s: ir.Shift, who: AgentVar, at: Value, by: Value, steps: Value, w: 
 
 
 def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
-    """Returns which cells of the frame are on the map and do not block an agent."""
+    """Returns which cells of the frame are on the map and do not block an agent, or a mover of a sort."""
+    what = who.sort or "agents"
     layout = w.module.layout
     inside = w.module.constant("inside", layout.inside_table, "cells of the map in the frame")
     clear = Value(indexed(inside, (cells.node,)), "bool", cells.axes)
-    if layout.count(layout.blocking_glyphs("agents")):
-        fixed = w.module.constant("blocks_agents", layout.blocking_table("agents"), "cells that always block agents")
+    if layout.count(layout.blocking_glyphs(what)):
+        fixed = w.module.constant(f"blocks_{what}", layout.blocking_table(what), f"cells that always block {what}")
         clear = both(clear, Value(array.Unary("~", array.Index(fixed, (cells.node,))), "bool", cells.axes)) or clear
     for kind in w.module.game.kinds:
         for block in kind.blocks:
-            if block.what == "agents" and block.condition is not None and layout.num_cells((kind.name,)):
+            if block.what == what and block.condition is not None and layout.num_cells((kind.name,)):
                 clear = both(clear, invert(blocked_by(block, kind, cells, w, who))) or clear
     return clear
 
 
 def settle(moves: list[Shifted], w: Writer) -> None:
-    """Writes where all who are sent come to stand; those sent elsewhere in this phase have their new places already."""
-    before = w.bind("before", w.current("position"))
+    """Writes where all who are sent come to stand; those sent elsewhere in this phase have their new places already.
+
+    Each sort of movers in turn, then the agents: they find the others where these then are.
+    """
+    for sort in (*w.module.sorts[1:], ""):
+        own = [move for move in moves if mover_sort(move.statement.who) == sort]
+        if own:
+            _settle_sort(own, sort, w)
+    w.origin = None
+
+
+def _settle_sort(moves: list[Shifted], sort: str, w: Writer) -> None:
+    position, extent = attribute_of("position", sort), w.module.extent(sort)
+    before = w.bind("before", w.current(position))
     targets: array.Expression = before
-    words: array.Expression = array.call("jnp.zeros", w.module.agents, array.path("jnp.uint32"))
+    words: array.Expression = array.call("jnp.zeros", extent, array.path("jnp.uint32"))
     for move in moves:
         w.origin = move.statement.origin
-        bits = array.call("random_bits", KEY, w.stream(move.statement.stream), w.module.agents)
+        bits = array.call("random_bits", KEY, w.stream(move.statement.stream), extent)
         targets = array.Where(move.who, move.target, targets)
         words = bits if len(moves) == 1 else array.Where(move.who, bits, words)
-    w.assign("position", array.call("resolve", before, targets, words, exchange=array.Literal(True)))
-    came = array.Binary("!=", w.current("position"), before)
+    for other in (other for other in w.module.sorts if other != sort):  # who stands on a cell keeps it
+        taken = array.call("is_one_of", targets, w.current(attribute_of("position", other)))
+        targets = array.Where(taken, before, targets)
+    w.assign(position, array.call("resolve", before, targets, words, exchange=array.Literal(True)))
+    came = array.Binary("!=", w.current(position), before)
     for move in moves:
         facing = move.statement.facing
         if facing == "same":
@@ -142,9 +162,11 @@ def settle(moves: list[Shifted], w: Writer) -> None:
         number: array.Expression
         if facing is None:
             assert move.statement.heading_stream is not None
-            bits = array.call("random_bits", KEY, w.stream(move.statement.heading_stream), w.module.agents)
-            number = array.call("below", bits, array.Literal(4))
+            drawn = array.call("random_bits", KEY, w.stream(move.statement.heading_stream), extent)
+            number = array.call("below", drawn, array.Literal(4))
+            number = array.Cast(number, "u8") if sort else number
         else:
             number = w.module.number(facing, HEADINGS.index(facing))
-        w.assign("heading", array.Where(array.Binary("&", move.who, came), number, w.current("heading")))
-    w.origin = None
+            number = array.scalar(number, "u8") if sort else number
+        heading = attribute_of("heading", sort)
+        w.assign(heading, array.Where(array.Binary("&", move.who, came), number, w.current(heading)))

@@ -1,7 +1,7 @@
 """Lowers the state: dtype, shape and starting value of each field, and the classes State, Params and Outcome."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.names import attribute_name, param_attribute
+from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 from sjdsl.compiler.ir.sorts import Level, level_text, sort_of
 from sjdsl.compiler.lower import cell_values, state_reads
@@ -18,21 +18,9 @@ INT32 = array.path("jnp.int32")
 def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
 
-    def of_agents(name: str, comment: str, dtype: str = "int32") -> Field:
-        zeros = array.call("jnp.zeros", w.module.agents, INT32 if dtype == "int32" else array.Name("bool"))
-        return Field(name, "[N]", dtype, comment, zeros)
-
-    found = [
-        Field("step", "[]", "int32", "finished steps of this episode", array.call("jnp.int32", array.Literal(0))),
-        of_agents("position", "cell of each agent in the padded frame; 0: nowhere"),
-        of_agents("heading", "0 north, 1 east, 2 south, 3 west"),
-    ]
-    if w.module.stores_moved:
-        found.append(of_agents("moved", "did the last movement change the cell", "bool_"))
-    if w.module.stores_away:
-        found.append(of_agents("away", "ticks until an agent that is nowhere returns; 0: never"))
-        found.append(of_agents("away_pool", "where it was sent"))
-        found.append(of_agents("away_facing", "heading it will have; 4: any, 5: the same"))
+    found = [Field("step", "[]", "int32", "finished steps of this episode", array.call("jnp.int32", array.Literal(0)))]
+    for sort in w.module.sorts:
+        found += _pose_fields(sort, w)
     found += [_field(field, game, w) for field in all_fields(game)]
     for phase in marking_phases(game):
         size = mark_size(phase, game)
@@ -41,14 +29,37 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     return found
 
 
+def _pose_fields(sort: str, w: Writer) -> list[Field]:
+    """Returns where agents, or the movers of a sort, are; the heading of a mover is a field of its own."""
+    extent, one = w.module.extent(sort), sort or "agent"
+
+    def of_each(name: str, comment: str, dtype: str = "int32") -> Field:
+        zeros = array.call("jnp.zeros", extent, INT32 if dtype == "int32" else array.Name("bool"))
+        return Field(attribute_of(name, sort), f"[{extent.size}]" if sort else "[N]", dtype, comment, zeros)
+
+    found = [of_each("position", f"cell of each {one} in the padded frame; 0: nowhere")]
+    if not sort:
+        found.append(of_each("heading", "0 north, 1 east, 2 south, 3 west"))
+    if w.module.stores_moved(sort):
+        found.append(of_each("moved", "did the last movement change the cell", "bool_"))
+    if w.module.stores_away(sort):
+        who = f"ticks until {'a' if sort else 'an'} {one} that is nowhere returns; 0: never"
+        found.append(of_each("away", who))
+        found.append(of_each("away_pool", "where it was sent"))
+        found.append(of_each("away_facing", "heading it will have; 4: any, 5: the same"))
+    return found
+
+
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     dtype = STORED[state_reads.storage(field, w)]
-    dims = {"cell": "S", "agent": "N", "world": ""}[field.held_by]
+    sort = field.kind if field.held_by == "mover" else ""
+    dims = {"cell": "S", "agent": "N", "world": ""}.get(field.held_by) or (str(w.module.extent(sort).size) if sort else "")
     shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by])
     layout = w.module.layout
     starts = layout.starts(field.kind, field) if field.held_by == "cell" else {field.start}
     if len(starts) <= 1:
         extent = {"cell": w.module.num_cells((field.kind,)), "agent": w.module.agents}.get(field.held_by)
+        extent = w.module.extent(sort) if sort else extent
         size = (*([] if extent is None else [extent]), *map(w.module.num_words, field.type.by))
         first = _start(next(iter(starts), field.start), field, w)
         default: array.Expression = array.call(

@@ -4,11 +4,25 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, literal
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import ALL, NEW_AXIS, REST, Binary, DType, Index, Literal, Name, Reduce, Sequence, call, path
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    NEW_AXIS,
+    REST,
+    Binary,
+    DType,
+    Expression,
+    Index,
+    Literal,
+    Name,
+    Reduce,
+    Sequence,
+    call,
+    path,
+)
 
 
 def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
@@ -74,30 +88,32 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     bound = 0.0
     for node in nodes:
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
-            if node.target.held_by == declared.held_by and (declared.held_by != "cell" or declared.kind in node.target.kinds):
+            if node.target.held_by == declared.held_by and (not declared.kind or declared.kind in node.target.kinds):
                 bound = max(bound, node.value.type.high)
     return bound
 
 
 def position(owner: AgentVar, w: Writer) -> Value:
     """Returns the cells of agents."""
-    at = _of(owner, Value(path("state.position"), "i32"))
+    at = _of(owner, Value(positions(owner.sort), "i32"))
     return at if owner.axis is not None else w.keep("position", at)
 
 
 def heading(owner: AgentVar) -> Value:
-    """Returns the headings of agents, int32."""
+    """Returns the headings of agents or movers, int32."""
+    if owner.sort:  # a field, and so a byte
+        return as_dtype(_of(owner, Value(path(f"state.{attribute_of('heading', owner.sort)}"), "u8")), "i32")
     return _of(owner, Value(path("state.heading"), "i32"))
 
 
 def moved(owner: AgentVar) -> Value:
     """Returns whether the last movement changed the cells of agents."""
-    return _of(owner, Value(path("state.moved"), "bool"))
+    return _of(owner, Value(path(f"state.{attribute_of('moved', owner.sort)}"), "bool"))
 
 
 def present(owner: AgentVar, w: Writer) -> Value | None:
     """Returns who is on the map; None if nobody can be away."""
-    if not w.module.can_be_away or w.starting:
+    if not w.module.can_be_away(owner.sort) or w.starting:
         return None
     return w.keep("present", binary("!=", position(owner, w), nowhere(w), "bool"))
 
@@ -107,10 +123,25 @@ def nowhere(w: Writer) -> Value:
     return Value(w.module.number("nowhere", 0, "the cell of agents that are not on the map"), "i32")
 
 
-def everybody(w: Writer) -> AgentVar:
-    """Returns all agents, where their numbers are not asked for."""
-    axis = Axis("", w.module.num_agents, 0, "NUM_AGENTS")
-    return AgentVar(Value(Name("agents"), "i32"), axis)
+def positions(sort: str = "") -> Expression:
+    """Returns the cells of all agents, or of all movers of a sort."""
+    return path(f"state.{attribute_of('position', sort)}")
+
+
+def everybody(w: Writer, sort: str = "") -> AgentVar:
+    """Returns all agents, or all movers of a sort, where their numbers are not asked for."""
+    extent = w.module.extent(sort)
+    axis = Axis("", extent.size, 0, extent.name)
+    return AgentVar(Value(Name(sort or "agents"), "i32"), axis, sort)
+
+
+def all_positions(w: Writer, but: str | None = None) -> Expression | None:
+    """Returns the cells of all agents and movers; `but`: without those of one sort. None: there is nobody."""
+    sorts = [sort for sort in w.module.sorts if sort != but]
+    if len(sorts) <= 1:
+        return positions(sorts[0]) if sorts else None
+    together = call("jnp.concatenate", Sequence(tuple(map(positions, sorts)), is_list=True))
+    return w.keep("bodies" if but is None else "others", Value(together, "i32")).node
 
 
 def cell(owner: CellVar, w: Writer) -> Value:
@@ -166,18 +197,20 @@ def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Valu
 
 def total_extent(owner: Variable, w: Writer) -> Literal:
     """Returns how many members there are."""
-    return w.module.agents if isinstance(owner, AgentVar) else w.module.num_cells(owner.kinds)
+    return w.module.extent(owner.sort) if isinstance(owner, AgentVar) else w.module.num_cells(owner.kinds)
 
 
 def occupied(owner: CellVar, w: Writer) -> Value:
-    """Returns which cells have an agent on them."""
+    """Returns which cells have an agent or a mover on them."""
+    bodies = all_positions(w)
+    assert bodies is not None
     if owner.axis is not None:
-        site, _ = site_under(everybody(w), owner.kinds, w)
+        site = w.keep("_".join(owner.kinds) + "_under", site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w))
         vector = w.keep("covered", Value(call("occupied", site.node, w.module.num_cells(owner.kinds)), "bool"))
         return replace(vector, axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
-        return Value(Reduce("any", Binary("==", at.node, path("state.position"))), "bool")
-    agents = Index(path("state.position"), (*[NEW_AXIS] * len(at.axes), ALL))
+        return Value(Reduce("any", Binary("==", at.node, bodies)), "bool")
+    agents = Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
     same = Binary("==", Index(at.node, (REST, NEW_AXIS)), agents)
     return Value(Reduce("any", same, (-1,)), "bool", at.axes)

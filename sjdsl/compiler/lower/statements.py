@@ -6,6 +6,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.assignments import add, set_
 from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, joined, reduce, select
+from sjdsl.compiler.lower.courses import move_on_course
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
@@ -70,8 +71,10 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             sends.shift(s, scope, w)
         case ir.Remove():
             sends.remove(s, scope, w)
-        case ir.Move():
+        case ir.Move(course=None):
             move(s, scope, w)
+        case ir.Move():
+            move_on_course(s, scope, w)
         case ir.Mark():
             mark(s, scope, w)
         case ir.End():

@@ -8,7 +8,7 @@ from functools import cached_property
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
-from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, shape_named, shows_attribute
+from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, mover_sort, movers_named, shape_named, shows_attribute
 from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout
@@ -35,6 +35,7 @@ class Module:
     writer: "Writer | None" = None  # the last one, whose statement is at fault where nothing else is known
     _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
+    _can_be_away: dict[str, bool] = field(default_factory=dict)
 
     def constant(self, name: str, table: Expression, comment: str, dtype: DType | None = None) -> Name:
         """Returns the name of a module-level array; what is made in the same way is kept once. `dtype`: of written numbers."""
@@ -109,31 +110,41 @@ class Module:
         """How many agents there are."""
         return Literal(self.num_agents, "NUM_AGENTS")
 
+    def extent(self, sort: str = "") -> Literal:
+        """Returns how many agents there are, or how many movers of a sort."""
+        if not sort:
+            return self.agents
+        return self.number(f"num_{sort}", movers_named(self.game, sort).number, f"movers {sort}", "size")
+
+    @property
+    def sorts(self) -> tuple[str, ...]:
+        """The agents, by no name, and all sorts of movers."""
+        return ("", *(movers.name for movers in self.game.movers))
+
     @property
     def set_dtype(self) -> DType:
         """How a set of agents is kept: a bit for each agent."""
         return "u8" if self.num_agents <= 8 else "u32"
 
-    @cached_property
-    def can_be_away(self) -> bool:
-        """Whether agents can be off the map during a step."""
-        return can_be_away(self.game)
+    def can_be_away(self, sort: str = "") -> bool:
+        """Returns whether agents, or movers of a sort, can be off the map during a step."""
+        if sort not in self._can_be_away:
+            self._can_be_away[sort] = can_be_away(self.game, sort)
+        return self._can_be_away[sort]
 
-    @cached_property
-    def stores_away(self) -> bool:
-        """Whether somebody can be sent away for some ticks."""
-        return any(s.after is not None for s in self.sends)
+    def stores_away(self, sort: str = "") -> bool:
+        """Returns whether an agent, or a mover of a sort, can be sent away for some ticks."""
+        return any(s.after is not None and mover_sort(s.who) == sort for s in self.sends)
 
     @cached_property
     def sends(self) -> tuple[ir.Send, ...]:
         """All statements that send agents somewhere, in the order of the game."""
         return tuple(n for n in self.nodes if isinstance(n, ir.Send))
 
-    @cached_property
-    def stores_moved(self) -> bool:
-        """Whether any rule reads `moved`, or it is seen."""
-        shown = any(shows_attribute(s) and s.field == "moved" for s in self.game.observables)
-        return shown or any(isinstance(n, ir.Attribute) and n.name == "moved" for n in self.nodes)
+    def stores_moved(self, sort: str = "") -> bool:
+        """Returns whether any rule reads `moved` of agents, or of movers of a sort, or it is seen of agents."""
+        shown = not sort and any(shows_attribute(s) and s.field == "moved" for s in self.game.observables)
+        return shown or any(isinstance(n, ir.Attribute) and n.name == "moved" and mover_sort(n.owner) == sort for n in self.nodes)
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:

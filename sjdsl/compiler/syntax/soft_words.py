@@ -8,7 +8,7 @@ from lark import Token
 from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read
 
 SOFT = frozenset(
-    {"POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "AWAY", "TOWARD"}
+    {"POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD", "AWAY", "RANDOM", "AHEAD", "ALONG"}
 )  # kinds of tokens, as in the parser's table
 
 

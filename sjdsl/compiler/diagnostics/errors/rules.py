@@ -59,9 +59,9 @@ class TakenOrNowhere(NoFreeCell):
 
 
 class TooFewForOne(TooFewFreeCells):
-    says = "{cells:cell} of the map certainly fit `{place}` for agent {agent}, and {agents:agent} with lower numbers may take them first"
+    says = "{cells:cell} of the map certainly fit `{place}` for {who}, and {agents:agent} with lower numbers may take them first"
     hints = ("take a map with more such cells, or a condition that leaves each agent cells of its own",)
-    agent: int
+    who: str
 
 
 class MoveAlone(Diagnostic, code="SJ405", title="Movement shares its phase"):

@@ -21,7 +21,7 @@ STATEMENTS = frozenset((
 ))  # fmt: skip
 SECTIONS = frozenset((
     "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS", "SHAPE", "DEFINE",
-    "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "POLICY", "SCENARIO", "VARIANT",
+    "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "POLICY", "SCENARIO", "MOVERS", "VARIANT",
 ))  # fmt: skip
 ENTRIES = frozenset((
     "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN", "FINAL", "REQUIRE",

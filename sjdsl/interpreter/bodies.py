@@ -1,0 +1,62 @@
+"""Bodies: agents and movers alike have a place and a heading, occupy a cell, and may be away."""
+
+from collections.abc import Collection, Iterator
+from typing import TypeAlias
+
+from sjdsl.interpreter.state import HEADINGS, Away, Cell, Herd, Mover, World
+
+Body: TypeAlias = int | Mover  # an agent's number, or a mover
+
+
+def herd_of(body: Body, world: World) -> World | Herd:
+    """Returns what holds the places of all bodies of this one's sort."""
+    return world.movers[body.sort] if isinstance(body, Mover) else world
+
+
+def herds(world: World) -> dict[str, World | Herd]:
+    """Returns what holds the places of the agents, by no name, and of each sort of movers."""
+    return {"": world, **world.movers}
+
+
+def number_of(body: Body) -> int:
+    """Returns the number of a body among those of its sort."""
+    return body.number if isinstance(body, Mover) else body
+
+
+def where_is(body: Body, world: World) -> Cell | None:
+    return herd_of(body, world).position[number_of(body)]
+
+
+def away_of(body: Body, world: World) -> Away | None:
+    return herd_of(body, world).away[number_of(body)]
+
+
+def heading_of(body: Body, world: World) -> int:
+    """Returns where a body looks: 0 north, 1 east, 2 south, 3 west."""
+    if isinstance(body, Mover):
+        return HEADINGS.index(world.movers[body.sort].fields["heading"][body.number])
+    return world.heading[body]
+
+
+def turn(body: Body, heading: int, world: World) -> None:
+    if isinstance(body, Mover):
+        world.movers[body.sort].fields["heading"][body.number] = HEADINGS[heading]
+    else:
+        world.heading[body] = heading
+
+
+def bodies(world: World) -> Iterator[Body]:
+    """Yields all agents, then all movers, sort by sort."""
+    yield from range(len(world.position))
+    for sort, herd in world.movers.items():
+        yield from (Mover(sort, number) for number in range(len(herd.position)))
+
+
+def occupied(world: World, without: Collection[Body] = ()) -> set[Cell]:
+    """Returns the cells on which somebody stands. `without`: who does not count."""
+    return {cell for body in bodies(world) if body not in without and (cell := where_is(body, world)) is not None}
+
+
+def is_free(cell: Cell, world: World) -> bool:
+    """Returns whether nobody stands on a cell."""
+    return cell not in world.position and all(cell not in herd.position for herd in world.movers.values())

@@ -1,0 +1,38 @@
+"""Steering of movers: how much nearer each neighbouring cell is to what they seek or flee."""
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+FAR = 2**20  # more than the steps between any two cells of a map
+
+
+@jax.jit  # one function of the program for each shape, however many rules move something
+def gains(position: Array, cells: Array, member: Array, cols: int) -> Array:
+    """Returns how many steps farther from its nearest member each mover is on each of the four cells beside it.
+
+    Steps are counted along rows and columns, whatever stands between: no path is searched.
+
+    Args:
+      position: `[M]` int32 in the padded frame.
+      cells: `[M, T]` or `[1, T]` int32, where the members are.
+      member: `[M, T]` or `[1, T]` bool.
+      cols: columns of the frame.
+    Returns:
+      `[M, 4]` int32, north, east, south, west: negative is nearer; 0 for a mover without any member.
+    """
+    rows_away = cells // cols - position[:, None] // cols
+    cols_away = cells % cols - position[:, None] % cols
+
+    def nearest(down: int, right: int) -> Array:
+        steps = jnp.abs(rows_away - down) + jnp.abs(cols_away - right)
+        return jnp.min(jnp.where(member, steps, FAR), axis=1)
+
+    beside = [nearest(down, right) for down, right in ((-1, 0), (0, 1), (1, 0), (0, -1))]
+    return jnp.stack(beside, axis=1) - nearest(0, 0)[:, None]
+
+
+def is_one_of(cells: Array, taken: Array) -> Array:
+    """Returns which cells are among those taken: `[...]` and `[B]` int32 -> `[...]` bool; or `[M, W]` and, for each row, `[M or 1, 1, B]`."""
+    taken = taken.reshape((1,) * cells.ndim + (-1,)) if taken.ndim == 1 else taken
+    return jnp.any(cells[..., None] == taken, axis=-1)
