@@ -11,10 +11,10 @@ game paintball_king_of_the_hill "Paintball: King of the Hill" extends "paintball
   define takes(hue) = control is not hue and squares > 0 and 100 * held(hue) >= enough * squares
   define loses(hue) = control is hue and 100 * held(hue) < too_few * squares
   schedule tick -> walk -> fire -> settle -> fall -> heal -> seize -> pay
+  define holder = case loses(red) or loses(blue) { yes: neither, no: control }
   phase seize {
-    when takes(red) { set control = red  tally seized }
-    otherwise when takes(blue) { set control = blue  tally seized }
-    otherwise when loses(red) or loses(blue) { set control = neither }
+    set control = case takes(red) { yes: red, no: case takes(blue) { yes: blue, no: holder } }
+    when takes(red) or takes(blue) { tally seized }
     each ground where ground.site is hill {
       when takes(red) { set ground.paint = red } otherwise when takes(blue) { set ground.paint = blue }
     }
