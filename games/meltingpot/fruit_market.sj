@@ -15,14 +15,15 @@ game fruit_market "Fruit Market: Concentric Rivers" {
   param weary : steps = 2 in 0 .. 255  param worn : steps = 6 in 0 .. 255  # Melting Pot: rest after a step with little, with no stamina
   kind ground "." {
     field tree : { none, apple, banana } = none  field fruit : { ripe, unripe } = ripe
-    field start : { no_, yes_ } = no_  glyph "P" with start = yes_  timer growing
+    field start : { no_, yes_ } = no_  glyph "P" with start = yes_
+    timer growing
   }
   kind water  "~"
   map "maps/fruit_market.txt"
+
   agents players {
-    # Melting Pot: what is wanted, how many, for how many
-    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, eat_apple, eat_banana, apple_1_1, apple_1_2, apple_1_3,
-        apple_2_1, apple_2_2, apple_2_3, banana_1_1, banana_1_2, banana_1_3, banana_2_1, banana_2_2, banana_2_3, cancel, hold, shove, pull
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, eat({ apple, banana }), offer(for_ : { apple, banana },
+        asks : 1 .. 2, pays : 1 .. 3), cancel, hold, shove, pull  # Melting Pot
     moves relative
     field farms : { apple, banana } = apple  # what it picks at once
     field bag   by { apple, banana } : 0 .. cap capped = 0
@@ -41,6 +42,7 @@ game fruit_market "Fruit Market: Concentric Rivers" {
   define beats(b, c) = b.asks <= c.asks and b.pays >= c.pays and (b.asks < c.asks or b.pays > c.pays)
   define best(a, b)  = count(agent as c in disc(4) of a where fits(a, c) and beats(c, b)) == 0  # Melting Pot
   define grips(a)    = a chose hold or a chose shove or a chose pull
+
   phase start {
     each agent {
       send agent to ground where ground.start is yes_
@@ -48,16 +50,14 @@ game fruit_market "Fruit Market: Concentric Rivers" {
     }
     each ground { draw kind_ from { apple: apples, banana: bananas, none: 1 - apples - bananas }  set ground.tree = kind_ }
   }
-  schedule bargain(apple_1_1, apple, 1, 1) -> bargain(apple_1_2, apple, 1, 2) -> bargain(apple_1_3, apple, 1, 3) -> bargain(apple_2_1,
-      apple, 2, 1) -> bargain(apple_2_2, apple, 2, 2) -> bargain(apple_2_3, apple, 2, 3) -> bargain(banana_1_1, banana, 1, 1)
-      -> bargain(banana_1_2, banana, 1, 2) -> bargain(banana_1_3, banana, 1, 3) -> bargain(banana_2_1, banana, 2, 1) -> bargain(banana_2_2,
-      banana, 2, 2) -> bargain(banana_2_3, banana, 2, 3) -> bargain(cancel, none, 0, 0) -> dine(eat_apple, apple) -> dine(eat_banana,
-      banana) -> walk -> grip -> starve -> exert -> wade -> tick -> tire -> ripen -> pick_fruit -> trade
-  phase bargain(deed, fruit, many, price_) {
-    each agent as a where a chose deed { set a.wants = fruit  set a.asks = many  set a.pays = price_ }
+  schedule bargain -> dine(apple) -> dine(banana) -> walk -> grip -> starve -> exert -> wade -> tick -> tire -> ripen -> arrive
+      -> pick_fruit -> trade
+  phase bargain {
+    each agent as a where a chose offer { set a.wants = a.offer.for_  set a.asks = a.offer.asks  set a.pays = a.offer.pays }
+    each agent as a where a chose cancel { set a.wants = none }
   }
-  phase dine(deed, fruit) {
-    each agent as a where a chose deed and a.bag[fruit] > 0 {
+  phase dine(fruit) {
+    each agent as a where a chose eat(fruit) and a.bag[fruit] > 0 {
       add -1 to a.bag[fruit]  set a.hunger = fasting  give case a.farms is fruit { yes: common, no: liked } to a  tally eaten[fruit] for a
     }
   }
@@ -85,10 +85,8 @@ game fruit_market "Fruit Market: Concentric Rivers" {
       when a.stamina == 0 { set a.tired = worn } otherwise when a.stamina < 7 { set a.tired = weary }  # Melting Pot
     }
   }
-  phase ripen {
-    each ground where ground.fruit is unripe and ground.growing == 0 { set ground.fruit = ripe }
-    each agent where agent.moved { set agent.picked = no_ }
-  }
+  phase ripen { each ground where ground.fruit is unripe and ground.growing == 0 { set ground.fruit = ripe } }
+  phase arrive { each agent where agent.moved { set agent.picked = no_ } }
   phase pick_fruit {
     each agent as a on ground as tree where tree.tree is not none {
       when tree.fruit is unripe { set a.picked = yes_ }

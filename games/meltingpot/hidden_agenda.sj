@@ -5,7 +5,7 @@ game hidden_agenda "Hidden Agenda" {
                 "the impostor fire, all who are left gather and vote: whoever has half of the votes is out. All of a side win or lose together."
   about our_paradigm "team competition"        # ours: zero-sum between the sides, of which one does not know the other
   about our_multi_task "yes"                   # ours: gathering, watching, deceiving, voting
-  size players : count = 5 in 5 .. 5           # Melting Pot
+  size players : count = 5 in 3 .. 7           # Melting Pot: five; ours: seats for the others
   size goal    : count = 32                    # Melting Pot: gems that win for the crewmates
   param length : steps = 3000  episode length  # Melting Pot
   param stake  : reward      = 1               # Melting Pot: to each of the side that wins, and taken from each of the other
@@ -27,7 +27,7 @@ game hidden_agenda "Hidden Agenda" {
   timer clock                             # until the vote begins, or ends
 
   agents players {
-    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, tag, vote_0, vote_1, vote_2, vote_3, vote_4, abstain
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, tag, vote(whom : agent), abstain
     moves relative
     field role   : { crewmate, impostor } = crewmate
     field state  : { active, frozen, out } = active
@@ -38,7 +38,7 @@ game hidden_agenda "Hidden Agenda" {
     forbid all when agent.state is not active
     forbid turn_left, turn_right, step_left, step_right, forward, backward when round is voting
     forbid tag when agent.role is crewmate or agent.charging > 0 or round is voting
-    forbid vote_0, vote_1, vote_2, vote_3, vote_4, abstain when round is playing
+    forbid vote, abstain when round is playing
   }
   shape beam { "..x.."  ".xxx."  "xx^xx" }                     # Melting Pot: length 2 and radius 2, the outer lanes shorter
   define sees(one, other_one)            = case one.heading {  # Melting Pot: the window
@@ -63,8 +63,7 @@ game hidden_agenda "Hidden Agenda" {
     }
     set clock = play - 1
   }
-  schedule grow -> tick -> walk -> gather -> fire -> ballot(vote_0, 0) -> ballot(vote_1, 1) -> ballot(vote_2, 2) -> ballot(vote_3, 3)
-      -> ballot(vote_4, 4) -> ballot(abstain, 5) -> adjourn -> verdict
+  schedule grow -> tick -> walk -> gather -> fire -> ballot -> adjourn -> verdict
   phase grow { each vein where vein.gem is none { chance regrow { set vein.gem = gem } } }
   phase walk { move each agent }
   phase gather {
@@ -78,7 +77,10 @@ game hidden_agenda "Hidden Agenda" {
       when count(agent as b where b is not a and b.state is active and sees(b, a)) > count(agent as b in beam of a) { set clock = 0 }
     }
   }
-  phase ballot(deed, whom) { each agent where agent chose deed { set agent.ballot = whom  tally voted for agent } }
+  phase ballot {
+    each agent as a where a chose vote { set a.ballot = a.vote.whom.index  tally voted for a }
+    each agent as a where a chose abstain { set a.ballot = players }
+  }
   phase adjourn {
     when clock == 0 and round is playing {
       set round = voting  set clock = vote_time  tally votes_held

@@ -33,25 +33,25 @@ def test_the_other_fruit_is_picked_by_chance(skill: int) -> None:
 
 def test_the_fruit_one_is_bad_at_is_worth_eight() -> None:
     scene = put(">......~", "......v.  1", "P.....v~  2", fields={"agent.bag[apple]": [1, 1, 0], "agent.bag[banana]": 1})
-    scene.step("eat_apple, eat_apple, eat_apple").has({"reward": [1, 8, 0], "agent.bag[apple]": 0, "agent.hunger": [49, 49, 199]})
-    scene.step("eat_banana, eat_banana").has({"reward": [8, 1, 0], "agent.bag[banana]": [0, 0, 1]})
+    scene.step("eat(apple), eat(apple), eat(apple)").has({"reward": [1, 8, 0], "agent.bag[apple]": 0, "agent.hunger": [49, 49, 199]})
+    scene.step("eat(banana), eat(banana)").has({"reward": [8, 1, 0], "agent.bag[banana]": [0, 0, 1]})
 
 
 def test_offers_that_fit_are_traded_and_gone() -> None:
     """Each gets what it asks for, though more is offered. Source: the smallest number that satisfies both."""
     fields = {"agent.bag[apple]": [5, 0, 0], "agent.bag[banana]": [0, 5, 0]}
-    scene = put(">..<...~  01", "........", "P.....v~  2", fields=fields).step("banana_1_3, stay")
-    scene.has({"agent.wants": ["banana", "none", "none"], "event trades": 0}).step("stay, apple_2_2")
+    scene = put(">..<...~  01", "........", "P.....v~  2", fields=fields).step("offer(banana, 1, 3), stay")
+    scene.has({"agent.wants": ["banana", "none", "none"], "event trades": 0}).step("stay, offer(apple, 2, 2)")
     scene.has({"agent.bag[apple]": [3, 2, 0], "agent.bag[banana]": [1, 4, 0], "agent.wants": "none", "event trades": [1, 1, 0]})
 
 
 @pytest.mark.parametrize(
     ("first", "second", "bananas", "col"),
     [
-        ("banana_2_1", "apple_2_2", 5, 3),
-        ("banana_1_1", "apple_1_1", 0, 3),
-        ("banana_1_1", "apple_1_1", 5, 5),
-        ("banana_1_1", "banana_1_1", 5, 3),
+        ("offer(banana, 2, 1)", "offer(apple, 2, 2)", 5, 3),
+        ("offer(banana, 1, 1)", "offer(apple, 1, 1)", 0, 3),
+        ("offer(banana, 1, 1)", "offer(apple, 1, 1)", 5, 5),
+        ("offer(banana, 1, 1)", "offer(banana, 1, 1)", 5, 3),
     ],
     ids=["asks too much", "cannot pay", "too far", "the same fruit"],
 )
@@ -66,7 +66,7 @@ def test_other_offers_are_not(first: str, second: str, bananas: int, col: int) -
 def test_the_better_offer_is_taken() -> None:
     """Agent 2 asks for one apple where agent 1 asks for two."""
     fields = {"agent.bag[apple]": [5, 0, 0], "agent.bag[banana]": 5}
-    scene = put(">.<<...~  012", "........", "P.....P~", fields=fields).step("banana_1_2, apple_2_1, apple_1_1")
+    scene = put(">.<<...~  012", "........", "P.....P~", fields=fields).step("offer(banana, 1, 2), offer(apple, 2, 1), offer(apple, 1, 1)")
     scene.has({"event trades": [1, 0, 1], "agent.bag[apple]": [4, 0, 1], "agent.wants": ["none", "apple", "none"]})
 
 

@@ -89,15 +89,15 @@ def test_the_impostor_voted_out_loses_and_the_last_but_one_crewmate_too() -> Non
 def test_ballots_can_be_changed_and_taken_back_while_the_vote_lasts() -> None:
     fields = {"round": "voting", "clock": 20, "agent.ballot": 5}
     scene = put("P.G....O...", "P..........", "P.......v<v  012", "P.......v<V  34", "P...DDDDD..", fields=fields)
-    scene.has({"allowed forward": False, "allowed vote_1": True, "allowed tag": False}).step("vote_4, vote_2, abstain")
-    scene.has({"agent.ballot": [4, 2, 5, 5, 5]}).step("vote_1, abstain").has({"agent.ballot": [1, 5, 5, 5, 5]})
+    scene.has({"allowed forward": False, "allowed vote(1)": True, "allowed tag": False}).step("vote(4), vote(2), abstain")
+    scene.has({"agent.ballot": [4, 2, 5, 5, 5]}).step("vote(1), abstain").has({"agent.ballot": [1, 5, 5, 5, 5]})
     assert scene.seen(3, "everyone[0].ballot") == 1
 
 
 @pytest.mark.parametrize("variant", [None, "by_lot"])
 def test_votes_begin_after_two_hundred_steps_and_take_twenty_five(variant: str | None) -> None:
     stage = Stage("hidden_agenda", ROWS, 5, variant=variant, params={"regrow": 0, "goal": 3}, interpreted=True)
-    scene = stage.start(3).has({"allowed vote_0": False}).step(times=198).has({"round": "playing"}).step().has({"round": "voting"})
+    scene = stage.start(3).has({"allowed vote(0)": False}).step(times=198).has({"round": "playing"}).step().has({"round": "voting"})
     scene.step(times=24).has({"round": "voting"}).step().has({"round": "playing"}).step(times=199).has({"round": "playing"})
     scene.step().has({"round": "voting"})
     roles = {tuple(stage.start(seed).value("agent.role")).index("impostor") for seed in range(12)}
