@@ -1,7 +1,7 @@
 """Lowers what a statement says of agents to one value for each agent, whatever instances it is said in."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower.axes import TRUE, Value, literal, reduce, select
+from sjdsl.compiler.lower.axes import TRUE, Value, literal, reduce, select, spread, union
 from sjdsl.compiler.lower.expressions import owner
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
@@ -34,7 +34,11 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
     who = owner(e, scope, w)
     assert isinstance(who, AgentVar)
     if who.axis is None:
-        return scattered(who, value.node, "i32", scope, w)
+        at = select(scope.mask, who.index, Value(w.module.agents, "i32"))
+        axes = union(at.axes, value.axes)
+        places = w.keep("to_agent", Value(spread(at, axes), "i32", axes)).node
+        zeros = array.call("jnp.zeros", w.module.agents, array.DTYPES["i32"])
+        return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
     over = tuple(a for a in value.axes if a != who.axis)
     if over:
         value = reduce("max", select(scope.mask, value, literal(0, "i32")), tuple(a for a in scope.axes if a != who.axis))

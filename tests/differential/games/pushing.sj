@@ -18,7 +18,7 @@ game pushing "Pushes and pulls" {
     field hits : 0 .. 9 capped = 0
   }
   phase start { each agent { send agent to ice } }
-  schedule walk -> doors -> carry -> push -> pull -> jump -> swap -> strengthen -> scatter -> tick
+  schedule walk -> doors -> carry -> push -> pull -> jump -> swap -> shake -> strengthen -> scatter -> tick
   phase walk { move each agent }
   phase doors { each door { chance 0.3 { set door.state = case door.state { open: shut, shut: open } } } }
   phase carry { each agent on belt { send agent by 1 belt.way otherwise stay } }
@@ -46,6 +46,11 @@ game pushing "Pushes and pulls" {
     match agent as a with agent as b in line(1) of a where a chose swap {
       send a by 1 a.heading otherwise stay
       send b by 1 toward a facing east otherwise stay
+    }
+  }
+  phase shake {
+    match belt as b with agent as x in diamond(2) of b where x chose jump {
+      each ice in disc(1) of b { send x by min(x.force, 2) x.heading otherwise stay }
     }
   }
   phase strengthen { each agent { draw more from 0 .. 3  set agent.force = more } }
