@@ -84,7 +84,11 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
         case ir.EventTotal():
             return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(entry_name(e.word))}")
         case ir.SumRow():
-            return f"the sum of all entries of {value(e.row, v)}"
+            which = {"sum": "the sum of all entries", "min": "the smallest entry", "max": "the largest entry"}[e.fn]
+            return f"{which} of {value(e.row, v)}"
+        case ir.ShiftRow():
+            where = f"{abs(e.by)} {'place' if abs(e.by) == 1 else 'places'} {'further on' if e.by >= 0 else 'further back'}"
+            return f"{value(e.row, v)} with every entry {where}, and {operand(e.filler, v)} where none comes from"
         case ir.Count():
             return f"the number of {v.members(e.domain)}"
         case ir.Sum():

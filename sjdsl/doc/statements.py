@@ -72,6 +72,8 @@ def probability(e: ir.Expr, v: Vocabulary) -> str:
 def drawn(s: ir.Draw, v: Vocabulary) -> str:
     """Returns what a `draw` draws from."""
     if s.low is not None and s.high is not None:
+        if s.type.kind == "real":
+            return f"a real number between {side(s.low, v)} and {side(s.high, v)}, all equally likely"
         return f"a whole number from {side(s.low, v)} to {side(s.high, v)}, both included, all equally likely"
     if s.weights:
         return joined((f"{code(w)} with {probability(p, v)}" for w, p in zip(s.words, s.weights, strict=True)), "or")

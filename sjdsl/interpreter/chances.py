@@ -40,6 +40,9 @@ def draw(statement: ir.Draw, here: Instance) -> Drawn:
 def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
     if statement.low is not None and statement.high is not None:
         low, high = evaluate(statement.low, here), evaluate(statement.high, here)
+        if statement.type.kind == "real":  # the upper 24 bits: as many as a float32 holds exactly
+            low, high = np.float32(low), np.float32(high)
+            return np.float32(low + np.float32(np.float32(high - low) * np.float32((word >> 8) * 2.0**-24)))
         assert 1 <= high - low + 1 <= 65535, (low, high)
         return low + (word * (high - low + 1) >> 32)
     if statement.weights:

@@ -220,6 +220,17 @@ def _applies(arm: ir.Arm, subject: int | str) -> bool:
     return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
 
 
+def _of_all_entries(e: ir.SumRow, here: Instance) -> Value:
+    row = list(evaluate(e.row, here))
+    return numbers.total(row, e.type.kind == "real") if e.fn == "sum" else min(row) if e.fn == "min" else max(row)
+
+
+def _shifted(e: ir.ShiftRow, here: Instance) -> Value:
+    row, filler = evaluate(e.row, here), evaluate(e.filler, here)
+    filler = frozenset() if e.type.kind == "agents" and filler is None else filler
+    return tuple(row[place - e.by] if 0 <= place - e.by < len(row) else filler for place in range(len(row)))
+
+
 def _lowest(e: ir.Lowest, here: Instance) -> str | int:
     level, order = e.row.type.by[0], -1 if e.last else 0
     positive = [name for name, entry in zip(level, evaluate(e.row, here), strict=True) if entry > 0]
@@ -396,7 +407,8 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Arithmetic: _arithmetic,
     ir.Count: lambda e, here: len(members_of(e.domain, here)),
     ir.Sum: _sum,
-    ir.SumRow: lambda e, here: numbers.total(list(evaluate(e.row, here)), e.type.kind == "real"),
+    ir.SumRow: _of_all_entries,
+    ir.ShiftRow: _shifted,
     ir.Extreme: _extreme,
     ir.Case: _case,
     ir.Lowest: _lowest,

@@ -38,7 +38,8 @@ def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
         case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
             return _value(e.row, fields)[:, place_of(e.row.type.by[0], key)]  # type: ignore[arg-type]
         case ir.SumRow():
-            return _value(e.row, fields).sum(axis=1)
+            row = _value(e.row, fields)
+            return row.sum(axis=1) if e.fn == "sum" else row.min(axis=1) if e.fn == "min" else row.max(axis=1)
         case ir.Compare():
             return COMPARE[e.fn](_value(e.left, fields), _value(e.right, fields))
         case ir.Same():

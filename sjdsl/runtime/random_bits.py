@@ -98,6 +98,12 @@ def below(word: Array, bound: Array | int) -> Array:
     return result
 
 
+def unit(word: Array) -> Array:
+    """Returns the upper 24 bits of random numbers as float32 in 0 .. 1, 1 left out: each is exact, and equally likely."""
+    result: Array = (word >> jnp.uint32(8)).astype(jnp.float32) * jnp.float32(2.0**-24)
+    return result
+
+
 def ranks(word: Array, member: Array) -> Array:
     """Returns keys that order members: larger first, 0 for those that are none. Same shape, uint32."""
     return jnp.where(member, (word >> jnp.uint32(1)) + jnp.uint32(1), jnp.uint32(0))

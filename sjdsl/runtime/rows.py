@@ -1,4 +1,4 @@
-"""Operations on rows of numbers: an entry, the smallest and largest, shares, ramps."""
+"""Operations on rows of numbers: an entry, the smallest and largest, shares, a row shifted, ramps."""
 
 import jax.numpy as jnp
 from jax import Array
@@ -24,6 +24,14 @@ def mix(row: Array) -> Array:
     """Returns the shares of a row's entries, float32; of an empty row zeros (never used: guards are checked)."""
     total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
     return row.astype(jnp.float32) / jnp.where(total > 0, total, 1)
+
+
+def shifted(row: Array, by: int, filler: Array) -> Array:
+    """Returns each row with its entries `by` places further on, the filler where none comes from: `[..., K]` and `[...]` -> `[..., K]`."""
+    source = jnp.arange(row.shape[-1], dtype=jnp.int32) - by
+    known = (source >= 0) & (source < row.shape[-1])
+    moved = row[..., jnp.clip(source, 0, row.shape[-1] - 1)]
+    return jnp.where(known.reshape((1,) * (row.ndim - 1) + (-1,)), moved, filler[..., None])
 
 
 def ramp(value: Array, zero_at: Array, one_at: Array) -> Array:

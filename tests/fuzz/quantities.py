@@ -259,6 +259,8 @@ def total(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
     if rows and r.random() < 0.5:
         text, type_ = r.choice(rows)
         n = len(type_.by[0])
+        if r.random() < 0.3:
+            return f"{r.choice(('min', 'max'))}({text})", element(type_)
         return f"sum({text})", _beyond_one(type_.model_copy(update={"by": (), "low": type_.low * n, "high": type_.high * n}))
     text, inner, most = domain(scope, depth - 1, counted=True)
     value, type_ = (integer if kind == "int" else real)(inner, unit, min(depth - 1, 1))

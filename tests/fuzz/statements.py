@@ -162,7 +162,10 @@ def draw(scope: Scope) -> tuple[Lines, Scope]:
     w, r = scope.world, scope.world.random
     name = w.variable()
     words = r.choice(w.word_sets)
-    match r.choice(("range", "range", "words", "weights")):
+    match r.choice(("range", "range", "words", "weights", "real")):
+        case "real":
+            low, more = r.choice((-1.5, 0.0, 0.25)), r.choice((0.0, 0.5, 2.0))
+            text, made = f"{low} .. {low + more}", ir.Type(kind="real", unit="number", low=low, high=low + more)
         case "range":
             ends = _ends(scope)
             text, made = f"{ends[0]} .. {ends[1]}", ends[2]

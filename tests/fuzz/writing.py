@@ -124,6 +124,10 @@ def value(scope: Scope, f: Field, depth: int) -> Typed | None:
     if type_.by and rows and w.is_now(0.25):
         return w.random.choice(rows)
     one = type_.model_copy(update={"by": ()})
+    if type_.by and rows and sort_of(type_.by[0]) != "agent" and w.is_now(0.4):
+        filler = value(scope, replace(f, type=one), depth)
+        if filler is not None:
+            return f"shift({w.random.choice(rows)[0]}, {w.random.choice((-2, -1, 0, 1, 1, 3))}, {filler[0]})", type_
     match type_.kind:
         case "word":
             found = word(scope, type_.words, 2)

@@ -25,13 +25,12 @@ from sjdsl.compiler.elaborate.lookup import (
     or_nowhere,
 )
 from sjdsl.compiler.elaborate.paths import distance, path
+from sjdsl.compiler.elaborate.row_functions import ROW_FUNCTIONS, beyond_one, extreme_of_row, row_function, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.implications import compares, narrowed
+from sjdsl.compiler.ir.implications import compares
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.sorts import lowest_number, sort_of
-from sjdsl.compiler.ir.types import hull, integer, is_number, real, times, words
+from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
-ROW_FUNCTIONS = ("lowest", "highest", "mix")
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
 
 
@@ -229,7 +228,7 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
         row = scope.expression(e.value)
         if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
             raise wrong_type(scope, e.value, "a row of numbers", row.type, "write `sum(e over D)` to add over a domain")
-        return _sum_row(row).model_copy(update={"origin": e.span})
+        return sum_of_row(row).model_copy(update={"origin": e.span})
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
     if not is_number(value.type):
@@ -237,24 +236,14 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
     most = most_members(built, scope)
     low, high = hull([value.type.model_copy(update={"low": 0, "high": 0}), value.type])
     type_ = value.type.model_copy(update={"low": times(low, most), "high": times(high, most)})
-    return ir.Sum(type=_beyond_one(type_), value=value, domain=built, origin=e.span)
-
-
-def _sum_row(row: ir.Expr) -> ir.SumRow:
-    n = len(row.type.by[0])
-    return ir.SumRow(type=_beyond_one(row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})), row=row)
-
-
-def _beyond_one(type_: ir.Type) -> ir.Type:
-    """A sum of shares or chances that can exceed 1 is a bare number."""
-    if type_.unit in ("fraction", "probability") and type_.high > 1:
-        return type_.model_copy(update={"unit": "number"})
-    return type_
+    return ir.Sum(type=beyond_one(type_), value=value, domain=built, origin=e.span)
 
 
 def call(e: ast.Call, scope: Scope) -> ir.Expr:
     name = e.name.text
     if name in ("min", "max"):
+        if len(e.arguments) == 1:
+            return extreme_of_row(e, scope.expression(e.arguments[0]), scope)
         arity(e, scope, 2, 8)
         return extreme(e, scope.expressions(e.arguments), scope)
     if name == "ramp":
@@ -271,8 +260,11 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
     if name == "distance":  # after the defines: some games have one of this name
         arity(e, scope, 2)
         return distance(e, scope)
+    if name == "shift":
+        arity(e, scope, 3)
+        return shifted(e, scope)
     classes = MATRIX_CLASSES if scope.part == "checks" else ()
-    candidates = ["count", "sum", "min", "max", "ramp", "distance", *ROW_FUNCTIONS, *classes, *scope.static.defines]
+    candidates = ["count", "sum", "min", "max", "ramp", "distance", "shift", *ROW_FUNCTIONS, *classes, *scope.static.defines]
     raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
 
 
@@ -305,24 +297,6 @@ def _apart(a: ir.Expr, b: ir.Expr, scope: Scope) -> bool:
         return a.value != b.value
     known = scope.facts_and_requires
     return any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))
-
-
-def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
-    if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
-        raise wrong_type(scope, e.arguments[0], "a row of numbers", row.type)
-    names = row.type.by[0]
-    if e.name.text != "mix":
-        if sort_of(names) == "agent":
-            raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, "agents have no order: ask for one with `where`")
-        first = lowest_number(names)
-        type_ = words(names) if sort_of(names) == "word" else integer(first, first + len(names) - 1)
-        return ir.Lowest(type=type_, row=row, last=e.name.text == "highest", origin=e.span)
-    if row.type.low < 0:
-        raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
-    entries = _sum_row(row)
-    if not compares(entries, ">", 0, scope.facts) and not narrowed(entries, scope.facts)[0] > 0:
-        raise scope.problems.fail(errors.EmptyMix(e.span, row=text(row)))
-    return ir.Mix(type=ir.Type(kind="mix", words=names), row=row, origin=e.span)
 
 
 def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:

@@ -12,6 +12,8 @@ from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
 
+ALIKE = (ir.Word, ir.Number, ir.ParamRef, ir.At, ir.Arithmetic, ir.SumRow, ir.Named, ir.Narrowed)  # the same in all of an episode
+
 
 def start(game: Composition, scope: Scope) -> ir.Phase | None:
     """Returns the phase that runs at reset."""
@@ -81,12 +83,12 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], fu
 
 
 def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
-    """Returns a word, a number, or the name of an action."""
+    """Returns a word, something made of numbers alone (params too, which may change from run to run), or the name of an action."""
     if isinstance(argument, ast.Path) and not argument.steps and argument.name.text in scope.static.action_names:
         if not scope.static.is_word(argument.name.text):
             return argument.name.text
     value = scope.expression(argument)
-    if not isinstance(value, ir.Word | ir.Number):
+    if not all(isinstance(node, ALIKE) for node in ir.walk(value)):
         raise scope.problems.fail(errors.NotFixed(argument.span, what="what a phase is used with"))
     return value
 

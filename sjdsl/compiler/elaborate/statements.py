@@ -17,7 +17,7 @@ from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import Fact, compares, conjuncts, contradict, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.types import integer, words
+from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, is_number, join_units, real, words
 
 
 def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
@@ -106,8 +106,9 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             statement = _weighted(s, s.source, scope, stream)
         case _:
             assert s.high is not None
-            low = scope.number(s.source, ("count", "steps", "cells"), "a whole number")
-            high = scope.number(s.high, ("count", "steps", "cells"), "a whole number")
+            low, high = scope.expressions((s.source, s.high))
+            if "real" not in (low.type.kind, high.type.kind):
+                low, high = (scope.number(e, ("count", "steps", "cells"), "a whole number") for e in (s.source, s.high))
             type_ = _draw_range(s, low, high, scope)
             statement = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
     local = ir.Local(type=statement.type, name=name, origin=s.name.span)
@@ -130,6 +131,8 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
     known = scope.facts_and_requires
     if low.type.high > high.type.low and not (compares(high, ">=", low, known) or compares(high, ">", low, known)):
         raise scope.problems.fail(errors.Crossed(s.span, labels=parameters_read(scope.static, low, high), low=text(low), high=text(high)))
+    if "real" in (low.type.kind, high.type.kind):
+        return _real_range(s, low, high, scope)
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
         given = f"{most:g}" if most < float("inf") else "endlessly many"
@@ -138,6 +141,16 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
         scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, help_))
         raise Poisoned
     return integer(low.type.low, high.type.high, unit)
+
+
+def _real_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
+    """Returns the type of a real number drawn between two others."""
+    assert s.high is not None
+    for tree, bound in ((s.source, low), (s.high, high)):
+        if not is_number(bound.type):
+            raise wrong_type(scope, tree, "a number", bound.type)  # type: ignore[arg-type]
+    unit = join_units(low.type.unit, high.type.unit)
+    return real(low.type.low, high.type.high, "number" if unit in (None, *INTEGER_UNITS) else unit)
 
 
 def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:

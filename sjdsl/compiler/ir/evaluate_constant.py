@@ -27,7 +27,8 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
         case ir.At():
             return _value(e.row, params)[place_of(e.row.type.by[0], _value(e.key, params))]
         case ir.SumRow():
-            return sum(_value(e.row, params))
+            row = _value(e.row, params)
+            return sum(row) if e.fn == "sum" else min(row) if e.fn == "min" else max(row)
         case ir.Arithmetic(fn="neg"):
             return -_value(e.args[0], params)
         case ir.Arithmetic(fn="min" | "max"):

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     Expr: TypeAlias = (
         "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
         "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
-        "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | Extreme | Case | "
+        "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | "
         "Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
     )
     Restriction: TypeAlias = "Near | InAgents | InCell | Among"
@@ -251,8 +251,20 @@ class Sum(Expression):
 
 
 class SumRow(Expression):
+    """All entries of a row in one: their sum, the least, the greatest."""
+
     type: Type
     row: Expr
+    fn: Literal["sum", "min", "max"] = "sum"
+
+
+class ShiftRow(Expression):
+    """A row whose entries stand `by` places further on; `filler` where none comes from."""
+
+    type: Type
+    row: Expr
+    by: int
+    filler: Expr
 
 
 class Extreme(Expression):

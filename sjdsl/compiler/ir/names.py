@@ -10,7 +10,7 @@ from sjdsl.compiler.ir.queries import all_fields, marking_phases
 KERNELS = {
     "sjdsl.runtime.bits": ("as_bits", "from_bits"),
     "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
-    "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "random_bits", "random_bits_at", "threshold"),
+    "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "random_bits", "random_bits_at", "threshold", "unit"),
     "sjdsl.runtime.fields": ("StateField",),
     "sjdsl.runtime.geometry": (
         "blocking",
@@ -34,7 +34,7 @@ KERNELS = {
     "sjdsl.runtime.movement": ("resolve",),
     "sjdsl.runtime.placing": ("choose", "pair", "pair_reached", "pick", "pick_of_set", "pick_of_sets", "place", "place_fitting"),
     "sjdsl.runtime.planes": ("TokenPlane",),
-    "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp"),
+    "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp", "shifted"),
     "sjdsl.runtime.steering": ("gains", "is_one_of"),
     "sjdsl.runtime.line_of_sight": ("reached",),
     "sjdsl.runtime.egocentric_windows": ("fill", "paint", "planes_of", "windows"),

@@ -61,7 +61,9 @@ def expression(e: ir.Expr) -> str:
         case ir.Sum():
             return f"sum({expression(e.value)} over {domain(e.domain)})"
         case ir.SumRow():
-            return f"sum({expression(e.row)})"
+            return f"{e.fn}({expression(e.row)})"
+        case ir.ShiftRow():
+            return f"shift({expression(e.row)}, {e.by}, {expression(e.filler)})"
         case ir.Extreme():
             return _extreme(e)
         case ir.Case():

@@ -1,5 +1,7 @@
 """Lowers random draws: one number of a stream for every instance, and the distribution made of it."""
 
+from dataclasses import replace
+
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, invert, iota, literal, union
 from sjdsl.compiler.lower.expressions import real
@@ -72,11 +74,20 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     if s.weights:
         return w.keep(s.name, _weighted(s, word, scope, w))
     assert s.low is not None and s.high is not None
+    if s.type.kind == "real":
+        return w.keep(s.name, _between(s.low, s.high, word, scope, w))
     low, high = (as_dtype(w.value(x, scope.always()), "i32") for x in (s.low, s.high))
     span = binary("+", binary("-", high, low, "i32"), literal(1, "i32"), "i32")
     axes = union(word.axes, span.axes)
     drawn = Value(call("below", aligned(word, axes), aligned(span, axes)), "i32", axes)
     return w.keep(s.name, binary("+", drawn, low, "i32"))
+
+
+def _between(low: ir.Expr, high: ir.Expr, word: Value, scope: IterationScope, w: Writer) -> Value:
+    """Returns a real number between two others: the upper 24 bits of a word, as many as a float32 holds, say where."""
+    start, end = (real(x, scope.always(), w) for x in (low, high))
+    place = replace(word, node=call("unit", word.node), dtype="f32")
+    return binary("+", start, binary("*", binary("-", end, start, "f32"), place, "f32"), "f32")
 
 
 def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Value:

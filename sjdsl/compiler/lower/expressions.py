@@ -23,7 +23,7 @@ from sjdsl.compiler.lower.axes import (
     summed,
     union,
 )
-from sjdsl.compiler.lower.entries import entry, to_words
+from sjdsl.compiler.lower.entries import aligned_row, entry, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
 from sjdsl.compiler.program import expressions as array
@@ -82,6 +82,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return extreme(e, scope, w)
         case ir.SumRow() | ir.Lowest() | ir.Mix():
             return of_row(e, lower(e.row, scope, w))
+        case ir.ShiftRow():
+            return shift(e, scope, w)
         case ir.Case():
             return case(e, scope, w)
         case ir.Ramp():
@@ -107,12 +109,31 @@ def nobody(w: Writer) -> Value:
 def of_row(e: ir.SumRow | ir.Lowest | ir.Mix, row: Value) -> Value:
     """Returns what is made of a whole row: its sum, the word of its lowest or highest entry, or the shares of its entries."""
     match e:
-        case ir.SumRow():
+        case ir.SumRow(fn="sum"):
             return replace(row, node=array.Reduce("sum", summed(row.node, row.dtype), (-1,), row.dtype), levels=0)
+        case ir.SumRow():
+            return replace(row, node=array.Reduce(e.fn, row.node, (-1,), None), levels=0)
         case ir.Lowest():
             return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
         case ir.Mix():
             return Value(array.call("mix", row.node), "f32", row.axes, 1)
+
+
+def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
+    """Returns a row with its entries moved on."""
+    row, filler = lower(e.row, scope, w), lower(e.filler, scope, w)
+    match e.type.kind:
+        case "word":
+            filler = to_words(filler, e.filler.type.words, e.type.words, w)
+        case "agents":
+            filler = literal(0, row.dtype) if isinstance(e.filler, ir.Nobody) else filler
+        case "int" | "real":
+            row, filler = (as_dtype(part, "i32" if e.type.kind == "int" else "f32") for part in (row, filler))
+        case _:
+            pass
+    axes = union(row.axes, filler.axes)
+    fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned(filler, axes)
+    return replace(row, node=array.call("shifted", aligned_row(row, axes), array.Literal(e.by), fill), axes=axes)
 
 
 def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
