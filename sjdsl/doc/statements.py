@@ -128,6 +128,8 @@ def _match(s: ir.Match, v: Vocabulary) -> Line:
 
 def _set(s: ir.Set, v: Vocabulary) -> str:
     target = value(s.target, v)
+    if s.lot is not None:
+        return f"{target} becomes {value(s.value, v)} (of all that would change it one does, each equally likely)"
     if s.target.type.by and not s.value.type.by:
         return f"every entry of {target} becomes {value(s.value, v)}"
     if s.target.type.kind == "agents":

@@ -67,6 +67,10 @@ def _statement(
             drawn = _noted(chances.chance(statement, here), writes)
             body = statement.otherwise if drawn.result is None else statement.branches[drawn.result].body
             perform(body, here.because(drawn), writes)
+        case ir.Set(lot=int(stream)):
+            rank = here.word(stream, here.number) >> 1
+            for slot, value in slots(statement.target, evaluate(statement.value, here), here):
+                writes.lots.setdefault(slot, []).append((-rank, here.number, value))
         case ir.Set():
             writes.sets += slots(statement.target, evaluate(statement.value, here), here)
         case ir.Add():

@@ -61,13 +61,15 @@ _WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Shift, ir.Remove, ir.
 class Writes:
     """Everything the statements of one phase wrote. `movers`: rank of each agent or mover of a `move`, None without one.
 
-    sort: of those who `move`. courses: the direction in which each mover of a `move` goes, None if it stays.
+    sort: of those who `move`. courses: the direction in which each mover of a `move` goes, None if it stays. lots: those who would write
+    a target `by lot`.
 
     told, drawn: an account of it, statement by statement, where one is wanted; else None.
     """
 
     sets: list[tuple[Slot, Value]] = field(default_factory=list)
     adds: list[tuple[Slot, Value]] = field(default_factory=list)
+    lots: dict[Slot, list[tuple[int, int, Value]]] = field(default_factory=dict)
     gives: list[tuple[int, np.float32]] = field(default_factory=list)
     tallies: list[Counted] = field(default_factory=list)
     sends: list[Sending] = field(default_factory=list)
@@ -136,7 +138,8 @@ def _spread(slot: Slot, value: Value, levels: tuple[tuple[str, ...], ...]) -> li
 def write_fields(writes: Writes, board: Board, world: World) -> None:
     """Changes the fields of `world`, which holds the snapshot's values: what is set, then all that is added, summed."""
     sets: dict[Slot, Value] = {}
-    for slot, value in writes.sets:
+    drawn = [(slot, min(writers, key=lambda w: w[:2])[2]) for slot, writers in writes.lots.items()]
+    for slot, value in (*writes.sets, *drawn):
         value = _fitting(declaration(slot, board), value)
         assert sets.setdefault(slot, value) == value, f"{slot} is set to {sets[slot]} and to {value}"
     adds: dict[Slot, list[Value]] = {}

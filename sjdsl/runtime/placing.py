@@ -232,3 +232,19 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
         return jnp.where(gone, jnp.uint32(0), live), jnp.where(rows == a, b, partner)
 
     return lax.while_loop(more, take, (ranks, jnp.full(left, right, jnp.int32)))[1]
+
+
+def drawn_by_lot(place: Array, rank: Array, size: int) -> Array:
+    """Returns which of M writers write: of those with one place the one of the greatest rank, of equal ones the first.
+
+    Args:
+      place: `[M]` int32, 0 .. size - 1. rank: `[M]` uint32, 0 for those who do not write.
+    Returns:
+      `[M]` bool.
+    """
+    number = jnp.arange(place.shape[0], dtype=jnp.int32)
+    best = jnp.zeros(size, jnp.uint32).at[place].max(rank)
+    top = (rank > 0) & (rank == best[place])
+    first = jnp.full(size, place.shape[0], jnp.int32).at[place].min(jnp.where(top, number, place.shape[0]))
+    result: Array = number == first[place]
+    return result

@@ -74,6 +74,19 @@ class At:
         np.add.at(result, index, np.asarray(values).astype(result.dtype))
         return as_array(result)
 
+    def max(self, values: Any, **_: Any) -> Array:
+        """Returns a copy in which each place has the greatest of its value and those given for it."""
+        return self._folded(np.maximum, values)
+
+    def min(self, values: Any, **_: Any) -> Array:
+        return self._folded(np.minimum, values)
+
+    def _folded(self, fold: Any, values: Any) -> Array:
+        result = np.array(self.array)
+        index, values = self._inside(values)
+        fold.at(result, index, np.asarray(values).astype(result.dtype))
+        return as_array(result)
+
     def _inside(self, values: Any) -> tuple[Any, Any]:
         """Returns the index and the values without those whose place is outside."""
         parts = self.index if isinstance(self.index, tuple) else (self.index,)

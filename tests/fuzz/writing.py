@@ -73,6 +73,11 @@ def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field,
         return _add(scope, written, keys, own, bold, f, text, depth)
     if not bold and not written.allows(keys, "set"):
         return []
+    if scope.sort == "phase" and not f.type.by and not entry and w.is_now(0.15):
+        by_lot = value(scope, f, depth)
+        if by_lot is not None:
+            written.note(keys, "set")
+            return [f"set {text} = {by_lot[0]} by lot"]
     inner = scope if own or bold else of_target_alone(scope, owner)
     made = value(inner, f, depth)
     if made is None:

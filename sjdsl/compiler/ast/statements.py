@@ -76,9 +76,12 @@ Otherwise = Block | When | Chance
 
 
 class Set(Node):
+    """lot: the name after `by` (must be `lot`)."""
+
     span: Span
     target: Path
     value: Expr
+    lot: Name | None
 
 
 class Add(Node):

@@ -297,7 +297,7 @@ def _owns_entries(w: Write) -> bool:
 
 
 def _agrees_with_itself(w: Write) -> bool:
-    if w.sort == "add":
+    if w.sort == "add" or (isinstance(w.statement, ir.Set) and w.statement.lot is not None):
         return True
     if is_own(w):
         return True

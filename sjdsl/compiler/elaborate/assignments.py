@@ -8,6 +8,7 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, declared_name, interval_text, kinds_of_cell, not_a_word, or_nowhere
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, is_number, join_units
@@ -50,8 +51,8 @@ def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
             return static.kinds[field.kinds[0]][field.name]
 
 
-def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
-    """Returns `set target = value`."""
+def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    """Returns `set target = value` or `set target = value by lot`."""
     target, field = target_of(s.target, scope)
     if target.type.kind == "word":
         check_known_word(s.value, target, target.type.words, scope)
@@ -78,7 +79,18 @@ def set_(s: ast.Set, scope: Scope) -> ir.Stmt:
                 raise wrong_type(scope, s.value, "a set of agents or nobody", value.type)
         case _:
             raise AssertionError(type_)
-    return ir.Set(target=target, value=value, origin=s.span)
+    return ir.Set(target=target, value=value, lot=_lot(s, target, scope, use), origin=s.span)
+
+
+def _lot(s: ast.Set, target: ir.Expr, scope: Scope, use: PhaseUse) -> int | None:
+    """Returns the stream on which it is drawn who writes."""
+    if s.lot is None:
+        return None
+    if s.lot.text != "lot":
+        raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
+    if target.type.by or isinstance(target, ir.At):
+        raise scope.problems.fail(errors.Unsupported(s.lot.span, what="a row or an entry of one set `by lot`"))
+    return use.streams.of_statement(use.streams.header(s.span, s.span.end))
 
 
 def _check_words(s: ast.Set, type_: ir.Type, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:

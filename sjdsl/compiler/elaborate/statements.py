@@ -49,7 +49,7 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
         case ast.Chance():
             return chance(s, scope, use), scope
         case ast.Set():
-            return set_(s, scope), scope
+            return set_(s, scope, use), scope
         case ast.Add():
             return add(s, scope), scope
         case ast.Give():

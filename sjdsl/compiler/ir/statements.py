@@ -92,10 +92,14 @@ class Branch(Node):
 
 
 class Set(Statement):
-    """`target` is a FieldRead, or an At of one; a whole row is set if the target is a row and the value is not."""
+    """`target` is a FieldRead, or an At of one; a whole row is set if the target is a row and the value is not.
+
+    `lot`: of all that write one target one does, drawn on this stream; None: all write the same.
+    """
 
     target: Expr
     value: Expr
+    lot: int | None = None
 
 
 class Add(Statement):

@@ -53,6 +53,8 @@ def _check_streams(game: ir.Game) -> None:
                     streams[stream] += 1
                 case ir.Shift():
                     streams.update(stream for stream in (node.stream, node.heading_stream) if stream is not None)
+                case ir.Set(lot=int(stream)):
+                    streams[stream] += 1
                 case ir.Send() if node.pool not in pools:
                     pools.add(node.pool)
                     streams.update((node.order_stream, node.heading_stream))

@@ -13,6 +13,7 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    binary,
     indexed,
     iota,
     joined,
@@ -23,6 +24,7 @@ from sjdsl.compiler.lower.axes import (
     taken,
     union,
 )
+from sjdsl.compiler.lower.draws import random_bits
 from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
@@ -79,7 +81,39 @@ def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     """Writes `set target = value`."""
     value = stored_value(s.value, s.target, scope, w)
     for target in targets(s.target, scope, w):
+        if s.lot is not None:
+            _write_by_lot(s.lot, target, as_dtype(value, state_reads.storage(target.declared, w)), w)
+            continue
         _write(target, as_dtype(value, state_reads.storage(target.declared, w)), w)
+
+
+def _write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
+    """Writes one field where the scope's mask holds and the lot falls on the instance: one for each target."""
+    scope = target.scope
+    word = binary(">>", random_bits(stream, scope, w), literal(1, "u32"), "u32")
+    rank = select(scope.mask, binary("+", word, literal(1, "u32"), "u32"), literal(0, "u32"))
+    index = literal(0, "i32") if target.who is None else target.who.number
+    axes = union(scope.axes, index.axes, rank.axes, value.axes)
+    extent = array.Literal(1) if target.who is None else state_reads.total_extent(target.who, w)
+    at = select(scope.mask, index, literal(0, "i32"))
+    place = _flat(at, axes, "i32")
+    won = w.bind("won", array.call("drawn_by_lot", place, _flat(rank, axes, "u32"), extent))
+    if target.who is None:
+        here = array.call("jnp.argmax", won)
+        drawn = array.Index(_flat(value, axes, value.dtype), (here,))
+        w.assign(target.attribute, array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)))
+        return
+    past = array.scalar(_past_the_end(target.who, w).node, "i32")
+    keys = (array.Where(won, place, past),)
+    new = _flat(value, axes, value.dtype) if value.axes else value.node
+    w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
+
+
+def _flat(value: Value, axes: tuple[Axis, ...], dtype: array.DType) -> array.Expression:
+    """Returns a value for each instance, in the order of their numbers."""
+    extents = tuple(a.extent for a in axes)
+    full = array.Broadcast(array.as_array(aligned(value, axes), dtype) if value.literal else aligned(value, axes), extents)
+    return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1),))
 
 
 def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) -> Value:

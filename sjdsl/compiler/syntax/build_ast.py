@@ -42,7 +42,7 @@ def _token(token: Token, file: str) -> ast.Name | ast.String | str:
 
 CLAUSES = {
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
-    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none",
+    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none", "by_lot",
 }  # fmt: skip
 
 RULES: dict[str, node_builders.Build] = {
@@ -99,7 +99,7 @@ RULES: dict[str, node_builders.Build] = {
     "when": node_builders.optional(ast.When, 3),
     "chance": node_builders.optional(ast.Chance, 3),
     "otherwise": node_builders.only,
-    "set": ast.Set,
+    "set": node_builders.with_clauses(ast.Set, lot="by_lot"),
     "add": ast.Add,
     "give": ast.Give,
     "all_but": ast.All,
