@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-all test-interop check bench gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop check bench gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -30,6 +30,10 @@ run: .venv/ready
 
 test: .venv/ready
 	$(PYTEST)
+
+# The long tests that `make test` leaves out: whole runs, sweeps, pages of code, chances of the games.
+test-thorough: .venv/ready
+	$(PYTEST) --thorough
 
 # Also every variant and crowd, with XLA's optimisations: takes much longer.
 test-all: .venv/ready

@@ -19,7 +19,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="write what goldens should be instead of comparing; read the diff before committing"
     )
-    parser.addoption("--all", action="store_true", help="also the tests marked slow, and everything compiled as users have it")
+    parser.addoption(
+        "--thorough", action="store_true", help="the tests marked thorough, and no others: long ones of what other tests see in parts"
+    )
+    parser.addoption("--all", action="store_true", help="also the tests marked slow and thorough, and everything compiled as users have it")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -38,12 +41,16 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leaves the slow tests out unless all are asked for."""
+    """Leaves out the slow tests, and the thorough ones or all others, unless all are asked for or one is named."""
     if config.getoption("--all"):
         return
-    slow = [item for item in items if item.get_closest_marker("slow")]
-    config.hook.pytest_deselected(items=slow)
-    items[:] = [item for item in items if item not in slow]
+    thorough, named = config.getoption("--thorough"), any("::" in argument for argument in config.args)
+
+    def is_wanted(item: pytest.Item) -> bool:
+        return not item.get_closest_marker("slow") and (named or thorough == bool(item.get_closest_marker("thorough")))
+
+    config.hook.pytest_deselected(items=[item for item in items if not is_wanted(item)])
+    items[:] = [item for item in items if is_wanted(item)]
 
 
 def pytest_collection_finish() -> None:

@@ -27,6 +27,7 @@ def printed(notebook: nbformat.NotebookNode, start: str) -> str:
     )
 
 
+@pytest.mark.thorough
 def test_what_the_tour_shows(executed: nbformat.NotebookNode) -> None:
     assert "orchard" in printed(executed, "rules =")
     assert printed(executed, "observation, state").startswith("((2,")

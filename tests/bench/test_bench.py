@@ -143,6 +143,7 @@ def test_what_the_command_compiles_is_neither_kept_nor_found(keeping: Path) -> N
     assert sorted(keeping.iterdir()) == kept
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("folder")
 def test_the_command_measures_several_forms_and_writes_a_page() -> None:
     Path("docs").mkdir()

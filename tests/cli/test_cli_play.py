@@ -77,6 +77,7 @@ def test_what_is_wrong_is_said(sjdsl: Sjdsl, call: list[str], said: str) -> None
     assert "Traceback" not in shown.err
 
 
+@pytest.mark.thorough
 def test_a_new_game_passes_its_tests(sjdsl: Sjdsl, folder: Path) -> None:
     made = sjdsl("new", "pond")
     assert made.status == 0, made.text

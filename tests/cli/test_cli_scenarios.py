@@ -24,6 +24,7 @@ def _grove(folder: Path) -> None:
     (folder / "grove.sj").write_text(written.replace("game orchard", "game grove"))
 
 
+@pytest.mark.thorough
 def test_a_run_of_two_seeds(sjdsl: Sjdsl, folder: Path) -> None:
     described = describe_environment(str(folder / "grove.sj"), None, None, None, {})
     store_pool(folder / "runs/grove", make_environment(described), (0, 1))

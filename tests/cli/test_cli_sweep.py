@@ -11,6 +11,7 @@ SETS = tuple(part for text in SMALL for part in ("--set", text))
 SWEEP = ("sweep", "orchard.sj", "--axis", "param.apple=1,2", *SETS, "--episodes", "2", "--run", "swept")
 
 
+@pytest.mark.thorough
 def test_a_sweep_side_by_side(sjdsl: Sjdsl, folder: Path) -> None:
     """Numbers of a game are numbers without shape."""
     listed = sjdsl(*SWEEP, "--seeds", "2", "--dry-run")

@@ -108,6 +108,7 @@ def test_a_variant_has_its_own_checks(sjdsl: Sjdsl, folder: Path) -> None:
     assert "Traceback" not in none.text
 
 
+@pytest.mark.thorough
 def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only what needs no playing: `tests/properties/test_games.py` plays the games, with shorter episodes."""
 

@@ -205,6 +205,7 @@ def test_a_seed_beyond_32_bits_is_refused(sjdsl: Sjdsl, call: list[str]) -> None
     assert "4294967296 is not in the range 0<=x<=4294967295" in shown.err
 
 
+@pytest.mark.thorough
 def test_a_resumed_run_keeps_its_episodes_and_loggers(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
     from sjdsl.cli import train as module
     from sjdsl.trainers import recorder
@@ -270,6 +271,7 @@ def watch(update):
 """
 
 
+@pytest.mark.thorough
 def test_what_users_bring_along_is_named_on_the_command_line(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reward, a partner and a callback in a file; the run goes on longer with them, and its policy is found by its name."""
     from sjdsl.trainers import recorder

@@ -43,6 +43,7 @@ def test_no_golden_is_left_over() -> None:
     assert {(path.parent.name, path.stem) for path in GOLDEN.rglob("*.txt")} == {(stage, stem) for stage in STAGES for stem in stems}
 
 
+@pytest.mark.thorough
 def test_the_same_bytes_twice_elsewhere_and_in_another_order(tmp_path: Path) -> None:
     """In another process, folder, order and with other hashes of strings."""
     work = [*((case, stage) for case in CASES for stage in STAGES), *((game, stage) for game in GAMES for stage in ("ast", "python"))]

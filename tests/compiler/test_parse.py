@@ -385,6 +385,7 @@ def swapped(text: str, token: Token, following: Token) -> str:
     return f"{text[: token.start_pos]} {following}{between}{token} {text[following.end_pos :]}"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("change", [without, *(pytest.param(change, marks=pytest.mark.slow) for change in (twice, swapped))])
 def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Token], str]) -> None:
     """One change, one message, within a line; braces may be missed further away."""
@@ -402,6 +403,7 @@ def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Tok
     assert max(counts) <= 4
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "path", [p if n % 2 else pytest.param(p, marks=pytest.mark.slow) for n, p in enumerate(GAMES)], ids=lambda path: path.stem
 )

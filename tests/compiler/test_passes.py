@@ -222,6 +222,7 @@ VARIATIONS = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", VARIATIONS)
 def test_variations_play_the_same(name: str) -> None:
     programs = assert_passes_change_nothing(variation(name))

@@ -15,6 +15,7 @@ MESSAGES = 1.2  # a single edit, on average. Ours: measured 1.03, see docs/proof
 FILES = 40  # of each sort of noise
 
 
+@pytest.mark.thorough
 def test_damaged_games_are_refused_near_the_damage_or_have_other_rules() -> None:
     """One test, so that the edits are looked at once, whatever number of workers there are."""
     looked = [look(number, lowered=False) for number in range(EDITS)]

@@ -240,6 +240,7 @@ RELEASED = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", RELEASED)
 def test_what_the_released_variant_changes(name: str) -> None:
     pair = games()[name], games()[f"{name}+socialjax"]

@@ -30,6 +30,7 @@ def test_the_page_of_the_games_is_current(monkeypatch: pytest.MonkeyPatch) -> No
     assert page_problems(Path("docs/games.md")) == []
 
 
+@pytest.mark.thorough
 def test_a_page_that_is_not_current_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(TESTS.parent)
     figures = read_figures(PAGE.with_suffix(".json"))

@@ -163,6 +163,7 @@ def test_intervals_are_over_training_seeds_where_there_are_two() -> None:
     assert seeds.focal.high - seeds.focal.mean == pytest.approx(4.302653 * 3 / np.sqrt(3))  # t(0.975, 2), standard deviation 3
 
 
+@pytest.mark.thorough
 def test_networks_with_memory_of_their_own_and_several_seeds(tmp_path: Path) -> None:
     """Who visits those who keep has, of each 1 that it gives, a half: what it gives in slot i is known from its evaluation."""
     env = visitors(4, 0.0)
@@ -180,6 +181,7 @@ def test_networks_with_memory_of_their_own_and_several_seeds(tmp_path: Path) -> 
     assert np.shape(stored["scenarios"]["visitor"]["returns"]["focal"]) == (2, EPISODES)
 
 
+@pytest.mark.thorough
 def test_who_learns_to_keep_scores_as_who_keeps(tmp_path: Path) -> None:
     env = visitors(4, 0.0)
     values = {"network": "mlp", "network_width": 8, "num_envs": 32, "num_steps": 8, "num_minibatches": 1, "learning_rate": 0.02}

@@ -20,6 +20,7 @@ def test_interpreter_equals_compiled(made: Program) -> None:
     examine(made)
 
 
+@pytest.mark.thorough
 @few(max_examples=2)
 @given(programs)
 def test_interpreter_equals_compiled_by_jax(made: Program) -> None:

@@ -67,6 +67,7 @@ GROWTH = [(0, 0.05, 1), (33, 0.0253, 2), (66, 5.988e-4, 12), (67, 0, 12), (79, 0
 WITHOUT_CHANNEL = [(0, 0.05, 1), (29, 0.02534, 2), (58, 6.803e-4, 12), (59, 0, 12), (79, 0, 2)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("variant", "dirty", "chance", "rounds"), [(None, *row) for row in GROWTH] + [("meltingpot", *row) for row in WITHOUT_CHANNEL]
 )

@@ -56,6 +56,7 @@ def raised(iron: float, gold: float) -> Any:
     return environment("coop_mining", None).params.replace(spawn_iron=jnp.float32(iron), spawn_gold=jnp.float32(gold))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("variant", "rounds", "within"),
     [(None, 24, 0.06), *(pytest.param(variant, 12, 0.12, marks=pytest.mark.slow) for variant in ("socialjax", "meltingpot"))],

@@ -56,6 +56,7 @@ def near(cells: list[tuple[int, int]], fruit: np.ndarray) -> np.ndarray:
     return np.array([sum(int(f) for (r, c), f in zip(cells, fruit, strict=True) if 0 < (r - a) ** 2 + (c - b) ** 2 <= 4) for a, b in cells])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("variant", [None, pytest.param("meltingpot", marks=pytest.mark.slow)])
 def test_growth_for_each_number_of_apples_near(variant: str | None) -> None:
     """Random patches, most of them bare so that one apple near is the common case; told to 6, 6 and 2 parts in a hundred."""
@@ -138,6 +139,7 @@ def test_home_is_every_free_gate_alike(counted: Any) -> None:
     assert seen["heading"][0].tolist() == [0, 30 * BATCH, 0, 0]
 
 
+@pytest.mark.thorough
 def test_who_was_away_comes_to_every_free_gate_alike() -> None:
     """As in Melting Pot, two who were hit come back in one step: each to any gate without an agent, no two to one, looking any way."""
     env = environment(GAME, "meltingpot")

@@ -78,6 +78,7 @@ def before_meals(kinds: Sequence[int], variant: str | None = None, **fields: Any
     return state, [north] * len(kinds) + [STAY] * (env.num_agents - len(kinds))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("variant", [None, "meltingpot"])
 @pytest.mark.parametrize("kind", KINDS, ids=NAMES.get)
 def test_what_grows_after_a_meal(kind: int, variant: str | None) -> None:

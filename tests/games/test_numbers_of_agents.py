@@ -94,6 +94,7 @@ def test_list_prints_the_same_range(game: str) -> None:
     assert (players["low"], players["high"]) == (low, high)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("game", NINE)
 def test_few_and_many_can_be_simulated(game: str) -> None:
     """Traced, not run: the shapes of everything follow the number of agents."""

@@ -169,6 +169,7 @@ def test_a_contested_cell_goes_to_each_alike() -> None:
         assert_uniform(won[:number], 0.06)
 
 
+@pytest.mark.thorough
 def test_as_released_only_targets_rest() -> None:
     """Each for its own time, a step less after the tick, at a gate of its own; also with nothing in the bag. Who acted stays free."""
     env = environment(GAME, "socialjax")

@@ -75,6 +75,7 @@ def mixed(name: str) -> Played:
     return play(name, ("cooperator",) * (AGENTS.get(name, 3) - 1) + ("defector",))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SEVEN)
 def test_nobody_zaps_and_everybody_does_something(name: str) -> None:
     for chosen in mixed(name).chosen:

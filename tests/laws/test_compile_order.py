@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from random import Random
 
+import pytest
+
 from sjdsl.compiler import compile_source
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from tests.fuzz.judge import written
@@ -48,6 +50,7 @@ def fresh(hash_seed: int) -> dict[Task, str]:
     return {(name, variant): digest for name, variant, digest in (line.split(",") for line in done.stdout.splitlines())}
 
 
+@pytest.mark.thorough
 def test_any_order() -> None:
     wanted = fresh(1)
     order = [*tasks(), *tasks()]

@@ -69,6 +69,7 @@ def test_one_check_can_be_chosen(folder: Path) -> None:
     assert "1 passed" in lines[-1]
 
 
+@pytest.mark.thorough
 def test_an_untested_check_is_skipped_and_fails_if_strict(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

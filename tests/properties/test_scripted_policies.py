@@ -24,6 +24,7 @@ def orchard() -> GameFamily:
     return small_game(CHECKS, TALLY, POLICIES, text=text)
 
 
+@pytest.mark.thorough
 def test_both_engines_play_the_same(orchard: GameFamily) -> None:
     runner = EpisodeRunner(orchard, seed=2)
     for check in orchard.own.checks:

@@ -104,6 +104,7 @@ def test_cells_that_do_not_fit_into_memory_together_are_halved(tmp_path: Path, m
     assert "5 cells do not fit into memory together; 3 at a time" in said
 
 
+@pytest.mark.thorough
 def test_a_cell_that_does_not_fit_alone_has_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def train(runs: Sequence[Any], *_: Any) -> None:
         if runs[0].config.learning_rate == 0.2:

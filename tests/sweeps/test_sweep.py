@@ -76,6 +76,7 @@ def grown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Ou
     return folder, lines, outcome
 
 
+@pytest.mark.thorough
 def test_a_new_value_only_adds_cells(grown: tuple[Path, list[str], Outcome]) -> None:
     folder, lines, outcome = grown
     assert [line.partition(":")[0] for line in lines] == [LOW, LOW, HIGH, HIGH]
@@ -117,6 +118,7 @@ def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], mon
     assert (grown[0] / "results.csv").read_bytes() == before
 
 
+@pytest.mark.thorough
 def test_killed_it_goes_on_to_the_same_results(grown: tuple[Path, list[str], Outcome]) -> None:
     folder = grown[0].parent / "killed"
     (claim,) = folder.glob(f"claims/{HIGH}@*.json")
@@ -223,6 +225,7 @@ def diverging(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]
 GOOD, BAD = "matrix_game_learning_rate-0.001", "matrix_game_learning_rate-1e-38"
 
 
+@pytest.mark.thorough
 def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[str], Outcome]) -> None:
     folder, lines, outcome = diverging
     assert lines[:2] == [f"{GOOD}: training side by side", f"{lines[1].partition(':')[0]}: training side by side"]

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 PAGE = (Path(__file__).parents[2] / "docs" / "testing.md").read_text(encoding="utf-8")
 
 
@@ -27,6 +29,7 @@ def test_failure():
 """
 
 
+@pytest.mark.thorough
 def test_its_tests_pass_under_plain_pytest_and_its_failure_is_shown(tmp_path: Path) -> None:
     files = {
         "orchard.sj": blocks("sj")[0],

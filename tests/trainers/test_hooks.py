@@ -120,6 +120,7 @@ def test_a_callback_is_told_after_each_update(brought: tuple[Path, list[Update]]
     assert all(update.rows[0]["loss"] == update.row["loss"] for update in told)
 
 
+@pytest.mark.thorough
 def test_agents_learn_beside_a_partner_that_does_not() -> None:
     """Agent 0 learns to say what it sees; agent 1, of the same network otherwise, says always the same and is right half of the time."""
     config = quick(partners={1: always_second}, sharing="shared")
@@ -290,6 +291,7 @@ def test_a_policy_is_found_by_its_name(brought: tuple[Path, list[Update]], tmp_p
 # a start from a policy
 
 
+@pytest.mark.thorough
 def test_a_run_starts_from_a_policy_and_keeps_a_copy(brought: tuple[Path, list[Update]], tmp_path: Path) -> None:
     source = shutil.copytree(brought[0], tmp_path / "source")
     alike = read_manifest(source)["config"]
@@ -321,6 +323,7 @@ def _compiled(config: Config) -> Any:
     return compile_train(make_train(matching(), config), config)
 
 
+@pytest.mark.thorough
 def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path) -> None:
     """Without annealing, bit for bit; the description of a policy says which run it was stored in."""
     constant = SHORT.model_copy(update={"anneal_learning_rate": False, "keep_policies": 2})

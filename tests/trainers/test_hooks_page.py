@@ -26,6 +26,7 @@ class LikeCoins(Probe):
         return *played, info | {"events": events}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("game", ["stand-in", pytest.param("coins", marks=pytest.mark.slow)])
 def test_the_hooks_do_what_the_page_says(
     game: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

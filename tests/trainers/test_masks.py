@@ -128,6 +128,7 @@ def first_update(**changes: Any) -> tuple[TrainState, Any, dict[str, Any]]:
     return run(jax.random.key(0))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "changes",
     [
@@ -179,6 +180,7 @@ def learnt(**changes: Any) -> tuple[Any, TrainState, dict[str, Any]]:
     return trained_policy(one_door(), config, program.parameters(state), greedy=True), state, metrics
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("changes", [{}, VDN, pytest.param({"algorithm": "mappo"}, marks=pytest.mark.slow)], ids=["ippo", "vdn", "mappo"])
 def test_who_knows_what_is_allowed_goes_through_every_door(changes: dict[str, Any]) -> None:
     """Blind agents come to 1 a step, and without masks to 1 in 4 at most. The evaluation and films are told what is allowed as well."""

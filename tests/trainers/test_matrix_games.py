@@ -45,10 +45,12 @@ def test_the_game_is_the_dilemma() -> None:
     assert env.action_names == ("stay", "betray")
 
 
+@pytest.mark.thorough
 def test_each_for_itself_defects() -> None:
     np.testing.assert_allclose(payoff_learnt(), DEFECT, atol=0.2)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "changes",
     [

@@ -132,6 +132,7 @@ def less_sure(parameters: Any) -> Any:
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "changes",
     [

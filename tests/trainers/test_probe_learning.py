@@ -93,6 +93,7 @@ def test_agents_with_networks_of_their_own_learn_opposite_things() -> None:
     np.testing.assert_allclose(together["collective_return"][-10:], 1.0, atol=0.2)
 
 
+@pytest.mark.thorough
 def test_a_central_critic_sees_what_an_agent_does_not() -> None:
     """A critic of agent 0's own window knows only the mean."""
     own, everybodys, of_state = (learn(hidden(), **changes)[0] for changes in ({}, CENTRAL, OF_STATE))
@@ -111,6 +112,7 @@ def test_a_central_critic_tells_agents_apart(changes: dict[str, Any]) -> None:
     np.testing.assert_allclose(judge(different(), state, 0, world, **changes)[1], worth, atol=0.2)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "changes",
     [

@@ -62,6 +62,7 @@ def test_what_is_stopped_is_on_disk(stopped: Path) -> None:
     assert read_manifest(stopped)["status"] == "running"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("evaluate_every", [0, pytest.param(3, marks=pytest.mark.slow)])
 def test_a_run_goes_on_from_every_moment(tmp_path: Path, evaluate_every: int) -> None:
     """The folder is copied as it is around each of the writes from update 6 to 7, half-written files included."""

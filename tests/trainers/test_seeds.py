@@ -18,6 +18,7 @@ VARIANTS: list[dict[str, Any]] = [
 ]  # type: ignore[list-item]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("changes", VARIANTS, ids=["ippo", "vdn", "per agent with memory"])
 def test_each_seed_of_a_batch_is_the_run_it_would_have_been_alone(changes: dict[str, Any]) -> None:
     """To the rounding of two programs, which learning enlarges: the first updates to 1e-4, the outcome to 0.1."""
@@ -41,6 +42,7 @@ def test_other_seeds_are_other_runs() -> None:
     assert not np.allclose(kernels[1], kernels[2])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("changes", [{}, pytest.param({"algorithm": "vdn"}, marks=pytest.mark.slow)], ids=["ippo", "vdn"])
 def test_a_seed_that_diverges_stands_still_and_the_others_learn_on(changes: dict[str, Any]) -> None:
     """One of three is given a parameter that is not finite: from then on its parameters stay, and its loss is not a number."""

@@ -58,6 +58,7 @@ def together(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.thorough
 def test_as_apart(together: Path, tmp_path: Path) -> None:
     own = the_runs(tmp_path)[1]
     train(own.env, own.config, own.run_dir, "none")
@@ -92,6 +93,7 @@ def test_runs_differ_as_their_numbers_do(together: Path) -> None:
         assert rows[1]["learning_rate"] == pytest.approx(rate * 5 / 6)
 
 
+@pytest.mark.thorough
 def test_stopped_runs_go_on_side_by_side(together: Path, tmp_path: Path) -> None:
     """One of them has a checkpoint more, as one that is written last when a process is killed: it goes back to the one of both."""
     for number in (0, 1):
@@ -126,6 +128,7 @@ def test_what_is_no_kind_is_refused(tmp_path: Path) -> None:
     assert [*tmp_path.iterdir()] == []
 
 
+@pytest.mark.thorough
 def test_runs_that_are_not_equally_far_are_refused(together: Path, tmp_path: Path) -> None:
     shutil.copytree(together / "killed" / "0", tmp_path / "0")
     with pytest.raises(RunError, match="not equally far"):

@@ -110,6 +110,7 @@ def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(ch
         assert (jnp.abs(values[:, :, 0] - values[:, :, 1]) > 1e-6).all() == (told or "algorithm" in changes)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "changes",
     [
