@@ -5,7 +5,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name
-from sjdsl.doc.actions import forbidden
+from sjdsl.doc.actions import declared, forbidden
 from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
 from sjdsl.doc.checks import check_line, episode, event_line, measure_line
 from sjdsl.doc.defines import explained, vocabulary
@@ -32,6 +32,7 @@ def differences(old: Written, new: Written) -> tuple[Section, ...]:
         ("Numbers", _numbers(old, new)),
         ("Map", _map(old.game, new.game)),
         ("Agents", _agents(a, b)),
+        ("Movers", _movers(a, b)),
         ("Kinds of cell", _kinds(a, b)),
         ("Shapes", _shapes(a, b)),
         ("State of the world", _lines("fields", a.game.fields, b.game.fields)),
@@ -117,13 +118,31 @@ def _cells(game: ir.Game) -> list[list[str]]:
 def _agents(a: Vocabulary, b: Vocabulary) -> list[Change]:
     old, new = a.game.agents, b.game.agents
     found = by_name({"number of agents": g.number} for g in (old, new))
-    numbers = [{f"action {name}": i for i, name in enumerate(g.actions)} for g in (old, new)]
-    found += by_name(numbers)
+    found += by_name(_action_numbers(g) for g in (old, new))
     if any(v.has(ir.Move) for v in (a, b)):
         found += by_name({"moves": FRAMES[g.relative]} for g in (old, new))
     found += _lines("fields", old.fields, new.fields)
     found += texts("lanes that end at agents", lane_ends(a), lane_ends(b))
     return found + texts("forbidden actions", forbidden(a), forbidden(b))
+
+
+def _action_numbers(agents: ir.Agents) -> dict[str, int | str]:
+    """Returns the number of each action, the first and the last of one with arguments."""
+    numbers: dict[str, int | str] = {f"action {name}": i for i, name in enumerate(agents.actions)}
+    for action in agents.with_arguments:
+        for i in action.numbers:
+            numbers.pop(f"action {agents.actions[i]}", None)
+        numbers[f"action {declared(action)}"] = f"{action.first} to {action.numbers[-1]}"
+    return numbers
+
+
+def _movers(a: Vocabulary, b: Vocabulary) -> list[Change]:
+    facts = [
+        {f"{sort.name}, {fact}": value for sort in v.game.movers for fact, value in (("number", sort.number), ("glyph", sort.glyph))}
+        for v in (a, b)
+    ]
+    fields = [[f"each {sort.name}: {field_line(field)}" for sort in v.game.movers for field in sort.fields] for v in (a, b)]
+    return by_name(facts) + texts("fields of movers", *fields)
 
 
 def _lines(what: str, old: tuple[ir.VarField, ...], new: tuple[ir.VarField, ...]) -> list[Change]:

@@ -22,4 +22,5 @@ game arguments "Actions with arguments" {
   }
   metrics { event special }
   policy friend { when agent.heard is red choose say(green)  when step > 3 choose vote(1) }
+  policy pedlar { aim line(2) at agent as buyer choose offer(1, 0)  aim line(1) at agent as buyer choose say(red) }
 }

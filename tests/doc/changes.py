@@ -20,12 +20,15 @@ SILENT = {
     "Narrowed": {"value"},
     "Pick": {"most"},  # follows from the type of its number
     "Shape": {"see_through"},  # a shape without a direction is
+    "ArgumentOf": {"number"},  # follows from the name
+    "Set": {"lot"},  # the number of a stream
+    "Agents": {"with_arguments"},  # changed by their own parts
 }
 
 # Tuples whose order numbers things for observations and draws, and means nothing else.
 ORDERLESS = {
     ("Forbid", "actions"),
-    *(("Game", name) for name in ("kinds", "glyphs", "about", "observables", "hidden", "policies")),
+    *(("Game", name) for name in ("kinds", "glyphs", "about", "observables", "hidden", "policies", "shapes", "policy_shapes")),
     ("Shape", "lanes"),
 }
 
@@ -91,6 +94,16 @@ def _matters(path: Path, node: ir.Node, name: str, game: ir.Game) -> bool:
             return path[-1][0] in ("var", "on")  # elsewhere they follow from the name
         case ir.Hidden(), "on":
             return node.what == "marks"  # what else is hidden is where an agent stands
+        case ir.Agents(), "actions":
+            return not node.with_arguments  # its actions follow from those with arguments, whose own parts are changed
+        case ir.Forbid(), "actions":
+            return not node.action  # they follow from its arguments
+        case ir.Act() | ir.Aim(), "action":
+            return not node.chosen  # likewise
+        case ir.Case(), "arms":
+            return node.subject.type.kind != "condition"  # `yes` and `no` in either order
+        case ir.Logic(), "args":
+            return not any(isinstance(part, ir.ChoseWith) for part in node.args)  # told of the member it is about
         case ir.Check(), "episodes":
             return node.sort == "expect"
         case _:
