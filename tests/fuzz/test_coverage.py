@@ -9,6 +9,10 @@ NEVER = {
     "call: NAME LPAR RPAR": "whatever is called takes values",
     "game: GAME NAME LBRACE RBRACE": "a game has a map",
     "game: GAME NAME title LBRACE RBRACE": "a game has a map",
+    "send: SEND path TO held_cell": "the message says to write `otherwise stay`",
+    "send: SEND path TO held_cell after": "the message says to write `otherwise stay`",
+    "send: SEND path TO held_cell after facing": "the message says to write `otherwise stay`",
+    "send: SEND path TO held_cell facing": "the message says to write `otherwise stay`",
     "shift: SEND path BY sum direction": "the message says to write `otherwise stay`",
     "shift: SEND path BY sum direction facing": "the message says to write `otherwise stay`",
 }
