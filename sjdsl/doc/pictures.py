@@ -18,7 +18,7 @@ def picture_lines(v: Vocabulary) -> list[Line]:
 
 
 def _look(look: ir.Look, v: Vocabulary) -> Line:
-    noun = "the agent" if look.what == "agent" else f"the {v.kinds(look.kinds)} cell"
+    noun = "the agent" if look.what == "agent" else f"the {look.name}" if look.what == "mover" else f"the {v.kinds(look.kinds)} cell"
     shown = [] if look.body is None else [_paint(look.body, "drawn")]
     shown += [] if look.badge is None else [f"{'' if shown else 'drawn '}with {_sprite(look.badge)} in its corner"]
     when = "" if look.condition is None else f" where {condition(look.condition, v)}"

@@ -1,4 +1,4 @@
-"""Draws agents as pixels: a body that faces the agent's heading, its number, and what it carries."""
+"""Draws agents and movers as pixels: a body that faces the heading, the number of an agent, and what is carried."""
 
 from functools import cache
 
@@ -17,7 +17,7 @@ PALE = 0.62
 
 
 def put_figure(tile: np.ndarray, figure: Figure) -> None:
-    """Draws an agent on its cell, `[size, size, 3]` uint8, in place."""
+    """Draws an agent or a mover on its cell, `[size, size, 3]` uint8, in place."""
     body = draw_body(figure.number, figure.colour, figure.sprite, figure.heading, tile.shape[0], figure.held)
     opacity = body[..., 3:].astype(np.float32) / 255
     tile[...] = np.round(tile * (1 - opacity) + body[..., :3] * opacity).astype(np.uint8)
@@ -25,13 +25,13 @@ def put_figure(tile: np.ndarray, figure: Figure) -> None:
 
 
 @cache
-def draw_body(number: int, colour: Colour, sprite: str, heading: int, size: int, held: bool) -> np.ndarray:
-    """Returns the agent's picture, `[size, size, 4]` uint8 with opacity; paler if `held`."""
+def draw_body(number: int | None, colour: Colour, sprite: str, heading: int, size: int, held: bool) -> np.ndarray:
+    """Returns the picture of an agent, or without a number of a mover, `[size, size, 4]` uint8 with opacity; paler if `held`."""
     fill = mixed(colour, PAPER, PALE) if held else colour
     body = draw_sprite(sprite, fill, size, heading).copy()
     if held:  # its edge and eyes, too
         body[..., :3] = np.round(body[..., :3] * (1 - PALE / 2) + 255 * PALE / 2).astype(np.uint8)
-    if size < SMALLEST_WITH_NUMBER:
+    if number is None or size < SMALLEST_WITH_NUMBER:
         return body
     under = Image.fromarray(body)
     under.alpha_composite(_number(number, fill, heading, size, held))

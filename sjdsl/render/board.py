@@ -1,9 +1,9 @@
-"""Draws the board: tiles of cells, beams over them, agents on top."""
+"""Draws the board: tiles of cells, beams over them, agents and movers on top."""
 
 import numpy as np
 
 from sjdsl.render.agents import put_figure
-from sjdsl.render.drawings import cell_keys, draw_cell, draw_figures
+from sjdsl.render.drawings import cell_keys, draw_cell, draw_figures, draw_movers
 from sjdsl.render.look import Look
 from sjdsl.render.snapshot import Snapshot
 from sjdsl.render.tiles import draw_tile, tinted
@@ -29,8 +29,10 @@ def draw_board(look: Look, snapshot: Snapshot, tiles: Tiles) -> np.ndarray:
     for _, attribute, colour in look.marks:
         rows, cols = np.nonzero(snapshot.marked(attribute, look))
         board[rows, :, cols] = tinted(board[rows, :, cols], colour, TINT)
-    for figure in draw_figures(look, snapshot.values, snapshot.heading, snapshot.held):
-        row, col = int(snapshot.row[figure.number]), int(snapshot.col[figure.number])
+    standing = [*zip(draw_figures(look, snapshot.values, snapshot.heading, snapshot.held), snapshot.row, snapshot.col, strict=True)]
+    for herd in look.herds:
+        standing += zip(draw_movers(herd, snapshot.values), *snapshot.cells_of(herd, look), strict=True)
+    for figure, row, col in standing:
         if 0 <= row < look.height and 0 <= col < look.width:
             put_figure(board[row, :, col], figure)
     return board.reshape(look.height * size, look.width * size, 3)

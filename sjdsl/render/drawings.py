@@ -1,11 +1,11 @@
-"""Chooses the parts that draw a cell or an agent in one state: the `look`s that apply, then the remaining fields."""
+"""Chooses the parts that draw a cell, an agent or a mover in one state: the `look`s that apply, then the remaining fields."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sjdsl.render.colours import INKS, SPRITES, Colour, mixed
-from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values
+from sjdsl.render.look import FieldLook, HerdLook, KindLook, Look, Rule, Values
 from sjdsl.render.sprites import FILLING
 from sjdsl.render.usual import Picture
 
@@ -30,9 +30,12 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Figure:
-    """An agent. heading: 0 north, 1 east, 2 south, 3 west; held: it can only stay; badges: what it carries, at most four."""
+    """An agent, or without a number a mover.
 
-    number: int
+    heading: 0 north, 1 east, 2 south, 3 west; held: it can only stay; badges: what it carries, at most four.
+    """
+
+    number: int | None
     colour: Colour
     sprite: str = "agent"
     heading: int = 0
@@ -116,17 +119,27 @@ def _with_field(drawing: Drawing, field: FieldLook, value: int, bars: list[Field
 def draw_figures(look: Look, values: Values, heading: np.ndarray, held: np.ndarray) -> list[Figure]:
     """Returns how each agent is drawn in a state."""
     colours = look.agent_colours(values)
-    applied = [rule.applies("agent", values, look.num_agents) for rule in look.rules]
+    plain = [Figure(number, colour, "agent", int(heading[number]), bool(held[number])) for number, colour in enumerate(colours)]
+    return _looking(plain, "agent", look.rules, look.carried, values)
+
+
+def draw_movers(herd: HerdLook, values: Values) -> list[Figure]:
+    """Returns how each mover of a sort is drawn in a state; it faces its heading."""
+    plain = [Figure(None, herd.colour, herd.sprite, int(heading)) for heading in values[f"{herd.name}_heading"]]
+    return _looking(plain, herd.name, herd.rules, herd.carried, values)
+
+
+def _looking(plain: list[Figure], prefix: str, rules: tuple[Rule, ...], carried: tuple[FieldLook, ...], values: Values) -> list[Figure]:
+    """Returns figures after the looks that apply to each, with badges for what it carries. `prefix`: of the attributes of their fields."""
+    applied = [rule.applies(prefix, values, len(plain)) for rule in rules]
     figures = []
-    for number, colour in enumerate(colours):
-        rules = [rule for rule, applies in zip(look.rules, applied, strict=True) if applies[number]]
-        read = frozenset().union(*(rule.reads for rule in rules))
-        badges = [rule.badge for rule in rules if rule.badge is not None]
-        badges += [
-            picture for field in look.carried if field.name not in read for picture in _carried(field, values[field.attribute][number])
-        ]
-        figure = Figure(number, colour, "agent", int(heading[number]), bool(held[number]), tuple(dict.fromkeys(badges))[:CORNERS])
-        for rule in rules:
+    for number, figure in enumerate(plain):
+        own = [rule for rule, applies in zip(rules, applied, strict=True) if applies[number]]
+        read = frozenset().union(*(rule.reads for rule in own))
+        badges = [rule.badge for rule in own if rule.badge is not None]
+        badges += [picture for field in carried if field.name not in read for picture in _carried(field, values[field.attribute][number])]
+        figure = replace(figure, badges=tuple(dict.fromkeys(badges))[:CORNERS])
+        for rule in own:
             figure = replace(figure, sprite=rule.sprite or figure.sprite, colour=rule.colour or figure.colour)
         figures.append(figure)
     return figures

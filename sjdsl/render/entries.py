@@ -1,6 +1,7 @@
-"""The entries of a legend: each appearance of cells and agents, with its text."""
+"""The entries of a legend: each appearance of cells, agents and movers, with its text."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice, product
 
 import numpy as np
@@ -10,7 +11,7 @@ from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.render.colours import agent_colour
 from sjdsl.render.drawings import BAR_STEPS, Drawing, Figure, draw_cell
-from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values
+from sjdsl.render.look import FieldLook, HerdLook, KindLook, Look, Rule, Values
 
 MOST = 4096  # combinations of words that are tried
 SHOWN = 5  # eighths of the bar in a legend
@@ -68,24 +69,42 @@ def _implies(rule: Rule, other: Rule) -> bool:
 
 
 def figure_entries(look: Look) -> Iterator[tuple[Figure, str]]:
-    """Yields the roles of the agents, their looks, what they can carry, and the pale one."""
+    """Yields the roles of the agents, their looks, what they can carry, the pale one, and then the movers."""
     for number, role in enumerate(look.roles):
         assert look.colour_field is not None
         if _is_said(look.colour_field[0].removeprefix("agent_"), role, look.rules):
             continue
         yield Figure(number, look.colour_field[1][number]), role
-    for rule in look.rules:
+    yield from _of_body(Figure(0, agent_colour(0)), look.rules, look.carried)
+    if look.can_be_held:
+        yield Figure(0, agent_colour(0), held=True), "pale: can only stay"
+    for herd in look.herds:
+        yield from _herd_entries(herd)
+
+
+def _herd_entries(herd: HerdLook) -> Iterator[tuple[Figure, str]]:
+    plain = Figure(None, herd.colour, herd.sprite)
+    for rule in herd.rules:
+        if rule.condition is None:
+            badges = plain.badges if rule.badge is None else (*plain.badges, rule.badge)
+            plain = replace(plain, colour=rule.colour or plain.colour, sprite=rule.sprite or plain.sprite, badges=badges)
+    yield plain, herd.name
+    for figure, text in _of_body(plain, herd.rules, herd.carried):
+        yield figure, f"{herd.name}: {text}"
+
+
+def _of_body(plain: Figure, rules: tuple[Rule, ...], carried: tuple[FieldLook, ...]) -> Iterator[tuple[Figure, str]]:
+    """Yields what the looks of agents, or of a sort of movers, do to their body, and the badges of what it carries."""
+    for rule in rules:
         if rule.condition is not None:
-            badges = () if rule.badge is None else (rule.badge,)
-            yield Figure(0, rule.colour or agent_colour(0), rule.sprite or "agent", badges=badges), rule.label
-    for field in look.carried:
+            badges = plain.badges if rule.badge is None else (*plain.badges, rule.badge)
+            yield replace(plain, colour=rule.colour or plain.colour, sprite=rule.sprite or plain.sprite, badges=badges), rule.label
+    for field in carried:
         words = field.words or (field.name,)
         for word, picture in zip(words, field.pictures, strict=True):
             is_start = field.holds == "word" and words.index(word) == field.start
-            if not is_start and not _is_said(field.name, word if field.words else "", look.rules):
-                yield Figure(0, agent_colour(0), badges=(picture,)), f"{field.name}: {word}" if field.words else field.name
-    if look.can_be_held:
-        yield Figure(0, agent_colour(0), held=True), "pale: can only stay"
+            if not is_start and not _is_said(field.name, word if field.words else "", rules):
+                yield replace(plain, badges=(*plain.badges, picture)), f"{field.name}: {word}" if field.words else field.name
 
 
 def _values(field: FieldLook, rules: tuple[Rule, ...]) -> Iterator[tuple[int, str]]:

@@ -14,7 +14,7 @@ from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds
-from sjdsl.render.usual import Picture, is_passing, is_taken, main_kind, spawn_kinds, usual_body, usual_words
+from sjdsl.render.usual import Picture, is_passing, is_taken, main_kind, spawn_kinds, usual_body, usual_movers, usual_words
 
 if TYPE_CHECKING:  # the screen draws before JAX is there
     from sjdsl.runtime.env import Environment
@@ -83,6 +83,18 @@ class KindLook:
 
 
 @dataclass(frozen=True)
+class HerdLook:
+    """A sort of movers: its body, its looks, and the fields that are drawn as badges."""
+
+    name: str
+    glyph: str
+    sprite: str
+    colour: Colour
+    rules: tuple[Rule, ...]
+    carried: tuple[FieldLook, ...]
+
+
+@dataclass(frozen=True)
 class Look:
     """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any.
 
@@ -104,6 +116,7 @@ class Look:
     can_be_held: bool
     frame: tuple[int, int]
     pad: int
+    herds: tuple[HerdLook, ...] = ()
 
     def agent_colours(self, fields: Values) -> list[Colour]:
         """Returns the colour of each agent in a state, where no `look` gives it another."""
@@ -138,7 +151,16 @@ def make_look(env: "Environment") -> Look:
         can_be_held=bool(game.agents.forbids),
         frame=env.module.FRAME,
         pad=env.module.PAD,
+        herds=tuple(herd_looks(game)),
     )
+
+
+def herd_looks(game: ir.Game) -> Iterator[HerdLook]:
+    """Yields the sorts of movers in the order of the file."""
+    for sort, body in zip(game.movers, usual_movers(game), strict=True):
+        carried = [f for f in sort.fields if f.name != "heading" and _is_carried(f) and not is_passing(f, game)]
+        rules = tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name)
+        yield HerdLook(sort.name, sort.glyph, body.sprite, body.colour, rules, tuple(_carried_fields(carried, sort.name)))
 
 
 def kind_looks(game: ir.Game) -> Iterator[KindLook]:
@@ -212,7 +234,7 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLo
 
 
 def _is_carried(field: ir.VarField) -> bool:
-    """Returns whether an agent shows the field in its corners: words and numbers.
+    """Returns whether an agent or a mover shows the field in its corners: words and numbers.
 
     Timers say what it may do, not what it has; rows by agent or by numbers have no words to be pictures of.
     """
@@ -221,15 +243,16 @@ def _is_carried(field: ir.VarField) -> bool:
     return field.type.kind in ("int", "real") or (field.type.kind == "word" and not field.type.by)
 
 
-def _carried_fields(fields: list[ir.VarField]) -> Iterator[FieldLook]:
+def _carried_fields(fields: list[ir.VarField], prefix: str = "agent") -> Iterator[FieldLook]:
+    """Yields how fields of the agents, or of the movers of the sort `prefix`, are drawn as badges."""
     shapes = 0
     for field in fields:
-        yield (carried := _carried(field, shapes))
+        yield (carried := _carried(field, shapes, prefix))
         shapes += len(carried.pictures) - (field.type.kind == "word")
 
 
-def _carried(field: ir.VarField, shapes: int) -> FieldLook:
-    attribute = f"agent_{field.name}"
+def _carried(field: ir.VarField, shapes: int, prefix: str) -> FieldLook:
+    attribute = f"{prefix}_{field.name}"
     if field.type.kind == "word":
         start = field.type.words.index(str(field.start))
         return FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=usual_words(field, False, shapes), start=start)

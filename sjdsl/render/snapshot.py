@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from sjdsl.render.look import Look
+from sjdsl.render.look import HerdLook, Look
 from sjdsl.runtime.env import Environment
 
 
@@ -25,6 +25,12 @@ class Snapshot:
     heading: np.ndarray
     held: np.ndarray
     returns: np.ndarray
+
+    def cells_of(self, herd: HerdLook, look: Look) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the rows and the columns of the movers of a sort, `[M]` int each, negative for those that are away."""
+        at = self.values[f"{herd.name}_position"].astype(int)
+        row, col = np.divmod(at, look.frame[1])
+        return np.where(at > 0, row - look.pad, -1), np.where(at > 0, col - look.pad, -1)
 
     def marked(self, attribute: str, look: Look) -> np.ndarray:
         """Returns which cells of the map a phase has marked in this step: `[H, W]` bool."""

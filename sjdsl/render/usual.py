@@ -7,7 +7,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, written_field
-from sjdsl.render.colours import SPRITES, WORDS, Colour, read_colour, word_colours
+from sjdsl.render.colours import INKS, SPRITES, WORDS, Colour, read_colour, word_colours
 from sjdsl.render.sprites import SHAPES
 
 EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
@@ -46,6 +46,16 @@ def usual_body(kind: ir.Kind, ground: Colour, spawns: tuple[str, ...]) -> Pictur
     if blocks_always(kind):
         return Picture("wall", ground)
     return Picture("floor", SPAWNS[spawns.index(kind.name) % len(SPAWNS)]) if kind.name in spawns else None
+
+
+def usual_movers(game: ir.Game) -> list[Picture]:
+    """Returns the body of each sort of movers: the sprite with its name, else an animal; sorts with one sprite differ in colour."""
+    found: list[Picture] = []
+    for sort in game.movers:
+        sprite = named_sprite(sort.name) or "animal"
+        free = [colour for colour in (SPRITES[sprite], *INKS) if Picture(sprite, colour) not in found]
+        found.append(Picture(sprite, (free or [SPRITES[sprite]])[0]))
+    return found
 
 
 def usual_words(field: ir.VarField, taken: bool, first: int = 0) -> tuple[Picture, ...]:
@@ -100,7 +110,7 @@ def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> I
     """Yields the statements that write a field, each with the statements around it."""
     if isinstance(node, ir.Set | ir.Add):
         target = written_field(node.target)
-        if (target.held_by, target.name) == (field.held_by, field.name) and (field.held_by != "cell" or field.kind in target.kinds):
+        if (target.held_by, target.name) == (field.held_by, field.name) and (not field.kind or field.kind in target.kinds):
             yield node, around
         return
     for child in ir.children(node):

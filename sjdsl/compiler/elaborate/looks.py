@@ -1,4 +1,4 @@
-"""Elaborates `look`: colours and sprites of cells and agents; no rule depends on them."""
+"""Elaborates `look`: colours and sprites of cells, agents and movers; no rule depends on them."""
 
 from dataclasses import replace
 from typing import Literal
@@ -62,11 +62,11 @@ def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Loo
 
 def _look(look: ast.Look, scope: Scope) -> ir.Look:
     name, static = look.what.text, scope.static
-    kinds = () if name == "agent" else static.kinds_of(name)
+    kinds = () if name == "agent" else (name,) if name in static.movers else static.kinds_of(name)
     if kinds is None:
-        meant = near(name, ["agent", *static.kinds, *static.groups])
+        meant = near(name, ["agent", *static.kinds, *static.groups, *static.movers])
         raise scope.problems.fail(errors.UnknownName(look.what.span, name=name, near=meant))
-    what: Literal["agent", "cell"] = "agent" if name == "agent" else "cell"
+    what: Literal["agent", "cell", "mover"] = "agent" if name == "agent" else "mover" if name in static.movers else "cell"
     test = None
     if look.where is not None:
         inner = scope.bind(name, ir.Member(name=name, who=what, kinds=kinds))
@@ -77,7 +77,7 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
 
 
 def _check_reads(test: ir.Expr, look: ast.Look, problems: Problems) -> None:
-    """A picture is drawn from the fields of a cell or an agent alone."""
+    """A picture is drawn from the fields of a cell, an agent or a mover alone."""
     for node in ir.walk(test):
         field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
         between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word | ir.Number)

@@ -189,12 +189,12 @@ class Paint(Node):
 
 
 class Look(Node):
-    """How cells of some kinds, or the agents, are drawn where the condition over Member `name` holds; no rule reads it.
+    """How cells of some kinds, the agents, or the movers of a sort are drawn where the condition over Member `name` holds; no rule reads it.
 
-    `body`: the cell or the agent itself; `badge`: a small sprite in its corner.
+    `kinds`: of cells, or the one sort of movers. `body`: the cell, agent or mover itself; `badge`: a small sprite in its corner.
     """
 
-    what: Literal["cell", "agent"]
+    what: Literal["cell", "agent", "mover"]
     name: str
     kinds: tuple[str, ...] = ()
     condition: Expr | None = None
