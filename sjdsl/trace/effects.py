@@ -9,9 +9,10 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, where_is
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import Away, Cell, Value
+from sjdsl.interpreter.state import Away, Cell, Mover, Value
 from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot
 
@@ -20,9 +21,9 @@ RandomNumbers = Mapping[tuple[int, int], int]  # (stream, number) -> 32 random b
 
 
 class Used(NamedTuple):
-    """A random number that decided where an agent went: which cell, which heading, who of several."""
+    """A random number that decided where an agent or a mover went: which cell, which heading, which way, who of several."""
 
-    purpose: Literal["who comes first", "which cell", "which heading"]
+    purpose: Literal["who comes first", "which cell", "which heading", "which way"]
     stream: int
     number: int
     bits: int
@@ -32,12 +33,13 @@ class Used(NamedTuple):
 class Effect:
     """One change: `old` and `new` as the interpreter holds them; a reward, an event and a mark have only `new`.
 
-    owner: an agent's number, a cell, or None for the world. name: of the field or event, with its words (`bag[raw]`).
+    owner: an agent's number, a mover, a cell, or None for the world. name: of the field or event, with its words (`bag[raw]`).
     by: the statements that made it; none for what timers do at a `tick`.
+    The heading of a mover that a rule sets is a field; the one that it has from its way is a heading.
     """
 
     sort: Sort
-    owner: int | Cell | None
+    owner: int | Mover | Cell | None
     name: str
     old: Value
     new: Value
@@ -65,7 +67,7 @@ def without_effect(account: Account, effects: Sequence[Effect]) -> list[Done]:
 def _fields(account: Account, board: Board) -> Iterator[Effect]:
     writers = _writers(account)
     before, after = account.before, account.after
-    rows: list[tuple[ir.VarField, tuple[str, int] | None, int | Cell | None, Value, Value]] = []
+    rows: list[tuple[ir.VarField, tuple[str, int] | None, int | Mover | Cell | None, Value, Value]] = []
     for (kind, name), declared in board.cell_fields.items():
         pairs = zip(before.cells[kind, name], after.cells[kind, name], strict=True)
         rows += [(declared, (kind, n), board.cells[kind][n], old, new) for n, (old, new) in enumerate(pairs)]
@@ -73,9 +75,14 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
         pairs = zip(before.agents[name], after.agents[name], strict=True)
         rows += [(declared, ("agent", n), n, old, new) for n, (old, new) in enumerate(pairs)]
     rows += [(declared, None, None, before.fields[name], after.fields[name]) for name, declared in board.world_fields.items()]
+    for (sort, name), declared in board.mover_fields.items():
+        pairs = zip(before.movers[sort].fields[name], after.movers[sort].fields[name], strict=True)
+        rows += [(declared, (sort, n), Mover(sort, n), old, new) for n, (old, new) in enumerate(pairs)]
     for declared, owner, place, old, new in rows:
         for entries, label, was, now in _entries(declared.type.by, old, new):
             by = tuple(writers[Slot(declared.name, owner, entries)])
+            if isinstance(place, Mover) and declared.name == "heading" and not by:
+                continue  # it turns the way it goes, or as it is sent: told with its place
             yield Effect("field", place, declared.name + label, was, now, declared.type, by)
 
 
@@ -100,54 +107,64 @@ def _writers(account: Account) -> dict[Slot, list[Done]]:
     return found
 
 
-# ---- agents
+# ---- agents and movers
 
 
 def _agents(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[Effect]:
-    before, after = account.before, account.after
-    for agent in range(board.agents):
-        by = tuple(_senders(account, board, agent))
-        changes: tuple[tuple[Sort, Value, Value], ...] = (
-            ("place", before.position[agent], after.position[agent]),
-            ("heading", before.heading[agent], after.heading[agent]),
-            ("away", before.away[agent], after.away[agent]),
-            ("moved", before.moved[agent], after.moved[agent]),
-        )
+    written = {slot for done in account.done for slot, _ in done.written.get("sets", ())}
+    for body in bodies(account.before):
+        by = tuple(_senders(account, board, body))
+        before, after, n = herd_of(body, account.before), herd_of(body, account.after), number_of(body)
+        changes: list[tuple[Sort, Value, Value]] = [
+            ("place", before.position[n], after.position[n]),
+            ("away", before.away[n], after.away[n]),
+            ("moved", before.moved[n], after.moved[n]),
+        ]
+        if not isinstance(body, Mover) or Slot("heading", (body.sort, n), ()) not in written:
+            changes.insert(1, ("heading", heading_of(body, account.before), heading_of(body, account.after)))
         for sort, old, new in changes:
             if old != new:
-                used = tuple(_used(sort, agent, account, board, by, numbers))
-                yield Effect(sort, agent, "", old, new, None, by, used)
+                used = tuple(_used(sort, body, account, by, numbers))
+                yield Effect(sort, body, "", old, new, None, by, used)
 
 
-def _senders(account: Account, board: Board, agent: int) -> Iterator[Done]:
-    """Yields the statements that move, send or remove an agent in this turn, or that sent it away when it returns at a `tick`."""
-    away = account.before.away[agent]
-    if isinstance(account.turn, ir.Tick) and away is not None and account.after.away[agent] is None and away.pool is not None:
+def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
+    """Yields the statements that move, send or remove somebody in this turn, or that sent it away when it returns at a `tick`."""
+    away, back = away_of(body, account.before), away_of(body, account.after)
+    if isinstance(account.turn, ir.Tick) and away is not None and back is None and away.pool is not None:
         yield Done(board.pools[away.pool], {}, (), {})
     for done in account.done:
         match done.statement:
-            case ir.Move():
+            case ir.Move() if _sort_of(done.statement) == (body.sort if isinstance(body, Mover) else ""):
                 yield done
-            case ir.Send() if agent in {sending.agent for sending in done.written.get("sends", ())}:
+            case ir.Send() if body in [sending.agent for sending in done.written.get("sends", ())]:
                 yield done
-            case ir.Shift() if agent in {sent.agent for sent in done.written.get("shifts", ())}:
+            case ir.Shift() if body in [sent.agent for sent in done.written.get("shifts", ())]:
                 yield done
-            case ir.Remove() if agent in agents_in(evaluate(done.statement.who, _instance(done, account, board))):
+            case ir.Remove() if body in agents_in(evaluate(done.statement.who, _instance(done, account, board))):
                 yield done
             case _:
                 pass
 
 
-def _used(sort: str, agent: int, account: Account, board: Board, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:
-    place = account.after.position[agent]
+def _sort_of(move: ir.Move) -> str:
+    """Returns the sort of movers that a `move` is of, or nothing for the agents."""
+    return move.domain.var.kinds[0] if move.domain.var.who == "mover" else ""
+
+
+def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:
+    place, agent = where_is(body, account.after), number_of(body)
+    several = len(herd_of(body, account.after).position)
     for statement in (done.statement for done in by):
         if isinstance(statement, ir.Shift) and sort == "place" and (at := (statement.stream, agent)) in numbers:
             yield Used("who comes first", *at, numbers[at])
         if isinstance(statement, ir.Shift) and sort == "heading" and (at := (statement.heading_stream or 0, agent)) in numbers:
             yield Used("which heading", *at, numbers[at])
         if isinstance(statement, ir.Move) and sort == "place":
-            own = ((stream, n) for stream, n in numbers if stream == statement.stream and n % board.agents == agent)
+            own = ((stream, n) for stream, n in numbers if stream == statement.stream and n % several == agent)
             yield from (Used("who comes first", *at, numbers[at]) for at in own)
+            if isinstance(statement.course, ir.Wander) and (at := (statement.course.stream, agent)) in numbers:
+                yield Used("which way", *at, numbers[at])
         if not isinstance(statement, ir.Send) or place is None:
             continue
         order, heading = statement.order_stream, statement.heading_stream
@@ -187,7 +204,7 @@ def _instance(done: Done, account: Account, board: Board) -> Instance:
 
 
 def plain(value: Value) -> Any:
-    """Returns a value as JSON has it: nobody null, a set of agents a list, a cell `[row, col]`, who is away its ticks (0: for ever)."""
+    """Returns a value as JSON has it: nobody null, a set of agents a list, a cell `[row, col]`, a mover `[sort, number]`, who is away its ticks (0: for ever)."""
     match value:
         case frozenset():
             return sorted(value)
@@ -195,6 +212,8 @@ def plain(value: Value) -> Any:
             return value.ticks
         case Cell():
             return [value.row, value.col]
+        case Mover():
+            return [value.sort, value.number]
         case tuple():
             return [plain(entry) for entry in value]
         case None | bool() | str() | int():

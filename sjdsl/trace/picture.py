@@ -1,4 +1,4 @@
-"""Small pictures of a map: a character for each state of a cell, an arrow for each agent, numbers beside the rows."""
+"""Small pictures of a map: a character for each state of a cell and each sort of movers, arrows for agents, numbers beside the rows."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,10 +19,11 @@ State = tuple[tuple[str, Value], ...]  # (field, word) for each field that is sh
 
 @dataclass(frozen=True)
 class Looks:
-    """characters: (kind, its shown fields) -> the character of such a cell."""
+    """characters: (kind, its shown fields) -> the character of such a cell. movers: sort -> its character."""
 
     characters: Mapping[tuple[str, State], str]
     shown: Mapping[str, tuple[str, ...]]
+    movers: Mapping[str, str]
 
     def legend(self) -> list[str]:
         """Returns what each character stands for: `r soil: ripe`."""
@@ -30,13 +31,14 @@ class Looks:
         for (kind, state), character in self.characters.items():
             words = ", ".join(str(word) for _, word in state)
             said.append(f"{character} {kind}: {words}" if words else f"{character} {kind}")
-        return said
+        return [*said, *(f"{character} {sort}" for sort, character in self.movers.items())]
 
 
 def make_looks(game: ir.Game) -> Looks:
     """Returns the characters of a game: its glyphs, and for states that no glyph stands for a letter of what sets them apart."""
     characters: dict[tuple[str, State], str] = {}
     shown = {kind.name: _shown(kind) for kind in game.kinds}
+    movers = {sort.name: sort.glyph for sort in game.movers}
     for meaning in game.glyphs:
         starts = starts_of(game, meaning)
         characters.setdefault((meaning.kind, tuple((name, starts[name]) for name in shown[meaning.kind])), meaning.glyph)
@@ -45,8 +47,10 @@ def make_looks(game: ir.Game) -> Looks:
         words = [[(f.name, word) for word in f.type.words] for f in kind.fields if f.name in shown[kind.name]]
         for state in product(*words):
             if (kind.name, state) not in characters:
-                characters[kind.name, state] = _free([w for name, w in state if base.get(name) != w], set(characters.values()))
-    return Looks(characters, shown)
+                characters[kind.name, state] = _free(
+                    [w for name, w in state if base.get(name) != w], {*characters.values(), *movers.values()}
+                )
+    return Looks(characters, shown, movers)
 
 
 def _shown(kind: ir.Kind) -> tuple[str, ...]:
@@ -69,6 +73,10 @@ def draw(looks: Looks, board: Board, world: World) -> list[str]:
     for cell, kind in board.kind_of.items():
         state = tuple((name, world.cells[kind, name][board.number[cell]]) for name in looks.shown[kind])
         rows[cell.row][cell.col] = looks.characters[kind, state]
+    for sort, herd in world.movers.items():
+        for at in herd.position:
+            if at is not None:
+                rows[at.row][at.col] = looks.movers[sort]
     beside: list[list[tuple[int, int]]] = [[] for _ in rows]
     for agent, place in enumerate(world.position):
         if place is not None:

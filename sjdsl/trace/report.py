@@ -4,7 +4,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn
-from sjdsl.interpreter.state import HEADINGS, Cell
+from sjdsl.interpreter.state import HEADINGS, Cell, Mover
 from sjdsl.trace.effects import Effect, Used, plain
 from sjdsl.trace.episode import Moment, Told
 from sjdsl.trace.lines import Teller, is_shown
@@ -45,7 +45,8 @@ def _effect(effect: Effect, teller: Teller) -> dict[str, Any]:
     is_heading = effect.sort == "heading"
     return {
         "sort": effect.sort,
-        "agent": None if isinstance(owner, Cell) else owner,
+        "agent": owner if isinstance(owner, int) else None,
+        "mover": [owner.sort, owner.number] if isinstance(owner, Mover) else None,
         "kind": teller.board.kind_of[owner] if isinstance(owner, Cell) else None,
         "cell": plain(owner) if isinstance(owner, Cell) else None,
         "name": effect.name or None,

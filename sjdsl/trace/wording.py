@@ -3,18 +3,20 @@
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.state import HEADINGS, Away, Cell, Value
+from sjdsl.interpreter.state import HEADINGS, Away, Cell, Mover, Value
 from sjdsl.trace.effects import Effect, Used
 from sjdsl.trace.rules import Rules
 
 WHOLE = 2**31  # a chance is compared with the upper 31 bits of its word
 
 
-def say_owner(owner: int | Cell | None, board: Board) -> str:
-    """Returns `agent 2`, `water (3, 4)`, or nothing for the world."""
+def say_owner(owner: int | Mover | Cell | None, board: Board) -> str:
+    """Returns `agent 2`, `deer 0`, `water (3, 4)`, or nothing for the world."""
     match owner:
         case None:
             return ""
+        case Mover():
+            return f"{owner.sort} {owner.number}"
         case Cell():
             return f"{board.kind_of[owner]} {say_cell(owner)}"
         case _:
@@ -35,6 +37,8 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
             return "{ " + ", ".join(f"agent {agent}" for agent in sorted(value)) + " }" if value else "nobody"
         case Cell():
             return say_cell(value)
+        case Mover():
+            return f"{value.sort} {value.number}"
         case bool():
             return "yes" if value else "no"
         case int() if kind == "agent":
@@ -82,16 +86,18 @@ def _absence(away: Away | None) -> str:
     return f"is off the map for {away.ticks} tick{'' if away.ticks == 1 else 's'}" if away.ticks else "is off the map for ever"
 
 
-def say_names(done: Done | Drawn, owner: int | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
+def say_names(done: Done | Drawn, owner: int | Mover | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
     """Returns what the variables around a statement stand for: `cleaner 0, level cut`; not those that are the owner itself."""
     said = []
     for name, value in done.names.items():
         is_agent = name in turn_agents
-        if isinstance(value, Cell):
+        if isinstance(value, Mover):
+            text = f"{name} {value.number}" if name == value.sort else f"{name} {say_value(value)}"
+        elif isinstance(value, Cell):
             text = say_owner(value, board) if name == board.kind_of[value] else f"{name} {say_cell(value)}"
         else:
             text = f"{name} {say_value(value)}"
-        if not (value == owner and (is_agent or isinstance(value, Cell))):
+        if not (value == owner and (is_agent or isinstance(value, Cell | Mover))):
             said.append(text)
     return ", ".join(said)
 
@@ -121,7 +127,7 @@ def _chance(chance: ir.Chance, drawn: Drawn, share: float, rules: Rules) -> str:
 
 
 def say_used(used: Used) -> str:
-    """Returns a word that placed an agent."""
+    """Returns a random number that placed an agent or a mover."""
     return f"{used.purpose}: drew {(used.bits >> 1) / WHOLE:.6f}  {say_bits(used.stream, used.number, used.bits)}"
 
 

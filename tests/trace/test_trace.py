@@ -9,14 +9,17 @@ import pytest
 import sjdsl
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.board import board_of, declared_world
-from sjdsl.interpreter.state import Cell, World, copied, default_params
+from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World, copied, default_params
 from sjdsl.render.playing import play as play_compiled
 from sjdsl.render.playing import random_policy
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, begin, follow, play, random_actions
 from sjdsl.trace.jax_random import key_of, random_numbers, split
+from sjdsl.trace.lines import make_teller, moment_lines
+from sjdsl.trace.rules import Rules
 
 REPOSITORY = Path(__file__).parents[2]
 FILES = [
@@ -34,10 +37,23 @@ def put(effect: Effect, game: ir.Game, world: World) -> None:
             if owner is None:
                 world.fields[name] = entered(world.fields[name], effect, words)
                 return
+            if isinstance(owner, Mover):
+                held = world.movers[owner.sort].fields[name]
+                held[owner.number] = entered(held[owner.number], effect, words)
+                return
             board = board_of(game)
             held = world.cells[board.kind_of[owner], name] if isinstance(owner, Cell) else world.agents[name]
             number = board.number[owner] if isinstance(owner, Cell) else owner
             held[number] = entered(held[number], effect, words)
+        case "heading" if isinstance(owner, Mover):
+            headings = world.movers[owner.sort].fields["heading"]
+            assert headings[owner.number] == HEADINGS[effect.old]
+            headings[owner.number] = HEADINGS[effect.new]
+        case "place" | "away" | "moved" if isinstance(owner, Mover):
+            herd = world.movers[owner.sort]
+            lists = {"place": herd.position, "away": herd.away, "moved": herd.moved}[effect.sort]
+            assert lists[owner.number] == effect.old
+            lists[owner.number] = effect.new
         case "place" | "heading" | "away" | "moved":
             states = {"place": world.position, "heading": world.heading, "away": world.away, "moved": world.moved}[effect.sort]
             assert states[owner] == effect.old
@@ -53,12 +69,12 @@ def entered(whole: object, effect: Effect, words: list[str]) -> object:
         return effect.new
     assert effect.type is not None
     levels = effect.type.by[len(effect.type.by) - len(words) :]
-    number = levels[0].index(words[0])
+    number = [entry_name(key) for key in levels[0]].index(words[0])
     return (*whole[:number], entered(whole[number], effect, words[1:]), *whole[number + 1 :])  # type: ignore[index]
 
 
 def state_of(world: World) -> tuple:
-    return world.cells, world.agents, world.fields, world.position, world.heading, world.moved, world.away
+    return world.cells, world.agents, world.fields, world.position, world.heading, world.moved, world.away, world.movers
 
 
 def check_step(game: ir.Game, before: World, moment: Moment) -> None:
@@ -242,3 +258,34 @@ def lines_of(moment: Moment) -> list[str]:
             case _:
                 found.append(f"{effect.name or effect.sort} {old} -> {new} {line}")
     return found
+
+
+def test_the_way_told_is_the_one_that_was_drawn() -> None:
+    """Of m open cells beside it, north, east, south, west, a mover goes to number floor(w * m / 2^32)."""
+    game = build(Source("hens.sj", HENS)).game
+    for seed in range(5):
+        start, moment = play(game, default_params(game), seed, 1, random_actions(game))
+        (before,), (after,) = start.world.movers["hen"].position, moment.world.movers["hen"].position
+        ways = [Cell(before.row + row, before.col + col) for row, col in ((-1, 0), (0, 1), (1, 0), (0, -1))]
+        (agent,) = start.world.position
+        open_ = [cell for cell in ways if cell in board_of(game).kind_of and cell != agent]
+        (gone,) = [effect for turn in moment.turns for effect in turn.effects if effect.sort == "place"]
+        (used,) = gone.draws
+        assert (gone.owner, gone.old, gone.new) == (Mover("hen", 0), before, after)
+        assert used.purpose == "which way"
+        assert open_[used.bits * len(open_) >> 32] == after
+        assert "hen 0  goes from" in "\n".join(moment_lines(moment, make_teller(board_of(game), Rules({}))))
+
+
+HENS = """sj 1
+game hens "A hen that wanders"  {
+  episode 3
+  kind grass "."
+  map { "..." "..." "..." }
+  agents 1 { acts stay, forward  moves compass }
+  movers hen 1 "h"
+  phase start { each agent { send agent to grass }  each hen { send hen to grass } }
+  schedule roam
+  phase roam { move each hen at random }
+}
+"""
