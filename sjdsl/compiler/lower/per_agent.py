@@ -34,10 +34,11 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
     who = owner(e, scope, w)
     assert isinstance(who, AgentVar)
     if who.axis is None:
-        at = select(scope.mask, who.index, Value(w.module.agents, "i32"))
+        extent = w.module.extent(who.sort)
+        at = select(scope.mask, who.index, Value(extent, "i32"))
         axes = union(at.axes, value.axes)
-        places = w.keep("to_agent", Value(spread(at, axes), "i32", axes)).node
-        zeros = array.call("jnp.zeros", w.module.agents, array.DTYPES["i32"])
+        places = w.keep(f"to_{who.sort or 'agent'}", Value(spread(at, axes), "i32", axes)).node
+        zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
         return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
     over = tuple(a for a in value.axes if a != who.axis)
     if over:
