@@ -2,10 +2,9 @@ sj 1
 game chemistry "Chemistry" {
   cite "Agapiou et al. 2022, Melting Pot 2"
   about summary "Molecules side by side react. Rings make food of energy; energy comes of the waste of two rings, brought together."
-  size  players : count       = 8 in 1 .. 40  # Melting Pot
+  size players : count = 8 in 1 .. 40  episode 1000  # Melting Pot
   param ground  : probability = { background: 0.00001, low: 0.005, medium: 0.001, high: 0.9 }  # Melting Pot: to react, per step
   param carried : probability = { background: 0, low: 0.0025, medium: 0.25, high: 0.9 }        # Melting Pot
-  episode 1000                                # Melting Pot
   kind dish "~" {
     field mol  : { empty, xa, xb, xc, ya, yb, yc, za, zb, zc, x, y, ix, iy, food1, food2, food3, energy, lure, hot } = empty
     field next : { none, empty, xa, xb, xc, ya, yb, yc, za, zb, zc, x, y, ix, iy, food1, food2, food3, energy, lure, hot } = none
@@ -23,35 +22,38 @@ game chemistry "Chemistry" {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, exchange  moves relative
     field mol  : { empty, xa, xb, xc, ya, yb, yc, za, zb, zc, x, y, ix, iy, food1, food2, food3, energy, lure, hot } = empty
     field next : { none, empty, xa, xb, xc, ya, yb, yc, za, zb, zc, x, y, ix, iy, food1, food2, food3, energy, lure, hot } = none
-    field due : reward  timer fresh  timer cooling
-    forbid all when agent.mol is hot  forbid exchange when agent.cooling > 0
+    field due : reward  timer fresh  timer cooling  forbid all when agent.mol is hot  forbid exchange when agent.cooling > 0
   }
-  param takes1 : word = {  # Melting Pot: what a reaction takes; of the third, x3, y3, z3, px and py take two
+  param takes1  : word = {  # Melting Pot: what a reaction takes; of the third, x3, y3, z3, px and py take two
     idle: none, x1: xa, x2: xb, x3: xc, y1: ya, y2: yb, y3: yc, z1: za, z2: zb, z3: zc, cx: x, cy: y, xy: x, px: ix, py: iy }
-  param takes2 : word = {  # Melting Pot
+  param takes2  : word = {  # Melting Pot
     idle: none, x1: xb, x2: xc, x3: xa, y1: yb, y2: yc, y3: ya, z1: zb, z2: zc, z3: za, cx: ix, cy: iy, xy: y, px: ix, py: iy }
-  param takes3 : word = {  # Melting Pot
+  param takes3  : word = {
     idle: none, x1: empty, x2: energy, x3: empty, y1: empty, y2: energy, y3: empty, z1: empty, z2: energy, z3: empty,
-    cx: none, cy: none, xy: none, px: ix, py: iy }
-  define leaves(r) = case r {
-    x1: food1, x2: energy, x3: x, y1: food2, y2: energy, y3: y, z1: food3, z3: food1, xy: energy, otherwise: empty }
+    cx: none, cy: none, xy: none, px: ix, py: iy }  # Melting Pot
+  param leaves  : word = {
+    x1: food1, x2: energy, x3: x, y1: food2, y2: energy, y3: y, z1: food3, z3: food1, xy: energy,
+    idle: empty, z2: empty, cx: empty, cy: empty, px: empty, py: empty }  # Melting Pot: in the place of the first that is of no ring
+  param likes   : word = {
+    xa: x1, xb: x2, xc: x3, ya: y1, yb: y2, yc: y3, za: z1, zb: z2, zc: z3, x: xy, y: xy, ix: px, iy: py,
+    none: idle, empty: idle, food1: idle, food2: idle, food3: idle, energy: idle, lure: idle, hot: idle }  # Melting Pot
+  param or_else : word = {
+    xa: x3, xb: x1, xc: x2, ya: y3, yb: y1, yc: y2, za: z3, zb: z1, zc: z2, x: cx, y: cy, ix: cx, iy: cy,
+    none: idle, empty: idle, food1: idle, food2: idle, food3: idle, energy: idle, lure: idle, hot: idle }  # Melting Pot
+  param turned  : word = {
+    xa: xb, xb: xc, xc: xa, ya: yb, yb: yc, yc: ya, za: zb, zb: zc, zc: za, empty: none, x: none, y: none,
+    ix: none, iy: none, food1: none, food2: none, food3: none, energy: none, lure: none, hot: none }  # Melting Pot: within its ring
   define class(m) = case m {
     empty: background, energy: low, x: medium, y: medium, food1: medium, food2: medium, food3: medium, lure: medium, otherwise: high }
-  define likes(m) = case m {
-    xa: x1, xb: x2, xc: x3, ya: y1, yb: y2, yc: y3, za: z1, zb: z2, zc: z3, x: xy, y: xy, ix: px, iy: py, otherwise: idle }
-  define or_else(m) = case m {
-    xa: x3, xb: x1, xc: x2, ya: y3, yb: y1, yc: y2, za: z3, zb: z1, zc: z2, x: cx, y: cy, ix: cx, iy: cy, otherwise: idle }
-  define turned(m) = case m { xa: xb, xb: xc, xc: xa, ya: yb, yb: yc, yc: ya, za: zb, zb: zc, otherwise: za }
-  define product(r, m, n) = case m in { xa, xb, xc, ya, yb, yc, za, zb, zc } {
-    yes: turned(m), no: case n { 0: leaves(r), otherwise: case r { x3: iy, y3: ix, z3: food2, otherwise: empty } } }
+  define product(r, m, n) = case turned[m] is none { no: turned[m], yes: case n { 0: leaves[r], otherwise: later(r) } }
   define some_left(r, m, n) = n == 0 or n == 1 and r in { x3, y3, z3, px, py } and m is takes3[r]
   define uses(r, m) = m is takes1[r] or m is takes2[r] or m is takes3[r]
   define near(s, m) = sum(case d.mol is m { yes: 1, no: 0 } + case d.held is m { yes: 1, no: 0 } over dish as d in disc(1, centre) of s)
-  define room(s, m, n) = m is none or near(s, m) > n
+  define room(s, m, n) = m is none or near(s, m) > n  define later(r) = case r { x3: iy, y3: ix, z3: food2, otherwise: empty }
   define can(s, r, m, n) = near(s, case m is takes1[r] { yes: takes2[r], no: takes1[r] }) > 0 and room(s, takes3[r], n)
-  define weight(s) = case s.plan in { cx, cy, xy, px, py } { yes: s.ticket + 60000, no: s.ticket }
-  define best(s) = max(weight(d) over dish as d in diamond(2) of s where d.plan is not idle otherwise 0)
-  phase start { each agent { send agent to dish } }
+  define weight(s)       = case s.plan in { cx, cy, xy, px, py } { yes: s.ticket + 60000, no: s.ticket }
+  define best(s)         = max(weight(d) over dish as d in diamond(2) of s where d.plan is not idle otherwise 0)
+  phase start { each agent { send agent to dish } }  phase walk { move each agent }
   schedule light -> choose_one -> settle -> spread -> react -> digest -> swap -> turn -> walk -> tick
   phase light {
     each dish { draw n from 1 .. 60000  set dish.ticket = n }
@@ -60,10 +62,9 @@ game chemistry "Chemistry" {
   }
   phase choose_one {  # what is carried begins its reaction rather than what lies under it
     each dish as d where d.lit is yes or d.spark is yes {
-      draw coin from 0 .. 1
-      let m = case d.spark is yes and d.held is not none and likes(d.held) is not idle { yes: d.held, no: d.mol }
-      let this = likes(m)  let this_can = can(d, this, m, case m { xc: 1, yc: 1, zc: 1, ix: 1, iy: 1, otherwise: 0 })
-      let that = or_else(m)  let that_can = can(d, that, m, case m { xa: 1, ya: 1, za: 1, otherwise: 0 })
+      draw coin from 0 .. 1  let m = case d.spark is yes and likes[d.held] is not idle { yes: d.held, no: d.mol }
+      let this = likes[m]  let this_can = can(d, this, m, case m { xc: 1, yc: 1, zc: 1, ix: 1, iy: 1, otherwise: 0 })
+      let that = or_else[m]  let that_can = can(d, that, m, case m { xa: 1, ya: 1, za: 1, otherwise: 0 })
       when this_can and (coin == 0 or not that_can) { set d.plan = this } otherwise when that_can { set d.plan = that }
     }
     each dish as u { set u.top = max(d.ticket over dish as d in disc(1, centre) of u where d.mol is u.held otherwise 0) }
@@ -110,7 +111,6 @@ game chemistry "Chemistry" {
       when v.mol is hot { set v.mol = v.next  set v.next = none  set v.fresh = 3  give v.due to v } otherwise { set v.mol = hot }
     }
   }
-  phase walk { move each agent }
   observe { show agent.mol  show other.mol  hide dish.next  hide dish.held  hide dish.plan  hide dish.site  hide dish.lit  hide dish.spark }
   metrics { event lit by { background, low, medium, high }  mean energy_left = count(dish where dish.mol is energy) }
   checks { symmetric agents }
