@@ -1,4 +1,4 @@
-"""The map on the screen: two letters a cell, an arrow and a number for an agent, colours for the cells of beams."""
+"""The map on the screen: two letters a cell, an arrow and a number or character for agents and movers, colours for the cells of beams."""
 
 from io import StringIO
 
@@ -8,7 +8,7 @@ from rich.text import Text
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of
-from sjdsl.interpreter.state import Cell, World
+from sjdsl.interpreter.state import HEADINGS, Cell, World
 from sjdsl.render.colours import Colour
 from sjdsl.screen.display import Display
 from sjdsl.screen.looks import OWN, ScreenLooks, letter_of
@@ -22,6 +22,7 @@ def board_text(game: ir.Game, looks: ScreenLooks, display: Display, own: int | N
     """Returns the map of one moment, a line for each row. `own`: the agent that is steered; it has a colour of its own."""
     world, lines = display.world, []
     agents = {place: number for number, place in enumerate(world.position) if place is not None}
+    movers = {place: (sort, n) for sort, herd in world.movers.items() for n, place in enumerate(herd.position) if place is not None}
     beams = {(row, col): looks.marks[name][1] for name, row, col in world.marks if name in looks.marks}
     kind_of = board_of(game).kind_of
     for row in range(len(game.rows)):
@@ -31,6 +32,8 @@ def board_text(game: ir.Game, looks: ScreenLooks, display: Display, own: int | N
             if place in agents:
                 number = agents[place]
                 line.append(*agent_letters(looks, world, number, own, number in display.held))
+            elif place in movers:
+                line.append(*mover_letters(looks, world, *movers[place]))
             else:
                 _append_cell(line, game, looks, world, place, kind_of[place], beams.get((row, col)))
         lines.append(line)
@@ -51,6 +54,17 @@ def agent_letters(looks: ScreenLooks, world: World, number: int, own: int | None
     return f"{ARROWS[world.heading[number]]}{letter_of(number)}", Style(
         color=hexadecimal(ink_on(ground)), bgcolor=hexadecimal(ground), bold=not held, dim=held
     )
+
+
+def mover_letters(looks: ScreenLooks, world: World, sort: str, number: int) -> tuple[str, Style]:
+    """Returns a mover: an arrow the way it faces, the character and the colour of its sort."""
+    facing = HEADINGS.index(world.movers[sort].fields["heading"][number])
+    return f"{ARROWS[facing]}{looks.letters.movers[sort]}", mover_style(looks, sort)
+
+
+def mover_style(looks: ScreenLooks, sort: str) -> Style:
+    ground = looks.movers[sort]
+    return Style(color=hexadecimal(ink_on(ground)), bgcolor=hexadecimal(ground))
 
 
 def _append_cell(line: Text, game: ir.Game, looks: ScreenLooks, world: World, place: Cell, kind: str, beam: Colour | None) -> None:

@@ -1,4 +1,4 @@
-"""The appearance of a game on the screen: a letter and a colour for each state of a cell, a colour for agents and beams."""
+"""The appearance of a game on the screen: a letter and a colour for each state of a cell, a colour for agents, movers and beams."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from sjdsl.compiler.ir.queries import kind_named, marking_phases
 from sjdsl.interpreter.board import board_of
 from sjdsl.render.colours import Colour, agent_colour, mark_colours
 from sjdsl.render.drawings import cell_keys, draw_cell, main_colour
-from sjdsl.render.look import KindLook, kind_looks
+from sjdsl.render.look import KindLook, herd_looks, kind_looks
 from sjdsl.screen.palette import faint_on, ink_on, told_apart
 from sjdsl.trace.picture import Looks, State, make_looks
 
@@ -22,13 +22,14 @@ NUMBERS = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
 class ScreenLooks:
     """letters: as `sjdsl trace` has them. tiles: (kind, its shown fields) -> colour. marks: name of a phase -> its label and colour.
 
-    agents: a colour for each. owners, amounts: by kind, the field whose agent, or whose number, stands beside the letter.
+    agents: a colour for each; movers: one for each sort. owners, amounts: by kind, the field whose agent, or whose number, stands beside the letter.
     """
 
     letters: Looks
     tiles: Mapping[tuple[str, State], tuple[Colour, Colour]]
     marks: Mapping[str, tuple[str, Colour]]
     agents: tuple[Colour, ...]
+    movers: Mapping[str, Colour]
     owners: Mapping[str, str]
     amounts: Mapping[str, str]
 
@@ -44,6 +45,8 @@ def make_screen_looks(game: ir.Game) -> ScreenLooks:
     tiles = told_apart([colour for colour, _ in drawn], [OWN])
     marks = told_apart(mark_colours(tuple(p.label for p in phases)), [OWN, *tiles])
     agents = told_apart([agent_colour(number) for number in range(game.agents.number)], [OWN, *tiles, *marks])
+    herds = list(herd_looks(game))
+    movers = told_apart([herd.colour for herd in herds], [OWN, *tiles, *marks, *agents])
     return ScreenLooks(
         letters=letters,
         tiles={
@@ -51,6 +54,7 @@ def make_screen_looks(game: ir.Game) -> ScreenLooks:
         },
         marks={p.name: (p.label, colour) for p, colour in zip(phases, marks, strict=True)},
         agents=tuple(agents),
+        movers={herd.name: colour for herd, colour in zip(herds, movers, strict=True)},
         owners={kind.name: f.name for kind in game.kinds for f in reversed(kind.fields) if f.type.kind == "agent" and not f.type.by},
         amounts={kind.name: f.name for kind in game.kinds for f in reversed(kind.fields) if _is_amount(f)},
     )

@@ -8,7 +8,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from sjdsl.compiler import ir
-from sjdsl.screen.board import agent_letters, hexadecimal
+from sjdsl.screen.board import agent_letters, hexadecimal, mover_style
 from sjdsl.screen.display import Display
 from sjdsl.screen.keys import describe_keys
 from sjdsl.screen.looks import OWN, ScreenLooks, letter_of
@@ -46,6 +46,8 @@ def legend(looks: ScreenLooks, own: int | None) -> Text:
     if own is not None:
         mine = Style(color=hexadecimal(ink_on(OWN)), bgcolor=hexadecimal(OWN), bold=True)
         lines.append(Text().append(f"▲{letter_of(own)}", mine).append(" the agent you steer"))
+    for sort, letter in looks.letters.movers.items():
+        lines.append(Text().append(f"▲{letter}", mover_style(looks, sort)).append(f" {sort} that faces up"))
     if looks.owners:
         lines.append(Text(f"a number beside {_joined(looks.owners)}: the owner"))
     if looks.amounts:

@@ -1,5 +1,7 @@
 """Colours and letters: told apart in a terminal of 256 colours, as Rich makes them there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rich.color import Color, ColorSystem
@@ -11,8 +13,12 @@ from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.games_folder import main_games
+from sjdsl.interpreter.state import HEADINGS, default_params
+from sjdsl.interpreter.step import reset
+from sjdsl.interpreter.threefry import Threefry
 from sjdsl.render.colours import Colour
 from sjdsl.screen.board import ARROWS, board_text, hexadecimal
+from sjdsl.screen.display import make_display
 from sjdsl.screen.looks import OWN, make_screen_looks
 from sjdsl.screen.palette import TABLE, faint_on, ink_on, oklab, told_apart
 from sjdsl.screen.sidebar import legend
@@ -36,6 +42,25 @@ def test_what_differs_on_the_map_differs_in_256_colours(game: str) -> None:
     assert len(set(shown)) == len(shown)
     letters = [looks.letters.characters[state] for state in looks.tiles]
     assert len(set(letters)) == len(letters), "without colours the letters tell"
+
+
+def test_movers_are_on_the_map_with_an_arrow_and_their_character() -> None:
+    game = build(open_game("tests/differential/games/movers.sj")).game
+    looks = make_screen_looks(game)
+    world = reset(game, default_params(game), Threefry(0, 1))
+    text = board_text(game, looks, make_display(game, world, (0.0,) * 3))
+    rows = text.plain.split("\n")
+    for sort in game.movers:
+        herd = world.movers[sort.name]
+        for place, heading in zip(herd.position, herd.fields["heading"], strict=True):
+            assert place is not None
+            assert rows[place.row][2 * place.col : 2 * place.col + 2] == ARROWS[HEADINGS.index(heading)] + sort.glyph
+        assert f"{sort.glyph} {sort.name} that faces up" in legend(looks, None).plain
+    colours = [in_256(colour) for colour in (*looks.movers.values(), *looks.agents, *(g for g, _ in looks.tiles.values()), OWN)]
+    assert len(set(colours)) == len(colours)
+    herd = world.movers["cart"]
+    gone = make_display(game, replace(world, movers=world.movers | {"cart": replace(herd, position=[None])}), (0.0,) * 3)
+    assert "c" not in board_text(game, looks, gone).plain, "who is away is not drawn"
 
 
 def test_the_table_is_that_of_the_terminal() -> None:
