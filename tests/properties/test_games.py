@@ -43,15 +43,17 @@ OFTEN = {  # what is rare in the file and must happen in a short episode
 
 @cache
 def folder_of(game: str, changes: tuple[tuple[str, str], ...], base: Path) -> Path:
-    """Returns a folder with the games, one of them changed."""
+    """Returns a folder with the games, one of them changed, in the rules that stand before its variants."""
     folder = base / f"{game}_{abs(hash(changes))}"
     shutil.copytree(games_folder(), folder)
     path = folder / f"{game}.sj"
     text = path.read_text(encoding="utf-8")
+    rules = text.partition("\n  variant ")[0]
+    variants = text[len(rules) :]
     for before, after in changes:
-        assert text.count(before) == 1, f"{game}.sj has {text.count(before)} of `{before}`"
-        text = text.replace(before, after)
-    path.write_text(text, encoding="utf-8")
+        assert rules.count(before) == 1, f"{game}.sj has {rules.count(before)} of `{before}` before its variants"
+        rules = rules.replace(before, after)
+    path.write_text(rules + variants, encoding="utf-8")
     return folder
 
 
