@@ -30,13 +30,13 @@ class FieldPath:
 
 
 def find_field(game: ir.Game, text: str) -> FieldPath:
-    """Returns the field of a path `agent.NAME`, `KIND.NAME` or `NAME` (of the world), perhaps with `[word]`.
+    """Returns the field of a path `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of the world), perhaps with `[word]`.
 
     Raises ValueError naming the nearest field.
     """
     match = _PATH.fullmatch(text.strip())
     owner, name, brackets = match.groups() if match else (None, text, "")
-    kinds = {kind.name: kind.fields for kind in game.kinds}
+    kinds = {kind.name: kind.fields for kind in (*game.kinds, *game.movers)}
     owners = {"agent": game.agents.fields, **kinds}
     if owner is not None and owner not in owners:
         raise ValueError(f"`{text}`: the game has no `{owner}`{meant(owner, owners)}")
@@ -78,10 +78,12 @@ def _replaced(value: Any, keys: tuple[int, ...], entry: Any) -> Any:
 
 
 def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
-    """Returns what the values of a field belong to: numbers of agents, (row, column) of cells; None for the world."""
+    """Returns what the values of a field belong to: numbers of agents or movers, (row, column) of cells; None for the world."""
     match path.declared.held_by:
         case "agent":
             return list(range(board.agents))
+        case "mover":
+            return list(range(next(sort.number for sort in board.game.movers if sort.name == path.declared.kind)))
         case "cell":
             return [tuple(cell) for cell in board.cells[path.declared.kind]]
         case _:

@@ -1,11 +1,11 @@
-"""Pictures of a map for tests: rows of characters, agents as arrows, their numbers beside a row."""
+"""Pictures of a map for tests: rows of characters, agents as arrows, their numbers beside a row, movers by the character of their sort."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.state import World
+from sjdsl.interpreter.state import Cell, World
 from sjdsl.testing.signs import Signs
 
 Pose = tuple[int, int, int]  # row, column, heading
@@ -46,7 +46,7 @@ def read_picture(picture: Sequence[str], signs: Signs) -> list[Row]:
 
 
 def _check(sign: str, glyph: str, where: str, signs: Signs) -> None:
-    if sign in signs.arrows:
+    if signs.stands(sign):
         return
     kind = signs.by_character[glyph].kind
     if sign not in signs.by_character:
@@ -84,6 +84,22 @@ def numbered(rows: Sequence[Row], signs: Signs, agents: int, away: Collection[in
     return poses
 
 
+def placed(rows: Sequence[Row], signs: Signs) -> dict[str, list[Cell]]:
+    """Returns where the movers of each sort stand in a picture, in reading order.
+
+    Raises ValueError: more of a sort, or fewer, than the game has.
+    """
+    found: dict[str, list[Cell]] = {sort.name: [] for sort in signs.game.movers}
+    for r, row in enumerate(rows):
+        for c, sign in enumerate(row.signs):
+            if sign in signs.movers:
+                found[signs.movers[sign]].append(Cell(r, c))
+    for sort in signs.game.movers:
+        if len(found[sort.name]) != sort.number:
+            raise ValueError(f"the game has {sort.number} movers `{sort.name}`; the picture has {len(found[sort.name])} `{sort.glyph}`")
+    return found
+
+
 def put_picture(rows: Sequence[Row], poses: Mapping[int, Pose], under: Mapping[int, str], signs: Signs, board: Board, world: World) -> None:
     """Sets the cells of a world as a picture shows them. `under`: signs of what agents stand on; else it is as on the map."""
     below = {poses[agent][:2]: sign for agent, sign in under.items() if agent in poses}
@@ -94,7 +110,7 @@ def put_picture(rows: Sequence[Row], poses: Mapping[int, Pose], under: Mapping[i
         _check(sign, board.game.rows[row][column], f"under agent {agent}", signs)
     for cell, kind in board.kind_of.items():
         glyph, sign = board.game.rows[cell.row][cell.col], rows[cell.row].signs[cell.col]
-        shown = below.get((cell.row, cell.col), glyph) if sign in signs.arrows else sign
+        shown = below.get((cell.row, cell.col), glyph) if signs.stands(sign) else sign
         for name, value in signs.meaning(shown, glyph).items():
             world.cells[kind, name][board.number[cell]] = value
 
@@ -110,8 +126,12 @@ def draw_cells(signs: Signs, board: Board, world: World) -> list[list[str]]:
 
 
 def draw_picture(signs: Signs, board: Board, world: World) -> list[Row]:
-    """Returns the map as it is now, agents over it, all numbers told."""
+    """Returns the map as it is now, movers and agents over it, all numbers told."""
     grid = draw_cells(signs, board, world)
+    for character, sort in signs.movers.items():
+        for at in world.movers[sort].position:
+            if at is not None:
+                grid[at.row][at.col] = character
     standing: list[list[tuple[int, int]]] = [[] for _ in grid]
     for agent, place in enumerate(world.position):
         if place is not None:

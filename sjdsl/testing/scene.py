@@ -9,7 +9,7 @@ import numpy as np
 from sjdsl.action_names import split_actions
 from sjdsl.compiler.ir.queries import marking_phases
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.state import HEADINGS, World
+from sjdsl.interpreter.state import HEADINGS, Herd, World
 from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, interpret_look, interpret_step, look_at, take_step
@@ -18,6 +18,14 @@ from sjdsl.testing.pictures import Row, compare_pictures, draw_cells, draw_pictu
 from sjdsl.testing.signs import Signs
 from sjdsl.testing.states import compiled_state
 from sjdsl.testing.values import merged, same
+
+_ATTRIBUTES: dict[str, Callable[[World | Herd], list[Any]]] = {
+    "row": lambda herd: [None if place is None else place.row for place in herd.position],
+    "col": lambda herd: [None if place is None else place.col for place in herd.position],
+    "moved": lambda herd: list(herd.moved),
+    "away": lambda herd: [away is not None for away in herd.away],
+    "ticks": lambda herd: [away.ticks if away else 0 for away in herd.away],
+}
 
 
 class Setting(Protocol):
@@ -135,7 +143,7 @@ class Scene:
         return self
 
     def value(self, name: str) -> Any:
-        """Returns what a name stands for.
+        """Returns what a name stands for; of movers as of agents, `deer.FIELD` and `deer.row`.
 
         `agent.FIELD`, `KIND.FIELD`: a list over agents or cells; `FIELD`: of the world; `…[word]`: one entry of a `by` field. `agent.row`,
         `agent.col`, `agent.heading`, `agent.moved`, `agent.away` (condition), `agent.ticks` (until it returns); `allowed ACTION`: may each
@@ -228,16 +236,12 @@ class Scene:
             return whole[name], None
         if name == "reward":
             return self._of_last_step(self.reward), agents
-        attributes: dict[str, Callable[[], list[Any]]] = {
-            "agent.row": lambda: [None if p is None else p[0] for p in self.places()],
-            "agent.col": lambda: [None if p is None else p[1] for p in self.places()],
-            "agent.heading": self.headings,
-            "agent.moved": lambda: list(self.world.moved),
-            "agent.away": lambda: [away is not None for away in self.world.away],
-            "agent.ticks": lambda: [away.ticks if away else 0 for away in self.world.away],
-        }
-        if name in attributes:
-            return attributes[name](), agents
+        if name == "agent.heading":
+            return self.headings(), agents
+        sort, _, attribute = name.partition(".")
+        if attribute in _ATTRIBUTES and sort in {"agent", *self.world.movers}:
+            values = _ATTRIBUTES[attribute](self.world.movers.get(sort, self.world))
+            return values, list(range(len(values)))
         path = find_field(self.env.game, name)
         return read_field(path, self.world), owners_of(path, self.stage.board)
 

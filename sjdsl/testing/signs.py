@@ -1,4 +1,4 @@
-"""The characters of a test's picture: glyphs of the map, characters of the author's own, arrows for agents."""
+"""The characters of a test's picture: glyphs of the map and of movers, characters of the author's own, arrows for agents."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -26,11 +26,19 @@ class Sign:
 
 @dataclass(frozen=True)
 class Signs:
-    """All signs of a stage by character, the author's before the glyphs; `arrows`: agents facing north, east, south, west."""
+    """All signs of a stage by character, the author's before the glyphs; `arrows`: agents facing north, east, south, west.
+
+    movers: character -> sort of movers.
+    """
 
     game: ir.Game
     by_character: Mapping[str, Sign]
     arrows: str
+    movers: Mapping[str, str] = field(default_factory=dict)
+
+    def stands(self, character: str) -> bool:
+        """Returns whether an agent or a mover is drawn so; what it stands on is not seen."""
+        return character in self.arrows or character in self.movers
 
     def draw(self, kind: str, here: Mapping[str, Any]) -> str:
         """Returns the sign of a cell: of those that fit, the one that speaks of most fields."""
@@ -57,14 +65,18 @@ def make_signs(game: ir.Game, looks: Mapping[str, str], arrows: str) -> Signs:
         raise ValueError(f"`arrows` are four different characters, for north, east, south and west, not {arrows!r}")
     mine = {character: _look(game, character, text) for character, text in looks.items()}
     glyphs = {g.glyph: g for g in game.glyphs}
-    for character in (*mine, *glyphs):
+    movers = {sort.glyph: sort.name for sort in game.movers}
+    for character in (*mine, *glyphs, *movers):
         if character in arrows:
-            raise ValueError(f"`{character}` is an arrow of an agent and stands for a cell: give the stage other `arrows`, four characters")
+            what = f"a `{movers[character]}`" if character in movers else "a cell"
+            raise ValueError(f"`{character}` is an arrow of an agent and stands for {what}: give the stage other `arrows`, four characters")
     for character, sign in mine.items():
+        if character in movers:
+            raise ValueError(f"`{character}` stands for the movers `{movers[character]}` already: take another sign for `{sign}`")
         if character in glyphs:
             raise ValueError(f"`{character}` is a glyph of the game already, of `{glyphs[character].kind}`: take another sign for `{sign}`")
     own = {character: _glyph(game, glyph, mine.values()) for character, glyph in glyphs.items()}
-    return Signs(game, mine | own, arrows)
+    return Signs(game, mine | own, arrows, movers)
 
 
 def _look(game: ir.Game, character: str, text: str) -> Sign:

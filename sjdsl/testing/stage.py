@@ -15,7 +15,7 @@ from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_words
 from sjdsl.testing.paths import find_field, write_field
-from sjdsl.testing.pictures import numbered, put_picture, read_picture
+from sjdsl.testing.pictures import numbered, placed, put_picture, read_picture
 from sjdsl.testing.scene import Scene
 from sjdsl.testing.signs import Signs, make_signs
 from sjdsl.testing.states import make_away
@@ -95,10 +95,12 @@ class Stage:
 
         Args:
           picture: the rows of the map in signs, agents as arrows. Numbers of a row's agents may stand beside it, left to right; the
-            other agents count in reading order: `"..>.<  10"`.
+            other agents count in reading order: `"..>.<  10"`. Movers are the character of their sort, all of them, numbered in
+            reading order; they face north unless `fields` says another `deer.heading`.
           under: agent -> the sign of what it stands on; else that is as on the map.
-          fields: `agent.NAME`, `KIND.NAME` or `NAME` (of the world), perhaps one entry `NAME[word]` -> a list over agents or cells (in
-            reading order), a mapping of some of them (cells by (row, column)), or one value for all. Timers are fields.
+          fields: `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of the world), perhaps one entry `NAME[word]` -> a list
+            over agents, movers or cells (in reading order), a mapping of some of them (cells by (row, column)), or one value for all.
+            Timers are fields.
           away: agents that are not on the map -> ticks until they return, with the phase that has sent them if several can; 0: never.
           step: finished steps of the episode.
           seed: of the first step; each further step has the next.
@@ -112,6 +114,10 @@ class Stage:
         put_picture(rows, poses, under or {}, self.signs, board, world)
         world.position = [Cell(*poses[agent][:2]) if agent in poses else None for agent in range(board.agents)]
         world.heading = [poses[agent][2] if agent in poses else 0 for agent in range(board.agents)]
+        for sort, cells in placed(rows, self.signs).items():
+            herd = world.movers[sort]
+            herd.position, herd.away, herd.moved = list(cells), [None] * len(cells), [False] * len(cells)
+            herd.fields["heading"] = ["north"] * len(cells)
         for agent, told in gone.items():
             ticks, phase = told if isinstance(told, tuple) else (told, None)
             world.away[agent] = make_away(game, agent, ticks, phase)
