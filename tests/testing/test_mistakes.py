@@ -63,7 +63,7 @@ MISTAKES: list[tuple[Callable[[], Any], str]] = [
     (fields("agent.bag[rod]", 1), "there is no entry `rod`; did you mean `red`?"),
     (fields("agent.hue[red]", 1), "`hue` is one value, without an index"),
     (fields("agent.bag[red][red]", 1), "`bag` has 1 indices"),
-    (fields("agent.bag", 1), "`agent.bag of 0` has an entry for each of red, blue: write `agent.bag of 0[red]`, or a mapping by word"),
+    (fields("agent.bag", 1), "`agent.bag of 0` has an entry for each of red, blue: write `agent.bag of 0[red]`, or a mapping by entry"),
     (fields("agent.bag", {0: {"rod": 1}}), "has no entry `rod`; did you mean `red`?"),
     (fields("agent.bag[red]", [1, 2]), "`agent.bag[red]`: 2 values are given, there are 3; give some as a mapping"),
     (fields("agent.bag[red]", {5: 1}), "`agent.bag[red]`: 5 is none of 0, 1, 2"),
