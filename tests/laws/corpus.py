@@ -71,7 +71,8 @@ def crowded(game: ir.Game, random: Random) -> World:
     world = begun(game, random)
     board = board_of(game)
     blocking = {k.name for k in game.kinds for b in k.blocks if b.what == "agents" and b.condition is None}
-    open_ = [cell for cell, kind in board.kind_of.items() if kind not in blocking]
+    taken = {place for herd in world.movers.values() for place in herd.position}
+    open_ = [cell for cell, kind in board.kind_of.items() if kind not in blocking and cell not in taken]
     here = [agent for agent, place in enumerate(world.position) if place is not None]
     for start in random.sample(open_, len(open_)):
         near = _nearest(start, set(open_), len(here))

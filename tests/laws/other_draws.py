@@ -13,7 +13,7 @@ from tests.laws.symmetry import Symmetry
 
 
 class RunsOut(Exception):
-    """There were fewer free cells than agents sent: lower numbers come first, by the manual, so that new numbers change who stays."""
+    """Lower numbers come first, by the manual: there were fewer free cells than agents sent, or two drew the same `by lot`."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,7 @@ def other_draws(game: ir.Game, changed: ir.Game, drawn: Recorded, s: Symmetry) -
     """Returns the words for the game under the symmetry. Raises RunsOut where the manual lets the number of an agent decide."""
     known = streams(game)
     words: dict[tuple[int, int], int] = {}
+    _leave_out_ties(known, drawn)
     for stream, number, word in drawn.used:
         about = known[stream]
         if about.sort == "heading":
@@ -40,14 +41,28 @@ def other_draws(game: ir.Game, changed: ir.Game, drawn: Recorded, s: Symmetry) -
         about = known[chosen.stream]
         if about.sort == "order":
             sends.setdefault(chosen.stream, []).append(chosen)
+        elif about.sort == "way":
+            ways = sorted(s.heading(way) for way in chosen.left)
+            place = renumbered(chosen.number, about.digits, game, changed, s)
+            words[chosen.stream, place] = choosing(ways.index(s.heading(chosen.left[chosen.taken])), len(ways))
         else:
             index, size = _picked(chosen, about, game, changed, s)
             words[chosen.stream, renumbered(chosen.number, about.digits, game, changed, s)] = choosing(index, size)
     for stream, turns in sends.items():
+        if known[stream].digits[0].what == "fixed":  # movers: each has its turn as before
+            words |= {(stream, mover): word for mover, word in _in_turn(turns, s)}
+            continue
         if s.order != tuple(sorted(s.order)) and (_is_own(game, stream) or (len(turns[-1].left) == 1 and _may_stay(game, stream))):
             raise RunsOut
         words |= {(stream, agent): word for agent, word in _sent(turns, s)}
     return Table(words)
+
+
+def _leave_out_ties(known: dict[int, Stream], drawn: Recorded) -> None:
+    """Raises RunsOut where two have drawn the same rank of a lot, so that their numbers may decide."""
+    ranks = [(stream, word >> 1) for stream, _, word in drawn.used if known[stream].sort == "lot"]
+    if len(set(ranks)) < len(ranks):
+        raise RunsOut
 
 
 def choosing(index: int, size: int) -> int:
@@ -64,8 +79,7 @@ def _picked(chosen: Chosen, about: Stream, game: ir.Game, changed: ir.Game, s: S
 def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
     """Returns the word of each agent, by its new number, with which all of them get the cells they got."""
     if list(s.order) == sorted(s.order):  # each agent has its turn as before, with cells of its own perhaps
-        found = [(turn, sorted(s.cell(cell) for cell in turn.left)) for turn in turns]
-        return [(turn.number, choosing(free.index(s.cell(turn.left[turn.taken])), len(free))) for turn, free in found]
+        return _in_turn(turns, s)
     free = sorted(s.cell(cell) for cell in turns[0].left)
     goes = {s.order[turn.number]: s.cell(turn.left[turn.taken]) for turn in turns}
     words = []
@@ -74,6 +88,12 @@ def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
         words.append((agent, choosing(index, len(free))))
         free.pop(index)
     return words
+
+
+def _in_turn(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
+    """Returns the word of each that is sent, in the same turns, with which it gets the cell that it got."""
+    found = [(turn, sorted(s.cell(cell) for cell in turn.left)) for turn in turns]
+    return [(turn.number, choosing(free.index(s.cell(turn.left[turn.taken])), len(free))) for turn, free in found]
 
 
 def _may_stay(game: ir.Game, stream: int) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import shows_attribute
+from sjdsl.compiler.ir.queries import mover_sort, shows_attribute
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import words
 from sjdsl.compiler.ir.verify import verify
@@ -39,6 +39,7 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
                 "rows": s.rows(game.rows),
                 "kinds": tuple(rewrite(kind, rule) for kind in game.kinds),
                 "agents": agents.model_copy(update={"actions": tuple(s.action(a, agents.relative) for a in agents.actions)}),
+                "movers": tuple(_movers(rewrite(movers, rule), s) for movers in game.movers),
                 "shapes": tuple(_shape(shape, s) for shape in game.shapes),
                 "start": _start(game.start, s, game),
                 "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
@@ -64,9 +65,14 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
             case ir.Attribute(name="row" | "col"):
                 return _coordinate(node, s)
             case ir.Attribute(name="heading") if headings and (s.mirror or s.quarters):
-                arms = [ir.Arm(words=(HEADINGS[s.heading(h)],), value=ir.Word(type=node.type, value=w)) for h, w in enumerate(HEADINGS)]
-                return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
-            case ir.Attribute(name="index") if list(s.order) != sorted(s.order):
+                return _heading_before(node, s)
+            case ir.FieldRead(held_by="mover", name="heading") if s.mirror or s.quarters:
+                return _heading_before(node, s)
+            case ir.Set(target=ir.Case(subject=ir.FieldRead(held_by="mover", name="heading") as heading)):
+                return node.model_copy(update={"target": heading, "value": _changed_heading(node.value, s)})
+            case ir.Along():
+                return node.model_copy(update={"heading": _changed_heading(node.heading, s)})
+            case ir.Attribute(name="index") if list(s.order) != sorted(s.order) and not mover_sort(node.owner):
                 arms = [ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i)) for i, n in enumerate(s.order)]
                 return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
             case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
@@ -85,8 +91,20 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
     return rule
 
 
+def _heading_before(e: ir.Attribute | ir.FieldRead, s: Symmetry) -> ir.Expr:
+    """Returns which way an agent or a mover looked, from the way it looks now."""
+    arms = [ir.Arm(words=(HEADINGS[s.heading(h)],), value=ir.Word(type=e.type, value=w)) for h, w in enumerate(HEADINGS)]
+    return ir.Case(type=e.type, subject=e, arms=tuple(arms), origin=e.origin)
+
+
+def _movers(movers: ir.Movers, s: Symmetry) -> ir.Movers:
+    """Returns a sort of movers that look, before they are sent anywhere, the way that is north now."""
+    heading, *others = movers.fields
+    return movers.model_copy(update={"fields": (heading.model_copy(update={"start": s.facing(heading.start)}), *others)})
+
+
 def _changed_heading(e: ir.Expr, s: Symmetry) -> ir.Expr:
-    """Returns which way an agent is sent now, from the way it was sent before."""
+    """Returns the direction now, from the direction before."""
     arms = [ir.Arm(words=(w,), value=ir.Word(type=words(HEADINGS), value=HEADINGS[s.heading(HEADINGS.index(w))])) for w in e.type.words]
     return ir.Case(type=words(HEADINGS), subject=e, arms=tuple(arms), origin=e.origin)
 
@@ -95,7 +113,7 @@ def _start(phase: ir.Phase, s: Symmetry, game: ir.Game) -> ir.Phase:
     """Everybody faces north before it, under every look: `same` is a direction here, and what is read is no other one."""
 
     def rule(node: Any) -> Any:
-        same = isinstance(node, ir.Send) and node.facing == "same"
+        same = isinstance(node, ir.Send) and node.facing == "same" and not mover_sort(node.who)
         return node.model_copy(update={"facing": "north"}) if same else node
 
     return rewrite(rewrite(phase, rule), _rule(s, game, headings=False))

@@ -8,11 +8,12 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.planes import planes
-from sjdsl.interpreter.state import Outcome, Value, World
+from sjdsl.interpreter.state import Herd, Outcome, Value, World
 from tests.laws.symmetry import Symmetry
 
 CLOSE = {"rtol": 1e-5, "atol": 1e-5}  # sums of reals are added in another order
 MIRRORED = np.array([0, 1, 2, 5, 4, 3, 6], np.uint8)  # of the plane of agents: who is turned right is turned left
+MIRRORED_MOVER = np.array([0, 1, 4, 3, 2, 5], np.uint8)  # of a plane of the headings of movers; the last is hidden
 
 
 def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> World:
@@ -32,7 +33,19 @@ def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> W
         heading=_agents([s.heading(h) for h in world.heading], s),
         moved=_agents(world.moved, s),
         away=_agents([None if a is None else a._replace(facing=s.facing(a.facing)) for a in world.away], s),
+        movers={sort: _herd(sort, herd, game, s) for sort, herd in world.movers.items()},
         marks=[(phase, *s.cell((row, col))) for phase, row, col in world.marks],
+    )
+
+
+def _herd(sort: str, herd: Herd, game: ir.Game, s: Symmetry) -> Herd:
+    """Returns movers, which keep their numbers."""
+    fields = {n: [_value(v, board_of(game).mover_fields[sort, n].type, s) for v in values] for n, values in herd.fields.items()}
+    return Herd(
+        position=[None if p is None else s.cell(p) for p in herd.position],
+        moved=herd.moved,
+        away=[None if a is None else a._replace(facing=s.facing(a.facing)) for a in herd.away],
+        fields=fields | {"heading": [s.facing(heading) for heading in herd.fields["heading"]]},
     )
 
 
@@ -48,6 +61,10 @@ def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
     seen = np.asarray(_agents(list(picture), s))
     shown = planes(game)
     names = [p.name for p in shown]
+    if s.mirror:
+        for number, plane in enumerate(shown):
+            if plane.what == "mover" and plane.observable is not None and plane.observable.field == "heading":
+                seen[:, number] = MIRRORED_MOVER[seen[:, number]]
     for number, plane in enumerate(shown):  # of every agent, in the order of their numbers
         if plane.agent is not None:
             renamed = plane.name.replace(f"[{plane.agent}]", f"[{s.order[plane.agent]}]", 1)
@@ -64,7 +81,7 @@ def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
 def world_differences(mine: World, theirs: World) -> list[str]:
     """Returns the parts of two states that differ, marks taken as a set."""
     found = []
-    for name in ("step", "cells", "agents", "fields", "position", "heading", "moved", "away"):
+    for name in ("step", "cells", "agents", "fields", "position", "heading", "moved", "away", "movers"):
         a, b = getattr(mine, name), getattr(theirs, name)
         if not _same(a, b):
             found.append(f"{name}: {a} / {b}")
@@ -103,6 +120,8 @@ def _value(value: Value, type_: ir.Type, s: Symmetry) -> Value:
 
 def _same(a: Any, b: Any) -> bool:
     match a:
+        case Herd():
+            return _same(vars(a), vars(b))
         case dict():
             return a.keys() == b.keys() and all(_same(v, b[k]) for k, v in a.items())
         case list() | tuple():

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import mover_sort, movers_named
 from sjdsl.interpreter import members
 from sjdsl.interpreter.board import Board, board_of, cells_of
 from sjdsl.interpreter.threefry import return_stream
@@ -22,10 +23,14 @@ class Digit:
 
 @dataclass(frozen=True)
 class Stream:
-    """`digits`: outermost first. `options`: what a `pick` chooses from. `sort`: what its words are used for."""
+    """`digits`: outermost first. `options`: what a `pick` chooses from. `sort`: what its words are used for.
+
+    `way`: which of the directions that are open to a mover. `lot`: who of several writes a field. `order`: of agents; movers keep their
+    numbers under every symmetry.
+    """
 
     digits: tuple[Digit, ...]
-    sort: Literal["plain", "pick", "order", "heading"] = "plain"
+    sort: Literal["plain", "pick", "order", "heading", "lot", "way"] = "plain"
     options: Digit | None = None
 
 
@@ -39,12 +44,13 @@ def streams(game: ir.Game) -> dict[int, Stream]:
 
 
 def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, found: dict[int, Stream]) -> None:
-    agents = Digit("agent", board.agents)
     for statement in body:
         inside = around
         match statement:
             case ir.Chance() | ir.Draw():
                 found[statement.stream] = Stream(around)
+            case ir.Set(lot=int(stream)):
+                found[stream] = Stream(around, "lot")
             case ir.Each():
                 inside = (*around, _digit(statement.domain, board))
             case ir.First():
@@ -59,15 +65,19 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
                 inside = (*around, _digit(statement.left, board))
                 found[statement.stream] = Stream((*around, _everybody(statement.left, board), _everybody(statement.right, board)))
             case ir.Move():
-                found[statement.stream] = Stream((*around, agents))
+                found[statement.stream] = Stream((*around, _everybody(statement.domain, board)))
+                if isinstance(statement.course, ir.Wander):
+                    found[statement.course.stream] = Stream((_everybody(statement.domain, board),), "way")
             case ir.Shift():
-                found[statement.stream] = Stream((agents,))
+                sent = _body(statement.who, board)
+                found[statement.stream] = Stream((sent,))
                 if statement.heading_stream is not None:
-                    found[statement.heading_stream] = Stream((agents,), "heading")
+                    found[statement.heading_stream] = Stream((sent,), "heading")
             case ir.Send():
+                sent = _body(statement.who, board)
                 for change in (lambda stream: stream, return_stream):
-                    found[change(statement.order_stream)] = Stream((agents,), "order")
-                    found[change(statement.heading_stream)] = Stream((agents,), "heading")
+                    found[change(statement.order_stream)] = Stream((sent,), "order")
+                    found[change(statement.heading_stream)] = Stream((sent,), "heading")
             case _:
                 pass
         for name in ("body", "otherwise"):
@@ -87,9 +97,15 @@ def _digit(domain: ir.Domain, board: Board) -> Digit:
     return _everybody(domain, board)
 
 
+def _body(who: ir.Expr, board: Board) -> Digit:
+    """Returns the place of the number of an agent or a mover."""
+    sort = mover_sort(who)
+    return Digit("fixed", movers_named(board.game, sort).number) if sort else Digit("agent", board.agents)
+
+
 def _everybody(domain: ir.Domain, board: Board) -> Digit:
-    if domain.var.who == "agent":
-        return Digit("agent", board.agents)
+    if domain.var.who != "cell":
+        return _body(domain.var, board)
     return Digit("cell", members.everybody(domain, board), domain.var.kinds)
 
 
