@@ -20,52 +20,57 @@ game factory_commons "Factory of the Commons: Either Or" {
   kind wall  "#" { blocks agents, grip }
   kind body  "M" { blocks agents }      # of a machine
   kind floor "." {
-    field place : { start, marked, perhaps } = start  field cube : { none, here } = none  field apple : { none, here } = none
+    field place : { start, kept, perhaps, belt, upper, lower } = start
+    field cube  : { none, here } = none
+    field apple : { none, here } = none
     field cubes_due : 0 .. 9 capped = 0  field apples_due : 0 .. 9 capped = 0
-    glyph "m" with place = marked
-    glyph "C" with place = marked with cube = here
+    glyph "=" with place = belt  glyph "m" with place = upper  glyph "n" with place = lower  # where a machine puts what it makes
+    glyph "C" with place = kept with cube = here
     glyph "c" with place = perhaps
     blocks agents when floor.cube is here
   }
-  kind belt  "=" { field cube : { none, here } = none  field apple : { none, here } = none  blocks agents when belt.cube is here }
   kind mouth "S" {
     field makes : { cube_and_apple, two_apples } = cube_and_apple  field cube : { none, here } = none  field apple : { none, here } = none
     field clock : 0 .. work = 0  glyph "G" with makes = two_apples  blocks agents when mouth.cube is here
   }
-  group ground = floor, belt, mouth
+  group ground = floor, mouth
   map "maps/factory_commons.txt"
   agents players {
-    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, grasp, hold, shove, pull
-    moves relative
-    field hand : { none, cube, apple } = none  field walked : { nowhere, somewhere } = nowhere
-    field stamina : 0 .. strength = strength  field holders : set of agent
-    timer resting  timer gripped  timer still
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, grasp, hold, shove, pull  moves relative
+    field hand : { none, cube, apple } = none
+    field stamina : 0 .. strength = strength  field way : { north, east, south, west } = north
+    timer resting  timer gripped  timer still  timer pushed  # set before `tick`, so to one more than the steps that follow
     forbid turn_left, turn_right, step_left, step_right, forward, backward when agent.resting > 0
     forbid hold, shove, pull when agent.gripped > 0
   }
   shape grip = line(2)  # Melting Pot
   shape reach = line(1)
-  define free(g)        = g.cube is none and nobody on g
-  define below(f, m, n) = f.row == m.row + n and f.col == m.col + 1  # where a machine puts what it makes
+  define free(g)     = g.cube is none and nobody on g
+  define opposite(h) = case h { north: south, east: west, south: north, west: east }
+  define changed(t)  = case t { here: none, none: here }
   phase start {
     each agent { send agent to floor where floor.place is start }
     each floor where floor.place is perhaps { chance odds { set floor.cube = here } }
   }
-  schedule feed -> run -> walk -> land -> eat -> handle -> take_hold -> push -> tire -> tick -> weary -> finish
+  schedule feed -> run -> walk -> land -> eat -> handle -> take_hold -> push -> tire -> tick -> finish
   phase feed {  # a cube over an open mouth is taken in, held or not
-    each mouth where mouth.clock == 0 and mouth.cube is here { set mouth.cube = none  set mouth.clock = work  tally fed[mouth.makes] }
+    each mouth where mouth.clock == 0 and mouth.cube is here { set mouth.cube = none  set mouth.clock = work }
     match agent as a with mouth in reach of a where a.hand is cube and mouth.clock == 0 and mouth.cube is none {
-      set a.hand = none  set mouth.clock = work  tally fed[mouth.makes]
+      set a.hand = none  set mouth.clock = work
     }
     each mouth where mouth.clock > 0 { set mouth.clock = mouth.clock - 1 }
   }
   phase run {
-    each mouth as m where m.clock == work - first_out {
-      each floor as f where below(f, m, 1) and m.makes is cube_and_apple { add 1 to f.cubes_due }
-      each floor as f where (below(f, m, 1) or below(f, m, 2)) and m.makes is two_apples { add 1 to f.apples_due }
+    each mouth where mouth.clock == work { tally fed[mouth.makes] }
+    each floor as f where f.place is upper {
+      each mouth as m in square(1) of f where m.clock == work - first_out {
+        when m.makes is cube_and_apple { add 1 to f.cubes_due } otherwise { add 1 to f.apples_due }
+      }
     }
-    each mouth as m where m.clock == work - second_out and m.makes is cube_and_apple {
-      each floor as f where below(f, m, 2) { add 1 to f.apples_due }
+    each floor as f where f.place is lower {
+      each mouth as m in diamond(3) of f where m.clock == work - case m.makes { cube_and_apple: second_out, two_apples: first_out } {
+        add 1 to f.apples_due
+      }
     }
   }
   phase walk { move each agent where agent.still == 0 }
@@ -76,44 +81,36 @@ game factory_commons "Factory of the Commons: Either Or" {
   phase eat { each agent on ground where ground.apple is here { set ground.apple = none  give pays to agent  tally eaten for agent } }
   phase handle {
     match agent as a with ground in reach of a where a chose grasp {
-      when a.hand is none and ground.apple is here { set a.hand = apple  set ground.apple = none }
-      otherwise when a.hand is none and ground.cube is here { set a.hand = cube  set ground.cube = none }
-      otherwise when a.hand is cube and free(ground) { set a.hand = none  set ground.cube = here }
-      otherwise when a.hand is apple and ground.apple is none { set a.hand = none  set ground.apple = here }
-    }
-  }
-  phase take_hold {
-    each agent as a where a chose hold or a chose shove or a chose pull {
-      mark grip of a  first agent as v in grip of a { add a to v.holders }
-    }
-  }
-  phase push {
-    each agent as victim where victim.holders is not nobody {
-      pick 1 agent as a in victim.holders where a chose shove or a chose pull {
-        when a chose shove { send victim by 1 a.heading facing same otherwise stay }
-        otherwise { send victim by 1 toward a facing same otherwise stay }
+      when a.hand is none and ground.apple is here or a.hand is apple and ground.apple is none {
+        set ground.apple = changed(ground.apple)  set a.hand = case a.hand { none: apple, otherwise: none }
+      } otherwise when a.hand is none and ground.cube is here or a.hand is cube and free(ground) {
+        set ground.cube = changed(ground.cube)  set a.hand = case a.hand { none: cube, otherwise: none }
       }
     }
   }
+  phase take_hold {  # both miss the next step of walking
+    each agent as a where a chose hold or a chose shove or a chose pull {
+      mark grip of a
+      first agent as v in grip of a {
+        set v.gripped = 2  set v.still = 2  set a.still = 2
+        when not a chose hold { set v.pushed = 1  set v.way = case a chose shove { yes: a.heading, no: opposite(a.heading) } by lot }
+      }
+    }
+  }
+  phase push { each agent where agent.pushed > 0 { send agent by 1 agent.way facing same otherwise stay } }
   phase tire {
     each agent where agent.resting == 0 {
       when agent chose forward or agent chose backward or agent chose step_left or agent chose step_right {
-        set agent.walked = somewhere  set agent.stamina = max(agent.stamina - 1, 0)
+        let left = max(agent.stamina - 1, 0)
+        set agent.stamina = left
+        when left < tired { set agent.resting = 1 + case left { 0: long_rest, otherwise: rest } }
       } otherwise { set agent.stamina = min(agent.stamina + 1, strength) }
     }
-  }
-  phase weary {
-    each agent where agent.walked is somewhere {
-      set agent.walked = nowhere
-      when agent.stamina < tired { set agent.resting = case agent.stamina { 0: long_rest, otherwise: rest } }
-    }
-    each agent where agent.holders is not nobody { set agent.still = 1  set agent.gripped = 1  set agent.holders = nobody }
-    each agent as victim { each agent as a in victim.holders { set a.still = 1 } }
   }
   phase finish { when step + 1 >= soonest and (step + 1) % interval == 0 { chance ending { end } } }
   observe {
     show agent.hand  show other.hand  show agent.stamina  show other.stamina  show agent.gripped
-    show mouth.clock as { open where mouth.clock == 0, shut }  hide floor.place
+    show mouth.clock as { open where mouth.clock == 0, shut }  show floor.place as { belt where floor.place is belt, bare }
   }
   metrics { event eaten  event fed by { cube_and_apple, two_apples }  mean cubes = count(ground where ground.cube is here) }
   checks { symmetric agents }

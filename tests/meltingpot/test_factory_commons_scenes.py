@@ -7,7 +7,7 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-ROWS = ("#######", "#S=.G=#", "#.m..m#", "#.m..m#", "#.....#", "#######")
+ROWS = ("#######", "#S=.G=#", "#.m..m#", "#.n..n#", "#.....#", "#######")
 LOOKS = {"o": "floor apple=here"}
 STAGE = Stage("factory_commons", ROWS, 2, looks=LOOKS, interpreted=True)
 OPEN = Stage("factory_commons", ("#########", "#.......#", "#.......#", "#.......#", "#########"), 2, looks=LOOKS, interpreted=True)
@@ -16,7 +16,7 @@ OPEN = Stage("factory_commons", ("#########", "#.......#", "#.......#", "#......
 def at_machine(sort: str, hand: str = "cube") -> Scene:
     """Returns a scene of agent 0 under the mouth of a machine, agent 1 out of the way."""
     upper = {"S": ("#S=.G=#", "#^m..m#"), "G": ("#S=.G=#", "#.m.^m#")}[sort]
-    return STAGE.put("#######", *upper, "#.m..m#", "#..<..#", "#######", fields={"agent.hand": [hand, "none"]})
+    return STAGE.put("#######", *upper, "#.n..n#", "#..<..#", "#######", fields={"agent.hand": [hand, "none"]})
 
 
 @pytest.mark.parametrize("sort", ["S", "G"])
@@ -40,11 +40,11 @@ def test_where_a_machine_puts_what_it_makes() -> None:
     scene = at_machine("S").step("", 15)
     cubes = [i for i, there in enumerate(scene.value("floor.cube")) if there == "here"]
     apples = [i for i, there in enumerate(scene.value("floor.apple")) if there == "here"]
-    assert (cubes, apples) == ([2], [7])  # floor cells in reading order: (2, 2) and (3, 2)
+    assert (cubes, apples) == ([4], [9])  # floor cells in reading order: (2, 2) and (3, 2)
 
 
 def test_a_cube_waits_until_nobody_stands_there() -> None:
-    scene = STAGE.put("#######", "#S=.G=#", "#^m..m#", "#.m..m#", "#..<..#", "#######", fields={"agent.hand": ["cube", "none"]})
+    scene = STAGE.put("#######", "#S=.G=#", "#^m..m#", "#.n..n#", "#..<..#", "#######", fields={"agent.hand": ["cube", "none"]})
     scene.step("", 4).step("step_right").step("", 12)
     assert "here" not in scene.value("floor.cube")
     scene.step("step_left").step()
