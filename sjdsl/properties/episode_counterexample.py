@@ -6,7 +6,8 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import contains
 from sjdsl.interpreter.board import Board, board_of
-from sjdsl.interpreter.state import Cell, World
+from sjdsl.interpreter.bodies import where_is
+from sjdsl.interpreter.state import Cell, Mover, World
 from sjdsl.interpreter.step import read
 from sjdsl.properties.counterexample import in_short, shown, take_step, when
 from sjdsl.properties.effects import AWAY, HEADING, MOVED, PLACE, Part, reads
@@ -92,6 +93,8 @@ def _part(effect: Effect, board: Board) -> Part:
     match effect.sort:
         case "field" if isinstance(effect.owner, Cell):
             return ("cell", board.kind_of[effect.owner], name)
+        case "field" if isinstance(effect.owner, Mover):
+            return ("mover", effect.owner.sort, name)
         case "field":
             return ("world" if effect.owner is None else "agent", name)
         case "event":
@@ -102,6 +105,6 @@ def _part(effect: Effect, board: Board) -> Part:
 
 def _rows(effects: Sequence[Effect], world: World, height: int) -> range:
     """Returns the rows of the map around what changed; all if nothing has a cell."""
-    cells = [e.owner if isinstance(e.owner, Cell) else world.position[e.owner] for e in effects if e.owner is not None]
+    cells = [e.owner if isinstance(e.owner, Cell) else where_is(e.owner, world) for e in effects if e.owner is not None]
     rows = [cell.row for cell in cells if cell is not None]
     return range(max(0, min(rows) - AROUND), min(height, max(rows) + AROUND + 1)) if rows else range(height)

@@ -36,7 +36,7 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     """
     match = _PATH.fullmatch(text.strip())
     owner, name, brackets = match.groups() if match else (None, text, "")
-    kinds = {kind.name: kind.fields for kind in (*game.kinds, *game.movers)}
+    kinds = {kind.name: kind.fields for kind in game.kinds} | {sort.name: sort.fields for sort in game.movers}
     owners = {"agent": game.agents.fields, **kinds}
     if owner is not None and owner not in owners:
         raise ValueError(f"`{text}`: the game has no `{owner}`{meant(owner, owners)}")

@@ -84,20 +84,33 @@ def numbered(rows: Sequence[Row], signs: Signs, agents: int, away: Collection[in
     return poses
 
 
-def placed(rows: Sequence[Row], signs: Signs) -> dict[str, list[Cell]]:
-    """Returns where the movers of each sort stand in a picture, in reading order.
+def placed(
+    rows: Sequence[Row], signs: Signs, numbers: Mapping[str, Sequence[int]], away: Mapping[str, Collection[int]]
+) -> dict[str, list[Cell | None]]:
+    """Returns where the movers of each sort stand in a picture, by their numbers; None for those that are away.
 
-    Raises ValueError: more of a sort, or fewer, than the game has.
+    numbers: of those in the picture, in reading order; else they rise.
+    Raises ValueError: more of a sort, or fewer, than are there, or numbers that are not theirs.
     """
     found: dict[str, list[Cell]] = {sort.name: [] for sort in signs.game.movers}
     for r, row in enumerate(rows):
         for c, sign in enumerate(row.signs):
             if sign in signs.movers:
                 found[signs.movers[sign]].append(Cell(r, c))
+    places: dict[str, list[Cell | None]] = {}
     for sort in signs.game.movers:
-        if len(found[sort.name]) != sort.number:
-            raise ValueError(f"the game has {sort.number} movers `{sort.name}`; the picture has {len(found[sort.name])} `{sort.glyph}`")
-    return found
+        name, gone = sort.name, away.get(sort.name, ())
+        here = [number for number in range(sort.number) if number not in gone]
+        if unknown := [number for number in gone if number not in range(sort.number)]:
+            raise ValueError(f"there is no `{name}` {unknown[0]}: the game has {sort.number} movers `{name}`, numbered from 0")
+        if len(found[name]) != len(here):
+            also = f" and {len(gone)} away" if gone else ""
+            raise ValueError(f"the game has {sort.number} movers `{name}`{also}; the picture has {len(found[name])} `{sort.glyph}`")
+        told = list(numbers.get(name, here))
+        if sorted(told) != here:
+            raise ValueError(f"the numbers of the movers `{name}` in the picture are {here} in some order, not {told}")
+        places[name] = [found[name][told.index(number)] if number in told else None for number in range(sort.number)]
+    return places
 
 
 def put_picture(rows: Sequence[Row], poses: Mapping[int, Pose], under: Mapping[int, str], signs: Signs, board: Board, world: World) -> None:

@@ -1,6 +1,6 @@
 """`Stage`: a game on a small map, for scenes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,6 +11,7 @@ from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import reset
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.near_names import meant
 from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_words
@@ -87,6 +88,8 @@ class Stage:
         under: Mapping[int, str] | None = None,
         fields: Mapping[str, Any] | None = None,
         away: Mapping[int, int | tuple[int, str]] | None = None,
+        movers_away: Mapping[str, Mapping[int, int | tuple[int, str]]] | None = None,
+        numbers: Mapping[str, Sequence[int]] | None = None,
         step: int = 0,
         seed: int = 0,
         params: Mapping[str, Any] | None = None,
@@ -102,6 +105,8 @@ class Stage:
             over agents, movers or cells (in reading order), a mapping of some of them (cells by (row, column)), or one value for all.
             Timers are fields.
           away: agents that are not on the map -> ticks until they return, with the phase that has sent them if several can; 0: never.
+          movers_away: sort -> which of its movers are not on the map, as `away`.
+          numbers: sort -> numbers of its movers in the picture, in reading order.
           step: finished steps of the episode.
           seed: of the first step; each further step has the next.
           params: run-time numbers by name.
@@ -114,13 +119,17 @@ class Stage:
         put_picture(rows, poses, under or {}, self.signs, board, world)
         world.position = [Cell(*poses[agent][:2]) if agent in poses else None for agent in range(board.agents)]
         world.heading = [poses[agent][2] if agent in poses else 0 for agent in range(board.agents)]
-        for sort, cells in placed(rows, self.signs).items():
-            herd = world.movers[sort]
-            herd.position, herd.away, herd.moved = list(cells), [None] * len(cells), [False] * len(cells)
-            herd.fields["heading"] = ["north"] * len(cells)
         for agent, told in gone.items():
-            ticks, phase = told if isinstance(told, tuple) else (told, None)
-            world.away[agent] = make_away(game, agent, ticks, phase)
+            world.away[agent] = make_away(game, agent, *_ticks_and_phase(told))
+        gone_movers = movers_away or {}
+        for sort in {*gone_movers, *(numbers or {})} - {*world.movers}:
+            raise ValueError(f"the game has no movers `{sort}`{meant(sort, world.movers)}")
+        for sort, cells in placed(rows, self.signs, numbers or {}, gone_movers).items():
+            herd, away_here = world.movers[sort], gone_movers.get(sort, {})
+            herd.position, herd.moved, herd.fields["heading"] = cells, [False] * len(cells), ["north"] * len(cells)
+            herd.away = [None] * len(cells)
+            for number, told in away_here.items():
+                herd.away[number] = make_away(game, number, *_ticks_and_phase(told), sort)
         for path, given in (fields or {}).items():
             write_field(find_field(game, path), given, board, world)
         world.step, world.marks = step, []
@@ -133,3 +142,7 @@ class Stage:
         if not self.interpreted:
             scene.compare_start(seed)
         return scene
+
+
+def _ticks_and_phase(told: int | tuple[int, str]) -> tuple[int, str | None]:
+    return told if isinstance(told, tuple) else (told, None)

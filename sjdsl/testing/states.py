@@ -6,7 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
-from sjdsl.compiler.ir.queries import all_fields, contains, phases_of
+from sjdsl.compiler.ir.queries import all_fields, contains, mover_sort, phases_of
 from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.bodies import herds
@@ -70,28 +70,34 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
     return {Pool(phase, pool.send.pool): pool.number for phase, pools in all_pools(optimise(game)).items() for pool in pools}
 
 
-def away_pools(game: ir.Game) -> dict[Pool, ir.Send]:
-    """Returns the destinations one can be away before, each with a statement that sends there."""
+def away_pools(game: ir.Game, sort: str = "") -> dict[Pool, ir.Send]:
+    """Returns the destinations that agents, or movers of a sort, can be away before, each with a statement that sends there."""
     known = pool_numbers(game)
     found: dict[Pool, ir.Send] = {}
     for phase in phases_of(game):
         for node in ir.walk(phase):
-            if isinstance(node, ir.Send) and node.after is not None and Pool(phase.name, node.pool) in known:
+            if (
+                isinstance(node, ir.Send)
+                and node.after is not None
+                and mover_sort(node.who) == sort
+                and Pool(phase.name, node.pool) in known
+            ):
                 found.setdefault(Pool(phase.name, node.pool), node)
     return found
 
 
-def make_away(game: ir.Game, agent: int, ticks: int, phase: str | None) -> Away:
-    """Returns how an agent is away: for good (0 ticks), or sent by the phase of that name, or by the only one that sends away."""
+def make_away(game: ir.Game, number: int, ticks: int, phase: str | None, sort: str = "") -> Away:
+    """Returns how an agent, or a mover of a sort, is away: for good (0 ticks), or sent by the phase of that name, or by the only one."""
+    who = f"{sort or 'agent'} {number}"
     if ticks == 0:
         if not contains(game, ir.Remove):
-            raise ValueError(f"agent {agent}: nobody is removed for good in this game, so give the ticks until it returns")
+            raise ValueError(f"{who}: nobody is removed for good in this game, so give the ticks until it returns")
         return Away(0, None, None)
-    pools, labels = away_pools(game), {phase.name: phase.label for phase in phases_of(game)}
+    pools, labels = away_pools(game, sort), {phase.name: phase.label for phase in phases_of(game)}
     fitting = {pool: send for pool, send in pools.items() if phase in (None, labels[pool.phase])}
     if len(fitting) != 1 or ticks < 0:
         phases = sorted({labels[pool.phase] for pool in pools})
         wanted = f"one of {', '.join(phases)}" if phases else "none: nobody is sent away `after` some steps in this game"
-        raise ValueError(f"agent {agent}: an agent away is given as (ticks, phase that has sent it); the phase here is {wanted}")
+        raise ValueError(f"{who}: an agent away is given as (ticks, phase that has sent it); the phase here is {wanted}")
     (pool, send), *_ = fitting.items()
     return Away(ticks, pool, send.facing)

@@ -141,7 +141,7 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
                 yield done
             case ir.Shift() if body in [sent.agent for sent in done.written.get("shifts", ())]:
                 yield done
-            case ir.Remove() if body in agents_in(evaluate(done.statement.who, _instance(done, account, board))):
+            case ir.Remove() if body in list(agents_in(evaluate(done.statement.who, _instance(done, account, board)))):
                 yield done
             case _:
                 pass

@@ -46,3 +46,17 @@ def test_a_picture_has_all_movers(picture: tuple[str, str], message: str) -> Non
 def test_signs_of_movers_are_taken(settings: dict, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Stage(Path(__file__).parent / "meadow.sj", **settings).put("d>d..", "..#..")
+
+
+def test_movers_that_are_away_return() -> None:
+    """Those in the picture may be numbered as wished; who is away is not in it."""
+    scene = STAGE.put("..>.d", "..#..", movers_away={"deer": {0: 2}}).shows("..>.d", "..#..")
+    scene.has({"deer.away": [True, False], "deer.ticks": [2, 0], "deer.col": [None, 4]})
+    scene.step().has({"deer.ticks": [1, 0]}).step().has({"deer.away": False})
+    STAGE.put("d.>.d", "..#..", numbers={"deer": [1, 0]}).has({"deer.col": [4, 0]})
+    with pytest.raises(ValueError, match="no movers `dear`; did you mean `deer`"):
+        STAGE.put("d.>.d", "..#..", numbers={"dear": [1, 0]})
+    with pytest.raises(ValueError, match=r"are \[0, 1\] in some order, not \[1, 1\]"):
+        STAGE.put("d.>.d", "..#..", numbers={"deer": [1, 1]})
+    with pytest.raises(ValueError, match="no `deer` 7"):
+        STAGE.put("d.>.d", "..#..", movers_away={"deer": {7: 1}})

@@ -19,7 +19,7 @@ GAMES = [*main_games(), HERE / "camp.sj", *sorted((HERE.parent / "differential" 
 
 
 def path_of(declared: Any) -> str:
-    return {"cell": f"{declared.kind}.", "agent": "agent.", "world": ""}[declared.held_by] + declared.name
+    return {"cell": f"{declared.kind}.", "mover": f"{declared.kind}.", "agent": "agent.", "world": ""}[declared.held_by] + declared.name
 
 
 def put_again(stage: Stage, world: World) -> World:
@@ -30,12 +30,23 @@ def put_again(stage: Stage, world: World) -> World:
         if place is not None:
             rows[place.row][place.col] = stage.arrows[world.heading[agent]]
             standing[place.row].append((place.col, agent))
+    orders: dict[str, list[int]] = {}
+    for sort in stage.env.game.movers:
+        places = {place: number for number, place in enumerate(world.movers[sort.name].position) if place is not None}
+        orders[sort.name] = [number for _, number in sorted(places.items())]
+        for row, col in places:
+            rows[row][col] = sort.glyph
     numbers = [",".join(str(agent) for _, agent in sorted(row)) for row in standing]
     picture = [f"{''.join(row)}  {told}" if told else "".join(row) for row, told in zip(rows, numbers, strict=True)]
     labels = {phase.name: phase.label for phase in stage.env.game.schedule if hasattr(phase, "name")}
-    away = {i: (a.ticks, labels[a.pool.phase]) if a.pool else 0 for i, a in enumerate(world.away) if a is not None}
+    away, *movers_away = (
+        {i: (a.ticks, labels[a.pool.phase]) if a.pool else 0 for i, a in enumerate(herd.away) if a is not None}
+        for herd in (world, *world.movers.values())
+    )
     fields = {path_of(f): read_field(find_field(stage.env.game, path_of(f)), world) for f in all_fields(stage.env.game)}
-    return stage.put(*picture, fields=fields, away=away, step=world.step).world
+    return stage.put(
+        *picture, fields=fields, away=away, movers_away=dict(zip(world.movers, movers_away, strict=True)), numbers=orders, step=world.step
+    ).world
 
 
 @pytest.mark.parametrize("game", GAMES, ids=[Path(game).stem for game in GAMES])
@@ -51,6 +62,9 @@ def test_every_state_can_be_put(game: str | Path) -> None:
             again = put_again(stage, world)
             assert (again.cells, again.agents, again.fields) == (world.cells, world.agents, world.fields)
             assert (again.position, again.away, again.step) == (world.position, world.away, world.step)
+            for sort, herd in world.movers.items():
+                own = again.movers[sort]
+                assert (own.position, own.away, own.fields) == (herd.position, herd.away, herd.fields)
             assert all(a == b for a, b, place in zip(again.heading, world.heading, world.position, strict=True) if place)
 
 
