@@ -13,7 +13,7 @@ from tests.laws.symmetry import Symmetry
 
 
 class RunsOut(Exception):
-    """Lower numbers come first, by the manual: there were fewer free cells than agents sent, or two drew the same `by lot`."""
+    """There were fewer free cells than agents sent: lower numbers come first, by the manual, so that new numbers change who stays."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,6 @@ def other_draws(game: ir.Game, changed: ir.Game, drawn: Recorded, s: Symmetry) -
     """Returns the words for the game under the symmetry. Raises RunsOut where the manual lets the number of an agent decide."""
     known = streams(game)
     words: dict[tuple[int, int], int] = {}
-    _leave_out_ties(known, drawn)
     for stream, number, word in drawn.used:
         about = known[stream]
         if about.sort == "heading":
@@ -58,11 +57,11 @@ def other_draws(game: ir.Game, changed: ir.Game, drawn: Recorded, s: Symmetry) -
     return Table(words)
 
 
-def _leave_out_ties(known: dict[int, Stream], drawn: Recorded) -> None:
-    """Raises RunsOut where two have drawn the same rank of a lot, so that their numbers may decide."""
-    ranks = [(stream, word >> 1) for stream, _, word in drawn.used if known[stream].sort == "lot"]
-    if len(set(ranks)) < len(ranks):
-        raise RunsOut
+def tied(game: ir.Game, drawn: Recorded) -> bool:
+    """Returns whether two have drawn the same rank, so that their numbers may decide."""
+    known = streams(game)
+    ranks = [(stream, word >> 8) for stream, _, word in drawn.used if known[stream].sort == "rank"]
+    return len(set(ranks)) < len(ranks)
 
 
 def choosing(index: int, size: int) -> int:

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import entry_name, sort_of
 from sjdsl.interpreter.board import board_of
-from sjdsl.interpreter.planes import planes
+from sjdsl.interpreter.planes import Plane, planes
 from sjdsl.interpreter.state import Herd, Outcome, Value, World
 from tests.laws.symmetry import Symmetry
 
@@ -52,7 +53,10 @@ def _herd(sort: str, herd: Herd, game: ir.Game, s: Symmetry) -> Herd:
 def other_outcome(game: ir.Game, outcome: Outcome, s: Symmetry) -> Outcome:
     """Returns what a step gave, to the agents by their new numbers."""
     per_agent = {e.name for e in game.events if e.per_agent}
-    events = {name: _agents(count, s) if name in per_agent else count for name, count in outcome.events.items()}
+    entries = {e.name for e in game.events if e.by and sort_of(e.by) == "agent"}
+    events = outcome.events | {n: [_agents(row, s) for row in outcome.events[n]] for n in entries & per_agent}
+    events |= {n: _agents(events[n], s) for n in entries - per_agent}
+    events |= {n: _agents(events[n], s) for n in per_agent}
     return replace(outcome, reward=_agents(outcome.reward, s), events=events)
 
 
@@ -61,21 +65,30 @@ def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
     seen = np.asarray(_agents(list(picture), s))
     shown = planes(game)
     names = [p.name for p in shown]
-    if s.mirror:
-        for number, plane in enumerate(shown):
-            if plane.what == "mover" and plane.observable is not None and plane.observable.field == "heading":
-                seen[:, number] = MIRRORED_MOVER[seen[:, number]]
-    for number, plane in enumerate(shown):  # of every agent, in the order of their numbers
-        if plane.agent is not None:
-            renamed = plane.name.replace(f"[{plane.agent}]", f"[{s.order[plane.agent]}]", 1)
+    for number, plane in enumerate(shown):  # of every agent, or an entry for every agent, in the order of their numbers
+        if (renamed := _renamed(plane, s)) != plane.name:
             seen[:, names.index(renamed)] = np.asarray(_agents(list(picture[:, number]), s))
     if not s.mirror:
         return seen
+    for number, plane in enumerate(shown):
+        if plane.what == "mover" and (of := plane.observable) is not None and of.field == "heading" and not of.labels:
+            seen[:, number] = MIRRORED_MOVER[seen[:, number]]
     seen = seen[..., ::-1].copy()
     if any(observable.what == "heading" for observable in game.observables):
         number = names.index("agent")
         seen[:, number] = MIRRORED[seen[:, number]]
     return seen
+
+
+def _renamed(plane: Plane, s: Symmetry) -> str:
+    """Returns the name of the plane that shows the same of the agents under their new numbers."""
+    name, entry = plane.name, None if plane.observable is None else plane.observable.word
+    if plane.agent is not None:
+        name = name.replace(f"[{plane.agent}]", f"[{s.order[plane.agent]}]", 1)
+    if entry is not None and sort_of((entry,)) == "agent":
+        number = entry_name(entry)
+        name = f"{name.removesuffix(f'[{number}]')}[{s.order[int(number)]}]"
+    return name
 
 
 def world_differences(mine: World, theirs: World) -> list[str]:
@@ -107,8 +120,9 @@ def _value(value: Value, type_: ir.Type, s: Symmetry) -> Value:
     if type_.kind == "cell" and not type_.by:
         return None if value is None else s.cell(value)
     if isinstance(value, tuple):
-        type_ = type_.model_copy(update={"by": type_.by[1:]})
-        return tuple(_value(v, type_, s) for v in value)
+        inner = type_.model_copy(update={"by": type_.by[1:]})
+        entries = [_value(v, inner, s) for v in value]
+        return tuple(_agents(entries, s) if sort_of(type_.by[0]) == "agent" else entries)
     match type_.kind:
         case "agents":
             return frozenset(s.order[agent] for agent in value)

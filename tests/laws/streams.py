@@ -25,12 +25,11 @@ class Digit:
 class Stream:
     """`digits`: outermost first. `options`: what a `pick` chooses from. `sort`: what its words are used for.
 
-    `way`: which of the directions that are open to a mover. `lot`: who of several writes a field. `order`: of agents; movers keep their
-    numbers under every symmetry.
+    `rank`: who of several comes first, by number if the upper 24 bits are the same. `way`: which of the directions that are open to a mover.
     """
 
     digits: tuple[Digit, ...]
-    sort: Literal["plain", "pick", "order", "heading", "lot", "way"] = "plain"
+    sort: Literal["plain", "pick", "order", "heading", "rank", "way"] = "plain"
     options: Digit | None = None
 
 
@@ -50,7 +49,7 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
             case ir.Chance() | ir.Draw():
                 found[statement.stream] = Stream(around)
             case ir.Set(lot=int(stream)):
-                found[stream] = Stream(around, "lot")
+                found[stream] = Stream(around, "rank")
             case ir.Each():
                 inside = (*around, _digit(statement.domain, board))
             case ir.First():
@@ -63,14 +62,14 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
                 found[statement.stream] = Stream((*around, Digit("fixed", min(statement.most, own.radix))), "pick", own)
             case ir.Match():
                 inside = (*around, _digit(statement.left, board))
-                found[statement.stream] = Stream((*around, _everybody(statement.left, board), _everybody(statement.right, board)))
+                found[statement.stream] = Stream((*around, _everybody(statement.left, board), _everybody(statement.right, board)), "rank")
             case ir.Move():
-                found[statement.stream] = Stream((*around, _everybody(statement.domain, board)))
+                found[statement.stream] = Stream((*around, _everybody(statement.domain, board)), "rank")
                 if isinstance(statement.course, ir.Wander):
                     found[statement.course.stream] = Stream((_everybody(statement.domain, board),), "way")
             case ir.Shift():
                 sent = _body(statement.who, board)
-                found[statement.stream] = Stream((sent,))
+                found[statement.stream] = Stream((sent,), "rank")
                 if statement.heading_stream is not None:
                     found[statement.heading_stream] = Stream((sent,), "heading")
             case ir.Send():
