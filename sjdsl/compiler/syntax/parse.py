@@ -78,7 +78,7 @@ def _kept_tables() -> str | bool:
 @cache
 def automaton() -> Automaton:
     """Returns the parser's table, for finding errors."""
-    return make_automaton(parser())
+    return make_automaton(parser(), SOFT)
 
 
 def _check_version(source: Source) -> list[Diagnostic]:

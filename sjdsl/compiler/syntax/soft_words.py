@@ -5,7 +5,7 @@ Words that came to the language after its first version are soft, so that no old
 
 from lark import Token
 
-from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read
+from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read, read_as
 
 SOFT = frozenset(
     {"POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD", "AWAY", "RANDOM", "AHEAD", "ALONG"}
@@ -26,6 +26,6 @@ def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:
 
 def as_name(table: Automaton, stack: Stack, token: Token) -> Token:
     """Returns a token, as a name if it is a soft word that cannot come here and a name can."""
-    if token.type not in SOFT or read(table, stack, token.type) is not None or read(table, stack, "NAME") is None:
+    if token.type not in SOFT or read_as(table, stack, token.type) is not None or read_as(table, stack, "NAME") is None:
         return token
     return Token.new_borrow_pos("NAME", token, token)

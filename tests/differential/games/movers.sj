@@ -1,16 +1,20 @@
 sj 1
 game movers "Movers of several sorts: fleeing, hunting, rolling, drifting, riding on belts; caught, reborn, removed" {
-  size  herd    : count = 3 in 1 .. 8
-  param caught  : reward = 1
-  param delay   : steps = 3 in 0 .. 6
+  size  herd   : count  = 3 in 1 .. 8
+  param caught : reward = 1
+  param delay  : steps  = 3 in 0 .. 6
   episode 60
   field tally_of_deer : 0 .. 99 capped = 0
   kind grass "." { field grown : { bare, lush } = lush  glyph "," with grown = bare }
   kind wall  "#" { blocks agents, deer, wolf, cart, ball }
-  kind belt  ">" { field way : { stop, east, south } = east  blocks agents, ball, deer  glyph "v" with way = south  glyph "=" with way = stop }
-  kind door  "D" { field state : { open, shut } = shut
-                   blocks agents, deer when door.state is shut
-                   blocks wolf when wolf.hungry < 2 and door.state is shut }
+  kind belt  ">" {
+    field way : { stop, east, south } = east  blocks agents, ball, deer  glyph "v" with way = south  glyph "=" with way = stop
+  }
+  kind door  "D" {
+    field state : { open, shut } = shut
+    blocks agents, deer when door.state is shut
+    blocks wolf when wolf.hungry < 2 and door.state is shut
+  }
   group ground = grass, belt
   map {
     ".,..#..."
@@ -40,8 +44,8 @@ game movers "Movers of several sorts: fleeing, hunting, rolling, drifting, ridin
   schedule tick -> walk -> flee -> hunt -> roll -> ride -> drift(1) -> act -> shove -> stop -> meet
   phase walk { move each agent }
   phase flee {
-    move each deer where deer.rest == 0 away from agent as hunter where distance(hunter, deer) <= 3 and hunter.bag < 9
-      avoiding grass where grass.grown is bare
+    move each deer where deer.rest == 0 away from agent as hunter where distance(hunter, deer) <= 3 and hunter.bag < 9 avoiding grass
+        where grass.grown is bare
   }
   phase hunt { move each wolf toward deer in disc(3) of wolf avoiding ball }
   phase roll { move each ball where ball.rolling is yes ahead }
@@ -66,8 +70,7 @@ game movers "Movers of several sorts: fleeing, hunting, rolling, drifting, ridin
       first ball in line(1) of a {
         send ball by 1 a.heading facing north otherwise stay
         send a by 1 ahead otherwise stay
-      }
-      otherwise { pick 1 cart in disc(2) of a { send cart by 2 away from a otherwise stay } }
+      } otherwise { pick 1 cart in disc(2) of a { send cart by 2 away from a otherwise stay } }
     }
     each wolf where wolf.hungry > 4 { send wolf by 1 back facing south otherwise stay }
   }
@@ -83,7 +86,9 @@ game movers "Movers of several sorts: fleeing, hunting, rolling, drifting, ridin
     }
     each cart { each agent in disc(2) of cart { add agent to cart.load } }
     each agent as a { let close = count(deer in disc(1) of a)  add close to a.bag  give caught * close to a }
-    each ball as one { each ball as other where one is not other and distance(one, other) == 1 { when one.index < other.index { remove one } } }
+    each ball as one {
+      each ball as other where one is not other and distance(one, other) == 1 { when one.index < other.index { remove one } }
+    }
   }
   define nobody_chose(b) = count(agent as x in disc(3) of b where x chose kick) == 0
   observe {

@@ -4,8 +4,8 @@ game own_destinations "Teams with gates of their own" {
   param hard : probability = 0.5
   episode 60
   kind grass "."
-  kind gate "g" { field team : { red, blue } = red  field owner : agent  glyph "b" with team = blue }
-  kind nest "n" { field number : 0 .. 3 = 0  glyph "1" with number = 1  glyph "2" with number = 2  glyph "3" with number = 3 }
+  kind gate  "g" { field team : { red, blue } = red  field owner : agent  glyph "b" with team = blue }
+  kind nest  "n" { field number : 0 .. 3 = 0  glyph "1" with number = 1  glyph "2" with number = 2  glyph "3" with number = 3 }
   map { "gg.bb"
         "n123g"
         ".b..." }

@@ -15,7 +15,7 @@ game pushing "Pushes and pulls" {
     acts turn_left, turn_right, forward, stay, push, pull, jump, swap
     moves relative
     field force : 0 .. 3 = 1
-    field hits : 0 .. 9 capped = 0
+    field hits  : 0 .. 9 capped = 0
   }
   phase start { each agent { send agent to ice } }
   schedule walk -> doors -> carry -> push -> pull -> jump -> swap -> shake -> strengthen -> scatter -> tick

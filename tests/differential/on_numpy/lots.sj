@@ -3,7 +3,7 @@ game lots "One winner by lot" {
   episode 30
   kind grass "."
   kind tree  "T" { field taker : agent  field bid : 0 .. 9 = 0  field seen : { none, low, high } = none }
-  map { "..T." "T..." ".TT." }
+  map { "..T."  "T..."  ".TT." }
   field king : agent
   field pot  : 0 .. 20 = 0
   agents 4 {

@@ -22,7 +22,7 @@ class Automaton(Record, eq=False):
     """The parser's table.
 
     `states`: for each state, symbol -> ("shift", state) or ("reduce", rule). `after`: the states that end with a kind of token.
-    `words`: the kinds of tokens written in one way only, with their text.
+    `words`: the kinds of tokens written in one way only, with their text. `soft`: the kinds that are names where they are no words.
     """
 
     states: Mapping[int, Mapping[str, Any]]
@@ -30,9 +30,10 @@ class Automaton(Record, eq=False):
     end: int
     after: Mapping[str, frozenset[int]]
     words: Mapping[str, str]
+    soft: frozenset[str]
 
 
-def make_automaton(parser: Lark) -> Automaton:
+def make_automaton(parser: Lark, soft: frozenset[str] = frozenset()) -> Automaton:
     """Returns the table of a LALR parser."""
     conf = parser.parse_interactive("").parser_state.parse_conf
     table: dict[int, dict[str, Any]] = {}
@@ -46,11 +47,17 @@ def make_automaton(parser: Lark) -> Automaton:
             if kind == "shift":
                 after.setdefault(symbol, set()).add(argument)
     words = {terminal.name: terminal.pattern.value for terminal in parser.terminals if terminal.pattern.type == "str"}
-    return Automaton(table, conf.start_state, conf.end_state, {k: frozenset(v) for k, v in after.items()}, words)
+    return Automaton(table, conf.start_state, conf.end_state, {k: frozenset(v) for k, v in after.items()}, words, soft)
 
 
 def read(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
-    """Returns the stack after one token of this kind, None if it cannot come here.
+    """Returns the stack after one token of this kind, a soft word also as a name; None if it cannot come here."""
+    after = read_as(automaton, stack, kind, token)
+    return read_as(automaton, stack, "NAME", token) if after is None and kind in automaton.soft else after
+
+
+def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
+    """Returns the stack after one token of just this kind, None if it cannot come here.
 
     The uppermost level is held in variables: one word behind an expression reduces it a dozen times, each time replacing only that.
     """

@@ -116,29 +116,35 @@ def _end_of(element: str, at: int, trouble: Trouble, lex: Lex) -> int:
     """Returns where a part of a phrase ends, `at` if it does not stand there."""
     kinds = trouble.kinds
     match element:
-        case "NAME" | "INT" | "STRING":
+        case "NAME":
+            return at + _is_name(trouble.automaton, kinds[at])
+        case "INT" | "STRING":
             return at + (kinds[at] == element)
         case "PATH":
-            return _end_of_path(kinds, at)
+            return _end_of_path(trouble.automaton, kinds, at)
         case "TURNS" | "NAMES":
-            return _end_of_list(kinds, trouble.texts, at)
+            return _end_of_list(trouble.automaton, kinds, trouble.texts, at)
         case _:
             return _end_of_read(element, at, trouble, lex)
 
 
-def _end_of_path(kinds: Sequence[str], at: int) -> int:
-    if kinds[at] != "NAME":
+def _is_name(automaton: Automaton, kind: str) -> bool:
+    return kind == "NAME" or kind in automaton.soft
+
+
+def _end_of_path(automaton: Automaton, kinds: Sequence[str], at: int) -> int:
+    if not _is_name(automaton, kinds[at]):
         return at
     at += 1
-    while kinds[at] == "DOT" and kinds[at + 1] == "NAME":
+    while kinds[at] == "DOT" and _is_name(automaton, kinds[at + 1]):
         at += 2
     return at
 
 
-def _end_of_list(kinds: Sequence[str], texts: Sequence[str], at: int) -> int:
+def _end_of_list(automaton: Automaton, kinds: Sequence[str], texts: Sequence[str], at: int) -> int:
     """Names with brackets behind them or not, and commas, arrows of any kind, `then` or nothing between them."""
     end = at
-    while kinds[at] == "NAME":
+    while _is_name(automaton, kinds[at]):
         at += 1
         if kinds[at] == "LPAR" and "RPAR" in kinds[at:]:
             at = at + list(kinds[at:]).index("RPAR") + 1
