@@ -17,6 +17,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
+from sjdsl.compiler.written_entries import entry_key, path_text, with_entry
 
 
 @dataclass
@@ -338,18 +339,6 @@ def _apply_observe(game: Composition, observe: ast.Observe) -> None:
             game.observables[_observable_key(observable)] = observable
 
 
-def path_text(path: ast.Path) -> str:
-    """Returns a path as written, without layout; keys other than names show as `..`."""
-    steps = []
-    for step in path.steps:
-        if isinstance(step, ast.Member):
-            steps.append("." + step.name.text)
-        else:
-            key = step.key
-            steps.append(f"[{key.name.text}]" if isinstance(key, ast.Path) else f"[{key.value}]" if isinstance(key, ast.Int) else "[..]")
-    return path.name.text + "".join(steps)
-
-
 def _override(game: Composition, change: ast.Override) -> None:
     name = change.path.name.text
     constant = game.constants.get(name)
@@ -370,9 +359,9 @@ def _replace_entry(
     if not steps:
         return change.value
     step = steps[0]
-    key = _key(step)
+    key = entry_key(step)
     if key is not None and by is not None:
-        value = _with_entry(value, key, by)
+        value = with_entry(value, key, by)
     if key is None or not isinstance(value, ast.Table) or key.text not in {e.key.text for e in value.entries}:
         _unknown(game, ast.Name(change.path.span, path_text(change.path)))
         return value
@@ -380,29 +369,6 @@ def _replace_entry(
         replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e for e in value.entries
     )
     return replace(value, entries=entries)
-
-
-def _key(step: ast.Member | ast.Index) -> ast.Name | None:
-    """Returns the entry that a change names: a word, or a number."""
-    match step:
-        case ast.Index(key=ast.Path(name=name)):
-            return name
-        case ast.Index(key=ast.Int(value=number) as written):
-            return ast.Name(written.span, str(number))
-    return None
-
-
-def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
-    """Returns a table in which an entry stands by itself: one that `otherwise` or a single number for all stood for gets a line of its own."""
-    known = isinstance(by, ast.Words) and key.text in {name.text for name in by.names}
-    if not known and not (not isinstance(by, ast.Words) and key.text.isdigit()):
-        return value
-    rest = ast.Name(value.span, "otherwise")
-    entries = value.entries if isinstance(value, ast.Table) else (ast.Entry(value.span, rest, value),)
-    others = next((entry for entry in entries if entry.key.text == "otherwise"), None)
-    if others is None or key.text in {entry.key.text for entry in entries}:
-        return value
-    return ast.Table(value.span, (ast.Entry(value.span, key, others.value), *entries))
 
 
 def _drop(game: Composition, name: ast.Name) -> None:

@@ -4,16 +4,16 @@ Who belongs to a domain and how far a shape reaches is found here too: a domain 
 lanes end where a condition holds, so that these three are one recursion.
 """
 
-from collections.abc import Callable, Iterable
-from itertools import islice, product
-from typing import Any, Literal, assert_never
+from collections.abc import Callable
+from typing import Any, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.compiler.ir.sorts import Level, place_of, sort_of
+from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, where_is
+from sjdsl.interpreter.evaluation_parts import agents_in, applies, arguments_of, binds_all, entry_place, is_of_class
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found, agent_on, body_on, is_here
 from sjdsl.interpreter.shapes import Seen, lanes_from
@@ -47,25 +47,8 @@ def _checked(e: ir.Expr, here: Instance) -> Value:
 def _is_closed(e: ir.Expr, board: Board) -> bool:
     """Returns whether all variables of an expression are bound inside it. The board keeps the answers."""
     if id(e) not in board.closed:
-        board.closed[id(e)] = (e, _binds_all(e))
+        board.closed[id(e)] = (e, binds_all(e))
     return board.closed[id(e)][1]
-
-
-def _binds_all(e: ir.Expr) -> bool:
-    return not _free_names(e)
-
-
-def _free_names(node: ir.Node) -> set[str]:
-    """Returns the variables of a node that it does not bind itself; a domain may bind a name that means something else around it."""
-    if isinstance(node, (ir.Member, ir.Local)):
-        return {node.name}
-    if not isinstance(node, (ir.Count, ir.Sum, ir.Extreme)):
-        return set().union(*map(_free_names, ir.children(node)))
-    domain, value = node.domain, getattr(node, "value", None)
-    inside = set().union(*(_free_names(part) for part in (domain.where, value) if part is not None))
-    outside = [part for part in (domain.restriction, *ir.children(node)) if part is not None and part is not domain and part is not value]
-    bound = {member.name for member in (domain.var, domain.on) if member is not None}
-    return (inside - bound).union(*map(_free_names, outside))
 
 
 def _name(e: "ir.Member | ir.Local", here: Instance) -> Value:
@@ -115,20 +98,6 @@ def _argument_of(e: ir.ArgumentOf, here: Instance) -> Value:
     return taken[e.number]
 
 
-def arguments_of(action: ir.ActionWithArguments, number: int) -> tuple[Value, ...] | None:
-    """Returns the arguments of an action with this number; None if it is another action's."""
-    if number not in action.numbers:
-        return None
-    values: list[Iterable[Value]] = []
-    for argument in action.arguments:
-        if argument.type.kind == "word":
-            values.append(argument.type.words)
-        else:
-            low = int(argument.type.low) if argument.type.kind == "int" else 0
-            values.append(range(low, low + argument.count))
-    return next(islice(product(*values), number - action.first, None))
-
-
 def _logic(e: ir.Logic, here: Instance) -> bool:
     """Returns what `and` or `or` says; both stop at the first side that decides, so that guards protect."""
     decides = e.fn == "or"
@@ -136,13 +105,6 @@ def _logic(e: ir.Logic, here: Instance) -> bool:
         if bool(evaluate(arg, here)) == decides:
             return decides
     return not decides
-
-
-def agents_in(value: Value) -> Iterable[int]:
-    """Returns the agents of a set, the one agent, or none."""
-    if isinstance(value, frozenset):
-        return value
-    return frozenset() if value is None else frozenset({value})
 
 
 def _field(e: ir.FieldRead, here: Instance) -> Value:
@@ -198,26 +160,13 @@ def _entry(e: ir.At, here: Instance) -> Value:
     return numbers.total(parts, is_real=True)
 
 
-def entry_place(level: Level, key: Value) -> int:
-    """Returns the place of the entry that a key names: a word, a number of the range, or an agent."""
-    place = place_of(level, key)
-    assert 0 <= place < len(level), f"no entry for {key} in {level}"
-    return place
-
-
 def _case(e: ir.Case, here: Instance) -> Value:
     subject = evaluate(e.subject, here)
     if isinstance(subject, bool):
         subject = "yes" if subject else "no"
-    arms = [arm for arm in e.arms if _applies(arm, subject)]
+    arms = [arm for arm in e.arms if applies(arm, subject)]
     assert len(arms) == 1, f"{len(arms)} arms apply to {subject}"
     return evaluate(arms[0].value, here)
-
-
-def _applies(arm: ir.Arm, subject: int | str) -> bool:
-    if isinstance(subject, str):
-        return subject in arm.words
-    return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
 
 
 def _of_all_entries(e: ir.SumRow, here: Instance) -> Value:
@@ -236,25 +185,6 @@ def _lowest(e: ir.Lowest, here: Instance) -> str | int:
     positive = [name for name, entry in zip(level, evaluate(e.row, here), strict=True) if entry > 0]
     found = positive[order] if positive else level[order]
     return int(found) if sort_of(level) == "number" else found
-
-
-def _is_of_class(
-    name: Literal["prisoners_dilemma", "stag_hunt", "chicken"], table: tuple[tuple[Value, Value], tuple[Value, Value]]
-) -> bool:
-    """Returns whether a table [own word][other's word], cooperation first, is such a game.
-
-    Source: Macy and Flache, "Learning dynamics in social dilemmas", PNAS 2002; a chicken game by its order alone.
-    """
-    (reward, sucker), (temptation, punishment) = table
-    match name:
-        case "prisoners_dilemma":
-            return bool(temptation > reward > punishment > sucker and 2 * reward > temptation + sucker)
-        case "stag_hunt":
-            return bool(reward > temptation >= punishment > sucker)
-        case "chicken":
-            return bool(temptation > reward > sucker > punishment)
-        case _:
-            assert_never(name)
 
 
 def members_of(domain: ir.Domain, here: Instance) -> list[Found]:
@@ -430,5 +360,5 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.StandsOn: _stands_on,
     ir.Not: lambda e, here: not evaluate(e.value, here),
     ir.Logic: _logic,
-    ir.MatrixClass: lambda e, here: _is_of_class(e.name, evaluate(e.table, here)),
+    ir.MatrixClass: lambda e, here: is_of_class(e.name, evaluate(e.table, here)),
 }

@@ -9,7 +9,8 @@ from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.interpreter import chances, members
 from sjdsl.interpreter.account import Drawn
-from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of, nearest_members
+from sjdsl.interpreter.evaluate import cells_in, evaluate, members_of, nearest_members
+from sjdsl.interpreter.evaluation_parts import agents_in
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import course_of
 from sjdsl.interpreter.overflow import LeavesFloat32

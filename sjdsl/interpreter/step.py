@@ -10,7 +10,8 @@ from sjdsl.compiler.ir.queries import action_named, event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.bodies import away_of, bodies, where_is
-from sjdsl.interpreter.evaluate import arguments_of, entry_place, evaluate
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.evaluation_parts import arguments_of, entry_place
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
 from sjdsl.interpreter.overflow import watched

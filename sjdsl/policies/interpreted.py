@@ -10,7 +10,8 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named, blocks_always
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import occupied, where_is
-from sjdsl.interpreter.evaluate import arguments_of, evaluate, members_of
+from sjdsl.interpreter.evaluate import evaluate, members_of
+from sjdsl.interpreter.evaluation_parts import arguments_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD, lanes_from
 from sjdsl.interpreter.state import Cell, World

@@ -10,7 +10,8 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named, all_fields, contains, written_field
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import board_of, cells_of
-from sjdsl.interpreter.evaluate import arguments_of, evaluate
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.evaluation_parts import arguments_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.properties.effects import AWAY, STEP, reads, written_by

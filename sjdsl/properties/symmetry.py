@@ -13,7 +13,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer, words
-from sjdsl.interpreter.evaluate import arguments_of
+from sjdsl.interpreter.evaluation_parts import arguments_of
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws

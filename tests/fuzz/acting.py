@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from sjdsl.compiler import ir
 from tests.fuzz.conditions import condition, somebody, word
 from tests.fuzz.declared import Lines, World
-from tests.fuzz.quantities import fitted, integer
+from tests.fuzz.quantities import integer
 from tests.fuzz.reading import Scope, Typed, Variable
+from tests.fuzz.typed_numbers import fitted
 
 NAMES = ("vote", "offer", "say")
 ARGUMENTS = ("apples", "whom", "what")

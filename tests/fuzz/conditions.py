@@ -202,7 +202,7 @@ def agent_value(scope: Scope) -> str:
 
 def probability(scope: Scope, depth: int) -> str:
     """Returns a number that is surely in 0 .. 1."""
-    from tests.fuzz.quantities import fitted
+    from tests.fuzz.typed_numbers import fitted
 
     r = scope.world.random
     if r.random() < 0.15:

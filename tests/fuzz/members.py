@@ -118,6 +118,6 @@ def _argument(scope: Scope, wanted: ir.Type, depth: int) -> str:
         found = word(scope, wanted.words, 1)
         return found[0] if found and set(found[1]) <= set(wanted.words) else ""
     text, type_ = (integer if wanted.kind == "int" else real)(scope, wanted.unit, min(depth - 1, 1))
-    from tests.fuzz.quantities import fitted
+    from tests.fuzz.typed_numbers import fitted
 
     return fitted((text, type_), wanted.low, wanted.high)

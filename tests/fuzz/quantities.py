@@ -5,8 +5,8 @@ from math import inf
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.types import element, hull, interval
-from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.reading import Scope, Typed
+from tests.fuzz.typed_numbers import combined, ends_of, fitted, real_type, whole_type
 
 LARGE = 1e6  # beyond this nothing is multiplied: whole numbers have 32 bits
 
@@ -25,21 +25,23 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
         choices.append("asked")
     match w.random.choice(choices):
         case "sum" | "difference" as which:
-            return _combined("+" if which == "sum" else "-", integer(scope, unit, depth - 1), integer(scope, unit, depth - 1))
+            return combined("+" if which == "sum" else "-", integer(scope, unit, depth - 1), integer(scope, unit, depth - 1))
         case "product":
             left, right = integer(scope, "count" if w.is_now(0.5) else "number", depth - 1), integer(scope, unit, depth - 1)
             if unit != "count" and left[1].unit == "count" and right[1].unit == "number":
                 left = atom(scope, "int", "number")
-            if max(map(abs, (*_ends(left), *_ends(right)))) > LARGE:
+            if max(map(abs, (*ends_of(left), *ends_of(right)))) > LARGE:
                 return right
-            return _combined("*", *(w.random.sample((left, right), 2)))
+            return combined("*", *(w.random.sample((left, right), 2)))
         case "remainder":
             divisor = str(w.random.randint(1, 4))
             left = integer(scope, unit, depth - 1)
-            return f"({left[0]}) % {divisor}", _int(*interval("%", left[1], _int(int(divisor), int(divisor), "number")), left[1].unit)
+            return f"({left[0]}) % {divisor}", whole_type(
+                *interval("%", left[1], whole_type(int(divisor), int(divisor), "number")), left[1].unit
+            )
         case "negation":
             inner = integer(scope, unit, depth - 1)
-            return f"-({inner[0]})", _int(-inner[1].high, -inner[1].low, inner[1].unit)
+            return f"-({inner[0]})", whole_type(-inner[1].high, -inner[1].low, inner[1].unit)
         case "extreme":
             return extreme(scope, [integer(scope, unit, depth - 1) for _ in range(w.random.choice((2, 2, 3)))], "int")
         case "case":
@@ -70,7 +72,7 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
         choices += ["total", "share", "mix", "over"]
     match w.random.choice(choices):
         case "sum" | "difference" as which:
-            return _combined("+" if which == "sum" else "-", real(scope, unit, depth - 1), real(scope, unit, depth - 1))
+            return combined("+" if which == "sum" else "-", real(scope, unit, depth - 1), real(scope, unit, depth - 1))
         case "product":
             return product(scope, unit, depth)
         case "quotient":
@@ -113,9 +115,9 @@ def written(scope: Scope, kind: str, unit: str) -> Typed:
     r = scope.world.random
     if kind == "int":
         value = r.choice((0, 1, 1, 2, 3, 4, 7))
-        return str(value), _int(value, value, "number")
+        return str(value), whole_type(value, value, "number")
     value = r.choice((0.25, 0.5, 0.125, 0.3, 0.75)) if unit in ("probability", "fraction") else r.choice((0.5, 1.5, 0.1, 2.25))
-    return str(value), _real(value, value, "number")
+    return str(value), real_type(value, value, "number")
 
 
 def entry(scope: Scope, row: Typed, depth: int) -> Typed | None:
@@ -163,9 +165,9 @@ def product(scope: Scope, unit: str, depth: int) -> Typed:
     left = w.random.choice(options)()
     if right[1].unit == "number" and left[1].unit not in ("number", unit):
         left = written(scope, "real", "number")
-    if max(map(abs, (*_ends(left), *_ends(right)))) > LARGE and w.is_now(0.7):
+    if max(map(abs, (*ends_of(left), *ends_of(right)))) > LARGE and w.is_now(0.7):
         return right
-    return _combined("*", *(w.random.sample((left, right), 2)))
+    return combined("*", *(w.random.sample((left, right), 2)))
 
 
 def quotient(scope: Scope, unit: str, depth: int) -> Typed:
@@ -173,14 +175,14 @@ def quotient(scope: Scope, unit: str, depth: int) -> Typed:
     r = scope.world.random
     left = real(scope, unit, depth - 1) if r.random() < 0.6 else integer(scope, "number", depth - 1)
     below = [v for v in scope.single_values("int") if v[1].unit in ("count", "number")]
-    divisor: Typed = (str(r.choice((2, 4, 3))), _int(2, 4, "number"))
+    divisor: Typed = (str(r.choice((2, 4, 3))), whole_type(2, 4, "number"))
     if below and r.random() < 0.5:
         text, type_ = r.choice(below)
-        divisor = f"(max({text}, 1) + 1)", _int(2, max(type_.high, 1) + 1, type_.unit)
+        divisor = f"(max({text}, 1) + 1)", whole_type(2, max(type_.high, 1) + 1, type_.unit)
     if divisor[1].unit == "count" and left[1].unit == "count":
-        divisor = "2", _int(2, 2, "number")
+        divisor = "2", whole_type(2, 2, "number")
     low, high = interval("/", left[1], divisor[1])
-    return f"({left[0]}) / {divisor[0]}", _real(low, high, left[1].unit)
+    return f"({left[0]}) / {divisor[0]}", real_type(low, high, left[1].unit)
 
 
 def extreme(scope: Scope, parts: list[Typed], kind: str) -> Typed:
@@ -247,7 +249,7 @@ def count(scope: Scope, depth: int) -> Typed:
     from tests.fuzz.members import domain
 
     text, _, most = domain(scope, depth - 1, counted=True)
-    return f"count({text})", _int(0, most, "count")
+    return f"count({text})", whole_type(0, most, "count")
 
 
 def total(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
@@ -301,7 +303,7 @@ def apart(scope: Scope) -> Typed | None:
     if not placed:
         return None
     names = [w.random.choice(placed) for _ in "ab"]
-    return f"distance({', '.join(names)})", _int(0, len(w.rows) + len(w.rows[0]) - 2, "cells")
+    return f"distance({', '.join(names)})", whole_type(0, len(w.rows) + len(w.rows[0]) - 2, "cells")
 
 
 def _beyond_one(type_: ir.Type) -> ir.Type:
@@ -332,7 +334,7 @@ def ramp(scope: Scope, depth: int) -> Typed:
         low, high = r.choice(pairs).split(" < ")
         if _unit_of(scope, low) in (value[1].unit, "number") or value[1].unit == "number":
             ends = (low, high) if r.random() < 0.5 else (high, low)
-    return f"ramp({value[0]}, {ends[0]}, {ends[1]})", _real(0.0, 1.0, "fraction")
+    return f"ramp({value[0]}, {ends[0]}, {ends[1]})", real_type(0.0, 1.0, "fraction")
 
 
 def _unit_of(scope: Scope, name: str) -> str:
@@ -348,7 +350,7 @@ def share(scope: Scope, depth: int) -> Typed:
     whole = w.random.choice(wholes)
     text, *_ = domain(scope, depth - 1, kind=w.random.choice(w.kinds_of(whole)))
     name = "" if not scope.uses(whole) else f" as {w.variable()}"
-    return f"count({text}) / count({whole}{name})", _real(0.0, 1.0, "fraction")
+    return f"count({text}) / count({whole}{name})", real_type(0.0, 1.0, "fraction")
 
 
 def expected(scope: Scope, unit: str) -> Typed | None:
@@ -367,55 +369,3 @@ def expected(scope: Scope, unit: str) -> Typed | None:
         if "mix(" in text and "?" not in text:
             return text, type_
     return None
-
-
-def fitted(value: Typed, low: float, high: float) -> str:
-    """Returns the number brought into a range, if it might leave it."""
-    text, type_ = value
-    if type_.high > high:
-        text = f"min({text}, {_plain(high)})"
-    if type_.low < low:
-        text = f"max({text}, {_plain(low)})"
-    return text
-
-
-def _plain(number: float) -> str:
-    return str(int(number)) if number == int(number) else str(number)
-
-
-def _combined(op: str, left: Typed, right: Typed) -> Typed:
-    (a, first), (b, second) = left, right
-    low, high = interval(op, first, second)
-    unit = first.unit if first.unit != "number" else second.unit
-    if op == "*" and {first.unit, second.unit} - {"number"} and len({first.unit, second.unit}) == 2:
-        unit = next(u for u in (*_ORDER, "number") if u in (first.unit, second.unit))
-    both = "int" if first.kind == second.kind == "int" else "real"
-    if both == "real" and unit in ("count", "steps", "cells"):
-        unit = "number"
-    if unit == "fraction" and (low < 0 or high > 1):
-        unit = "number"
-    right_text = b if _is_simple(b) else f"({b})"
-    left_text = a if op in "+-" or _is_simple(a) else f"({a})"
-    return f"{left_text} {op} {right_text}", ir.Type(kind=both, unit=unit, low=low, high=high)
-
-
-_ORDER = ("reward", "probability", "fraction", "steps", "cells", "count")
-
-
-def _is_simple(text: str) -> bool:
-    return text.replace("_", "a").replace(".", "a").isalnum()
-
-
-def _ends(value: Typed) -> tuple[float, float]:
-    return value[1].low, value[1].high
-
-
-def _int(low: float, high: float, unit: str) -> ir.Type:
-    return ir.Type(kind="int", unit=unit, low=low, high=high)
-
-
-def _real(low: float, high: float, unit: str) -> ir.Type:
-    return ir.Type(kind="real", unit=unit, low=low, high=high)
-
-
-__all__ = ["HEADINGS", "integer", "real"]

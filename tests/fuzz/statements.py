@@ -9,8 +9,9 @@ from tests.fuzz.acting import by_choice
 from tests.fuzz.conditions import condition, probability, somebody, word
 from tests.fuzz.declared import Lines
 from tests.fuzz.members import domain, shape_for, where
-from tests.fuzz.quantities import fitted, integer, key_for, real
+from tests.fuzz.quantities import integer, key_for, real
 from tests.fuzz.reading import Frame, Scope, Typed, Variable
+from tests.fuzz.typed_numbers import fitted
 from tests.fuzz.writing import BOLD, Written, is_own, of_target_alone, write
 
 NESTED = 3  # quantifiers and branches inside one another

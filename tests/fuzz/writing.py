@@ -7,8 +7,9 @@ from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.conditions import agent_value, somebody, word
 from tests.fuzz.declared import Field, Lines
-from tests.fuzz.quantities import fitted, integer, key_for, real
+from tests.fuzz.quantities import integer, key_for, real
 from tests.fuzz.reading import Scope, Typed, Variable
+from tests.fuzz.typed_numbers import fitted
 
 HEADING = Field("heading", ir.Type(kind="word", words=HEADINGS), "")  # of movers: a field as others are
 BOLD = 0.06  # how often a write is made that may well be refused

@@ -1,7 +1,8 @@
 """The abstract syntax tree: declarations, and the file they make up."""
 
-from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Path, ShapeRef, String, Table, Type
+from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Path, String, Table, Type
 from sjdsl.compiler.ast.node import Node
+from sjdsl.compiler.ast.policies import Scenario, ScriptedPolicy
 from sjdsl.compiler.ast.statements import Block
 from sjdsl.compiler.diagnostics.source import Span
 
@@ -305,56 +306,6 @@ class Checks(Node):
     span: Span
     name: Name | None
     checks: tuple[Check, ...]
-
-
-class Act(Node):
-    """`when C choose ACTION`"""
-
-    span: Span
-    condition: Expr
-    action: Chosen
-
-
-class Go(Node):
-    """`seek D avoiding E`"""
-
-    span: Span
-    domain: Domain
-    avoided: Domain | None
-
-
-class Aim(Node):
-    """`aim SHAPE at D avoiding E choose ACTION`"""
-
-    span: Span
-    shape: ShapeRef
-    domain: Domain
-    avoided: Domain | None
-    action: Chosen
-
-
-class ScriptedPolicy(Node):
-    """`policy cooperator "…" { … }`: the first rule that applies acts"""
-
-    span: Span
-    name: Name
-    title: String | None
-    rules: tuple[Act | Go | Aim, ...]
-
-
-class Slots(Node):
-    """`slots 2 focal`, or `slots 5 policy defector`"""
-
-    span: Span
-    number: Expr
-    policy: Name | None
-
-
-class Scenario(Node):
-    span: Span
-    name: Name
-    title: String | None
-    slots: tuple[Slots, ...]
 
 
 class Override(Node):

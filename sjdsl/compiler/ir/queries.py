@@ -128,3 +128,9 @@ def can_be_away(game: Game, sort: str = "") -> bool:
     """Returns whether an agent, or a mover of a sort, can be off the map: sent away for some ticks, or removed."""
     leaving = (node for node in walk(game) if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None))
     return any(mover_sort(node.who) == sort for node in leaving)
+
+
+def view_size(game: Game) -> tuple[int, int]:
+    """Returns the rows and columns of a window."""
+    window = game.window
+    return window.ahead + 1 + window.behind, window.left + 1 + window.right

@@ -11,7 +11,7 @@ from typing import get_args
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.queries import all_fields, marking_phases
+from sjdsl.compiler.ir.queries import all_fields, marking_phases, view_size
 from sjdsl.compiler.lower import expressions
 from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_actions
 from sjdsl.compiler.lower.assignments import finish as finish_writes
@@ -20,7 +20,7 @@ from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.environment_facts import events, role_attribute
 from sjdsl.compiler.lower.environment_facts import state_fields as described_fields
 from sjdsl.compiler.lower.map_tables import Layout
-from sjdsl.compiler.lower.observations import observe, view_size
+from sjdsl.compiler.lower.observations import observe
 from sjdsl.compiler.lower.phase_summary import summary
 from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
 from sjdsl.compiler.lower.relocation import finish as finish_sends

@@ -1,9 +1,10 @@
 """Lowers `observe`: paints the map once, cuts it into egocentric windows, and decodes each byte into observation planes."""
 
 from dataclasses import replace
+from math import prod
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import heading_observable, shown_field, shows_attribute
+from sjdsl.compiler.ir.queries import heading_observable, shown_field, shows_attribute, view_size
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, invert, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks, shown_words
@@ -23,8 +24,10 @@ def observe(w: Writer) -> array.Expression:
     by_id = by_id or any(hidden.what == "others" and hidden.when is not None for hidden in game.hidden)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
-    cells = w.module.number("num_view_cells", view_size(game)[0] * view_size(game)[1], "cells of a window")
-    axes = (w.axis("observer", w.module.agents), w.axis("seen", cells))
+    axes = (
+        w.axis("observer", w.module.agents),
+        w.axis("seen", w.module.number("num_view_cells", prod(view_size(game)), "cells of a window")),
+    )
     w.origin = game.window.origin
     seen = _own_windows(_cut(painted, w), axes, w)
     planes = {part.name: _part_of(part, parts, seen[part.plane], axes, w) for part in parts}
@@ -39,12 +42,6 @@ def observe(w: Writer) -> array.Expression:
     away = state_reads.present(AgentVar(iota(axes[0]), axes[0]), w)
     present = array.Literal(None) if away is None else away.node
     return array.call("planes_of", array.Name("WINDOW"), present, *(_full(c, axes) for c in columns))
-
-
-def view_size(game: ir.Game) -> tuple[int, int]:
-    """Returns the rows and columns of a window."""
-    window = game.window
-    return window.ahead + 1 + window.behind, window.left + 1 + window.right
 
 
 def _cut(painted: list[array.Name], w: Writer) -> list[array.Name]:
@@ -254,8 +251,8 @@ def _turned(difference: array.Expression) -> array.Expression:
 
 def _agent_plane(self_: array.Expression, somebody: array.Expression, other: array.Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
     """Returns the plane of agents: 1 for the observer, 0 where nobody is, and numbers for others."""
-    seen = array.Where(self_, array.Literal(1), array.Where(somebody, other, array.Literal(0)))
-    return w.keep("agents", Value(array.Cast(seen, "u8"), "u8", axes))
+    seen = array.Cast(array.Where(self_, array.Literal(1), array.Where(somebody, other, array.Literal(0))), "u8")
+    return w.keep("agents", Value(seen, "u8", axes))
 
 
 def _field_observable(observable: ir.Observable, who: AgentVar | None, place: IterationScope, w: Writer) -> Value:
