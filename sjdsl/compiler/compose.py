@@ -11,13 +11,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.written_entries import entry_key, path_text, with_entry
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
-from sjdsl.compiler.written_entries import entry_key, path_text, with_entry
 
 
 @dataclass

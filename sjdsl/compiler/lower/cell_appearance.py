@@ -8,8 +8,10 @@ from sjdsl.compiler.ir.queries import heading_observable, kinds_by_glyph, markin
 from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
+from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.planes import TokenPlane
 
+OTHER_FACING, OTHER_HIDDEN = 2, 6  # numbers of the agent plane: the first heading of another, and one whose heading is hidden
 HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
 
 
@@ -226,3 +228,8 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
         drawn = [d for d in ir.walk(game) if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None]
         return max((largest(d.high, game) for d in drawn), default=e.type.high)  # type: ignore[arg-type]
     return e.type.high
+
+
+def relative_heading(difference: array.Expression) -> array.Expression:
+    """Returns the number of another's heading relative to the observer's."""
+    return array.Binary("+", array.Literal(OTHER_FACING), array.Binary("&", difference, array.Literal(3)))

@@ -7,14 +7,22 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import heading_observable, shown_field, shows_attribute, view_size
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, invert, iota, literal, select, spread, taken
-from sjdsl.compiler.lower.cell_appearance import COVERED, Look, content_labels, looks, shown_words
+from sjdsl.compiler.lower.cell_appearance import (
+    COVERED,
+    OTHER_FACING,
+    OTHER_HIDDEN,
+    Look,
+    content_labels,
+    looks,
+    relative_heading,
+    shown_words,
+)
 from sjdsl.compiler.lower.expressions import first_of
 from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, paint_planes, parts_of, shift_of
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.seen_cells import inside_kind, marks_seen, painted_values, seen_cell, somebody_seen, without_hidden_marks
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
-
-OTHER_FACING, OTHER_HIDDEN = 2, 6  # numbers of the agent plane: the first heading of another, and one whose heading is hidden
 
 
 def observe(w: Writer) -> array.Expression:
@@ -34,10 +42,10 @@ def observe(w: Writer) -> array.Expression:
     planes["agent"] = _without_hidden_agents(planes["agent"], axes, w)
     columns = [w.keep("content", _content(planes["content"], axes, w)), *_agents(planes["agent"], axes, by_id, w)]
     if any(hidden.what == "content" for hidden in game.hidden):
-        columns[0] = select(_somebody(planes, w), literal(content_labels(game).index(COVERED), "u8"), columns[0])
+        columns[0] = select(somebody_seen(planes, w), literal(content_labels(game).index(COVERED), "u8"), columns[0])
     marks = [p for p in parts if p.marks is not None]
     if marks:
-        columns.insert(2, w.keep("marks", _without_hidden(_marks(marks, planes, seen, w), planes, axes, w)))
+        columns.insert(2, w.keep("marks", without_hidden_marks(marks_seen(marks, planes, seen, w), planes, axes, w)))
     columns += [*_movers(planes, axes, w), *_everyone(axes, w), *_own(axes, w)]
     away = state_reads.present(AgentVar(iota(axes[0]), axes[0]), w)
     present = array.Literal(None) if away is None else away.node
@@ -132,15 +140,15 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
             shift = look.final - look.raw
     for look in found:
         if not look.same:
-            is_kind = w.keep(f"is_{look.kind.name}", _inside(look, raw, w))
+            is_kind = w.keep(f"is_{look.kind.name}", inside_kind(look, raw, w))
             shown = w.keep("content", select(is_kind, _shown(look, raw, axes, w), shown))
     return shown
 
 
 def _shown(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     """Returns the number of a kind's look for each observer, from its painted values."""
-    values = _values(look, raw, w)
-    place = _seen_cell(look, look.kind.name, values, axes)
+    values = painted_values(look, raw, w)
+    place = seen_cell(look, look.kind.name, values, axes)
     if look.labels:
         return _labelled(look.observables[0], dict(zip(look.final_words[0], look.labels, strict=True)), place, w)
     number: Value | None = None
@@ -157,24 +165,6 @@ def _labelled(observable: ir.Observable, numbers: dict[str, int], place: Iterati
     shown = [(label.condition, number[label.name]) for label in observable.labels]
     arms = [(_asked(condition, place, w), value) for condition, value in reversed(shown) if condition is not None]
     return first_of(arms[::-1], number[observable.labels[-1].name], w)
-
-
-def _values(look: Look, raw: Value, w: Writer) -> dict[str, Value]:
-    """Returns the painted fields of a kind, taken out of the numbers of looks; where another kind is they mean nothing."""
-    values: dict[str, Value] = {}
-    rest = binary("-", raw, first_look(look, w), "u8")
-    for field, size in reversed(look.painted):
-        is_first = field is look.painted[0][0]
-        value = rest if is_first else binary("%", rest, literal(size, "u8"), "u8")
-        values[field.name] = w.keep(f"{look.kind.name}_{field.name}", value)
-        rest = replace(rest, node=array.Binary("//", rest.node, array.Literal(size)))
-    return values
-
-
-def _seen_cell(look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]) -> IterationScope:
-    """Returns the scope of a condition about the observer and the cell that it sees: known are only the fields that were painted."""
-    cell = CellVar(literal(0, "i32"), (look.kind.name,), None, tuple(values.items()), axes)
-    return IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), name: cell})
 
 
 def _observable(observable: ir.Observable, words: tuple[str, ...], values: dict[str, Value], place: IterationScope, w: Writer) -> Value:
@@ -208,14 +198,14 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
         if heading is not None:
             mine = array.Index(array.Cast(HEADING, "u8"), (array.ALL, array.NEW_AXIS))
             difference = array.Binary("-", array.Binary("-", agent.node, array.Literal(1)), mine)
-            other = w.keep("others", Value(_turned(difference), "u8", axes)).node
+            other = w.keep("others", Value(relative_heading(difference), "u8", axes)).node
         return [_agent_plane(self_, somebody, other, axes, w)]
     other_var, place = _who(agent, axes, w)
     who_value = other_var.index
     facing: Value = literal(OTHER_FACING, "u8")
     if heading is not None:
         turned = array.Binary("-", array.Index(HEADING, (who_value.node,)), array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
-        facing = Value(array.Cast(_turned(turned), "u8"), "u8", axes)
+        facing = Value(array.Cast(relative_heading(turned), "u8"), "u8", axes)
         if heading.hidden_when is not None:
             facing = select(w.value(heading.hidden_when, place), literal(OTHER_HIDDEN, "u8"), facing)
     columns = [_agent_plane(self_, somebody, facing.node, axes, w)]
@@ -242,11 +232,6 @@ def _shown_where(observable: ir.Observable, value: Value, place: IterationScope,
     if observable.hidden_when is not None:
         shown = both(shown, invert(w.value(observable.hidden_when, place)))
     return select(shown, value, hidden)
-
-
-def _turned(difference: array.Expression) -> array.Expression:
-    """Returns the number of another's heading relative to the observer's."""
-    return array.Binary("+", array.Literal(OTHER_FACING), array.Binary("&", difference, array.Literal(3)))
 
 
 def _agent_plane(self_: array.Expression, somebody: array.Expression, other: array.Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
@@ -321,52 +306,6 @@ def _mover_plane(observable: ir.Observable, painted: Value, axes: tuple[Axis, ..
     if observable.hidden_when is not None and observable.shown_when is None:
         value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
     return value
-
-
-def _marks(marks: list[Part], planes: dict[str, Value], seen: list[array.Name], w: Writer) -> Value:
-    """Returns the marks of a cell as bits, one a phase."""
-    first = planes[marks[0].name]
-    if len(marks) == 1:
-        return first
-    if all(m.plane == marks[0].plane and m.shift == marks[0].shift + i for i, m in enumerate(marks)):
-        shifted = binary(">>", replace(first, node=seen[marks[0].plane]), Value(w.module.number("mark_shift", marks[0].shift), "u8"), "u8")
-        return binary("&", shifted, Value(w.module.number("mark_mask", 2 ** len(marks) - 1), "u8"), "u8")
-    result = first
-    for place, m in enumerate(marks[1:], 1):
-        result = binary("|", result, binary("<<", planes[m.name], literal(place, "u8"), "u8"), "u8")
-    return result
-
-
-def _somebody(planes: dict[str, Value], w: Writer) -> Value:
-    """Returns where an agent stands, the observer too."""
-    return w.keep("somebody", binary("!=", planes["agent"], literal(0, "u8"), "bool"))
-
-
-def _without_hidden(marks: Value, planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:
-    """Returns the marks that are seen: none on the cells on which they are hidden."""
-    found = {look.kind.name: look for look in looks(w.module.game) if look.present}
-    raw = w.keep("raw", planes["content"]) if any(h.on == "cells" for h in w.module.game.hidden) else planes["content"]
-    for hidden in w.module.game.hidden:
-        if hidden.what == "marks" and hidden.on == "agents":
-            marks = select(_somebody(planes, w), literal(0, "u8"), marks)
-        for look in (found[kind] for kind in hidden.kinds if kind in found):
-            w.origin = hidden.origin
-            there = w.keep(f"on_{look.kind.name}", _inside(look, raw, w))
-            if hidden.when is not None:
-                place = _seen_cell(look, hidden.name, _values(look, raw, w), axes)
-                there = binary("&", there, w.value(hidden.when, place), "bool")
-            marks = w.keep("marks", select(there, literal(0, "u8"), marks))
-    return marks
-
-
-def _inside(look: Look, raw: Value, w: Writer) -> Value:
-    """Returns whether a number of looks is of a kind."""
-    if look.raw_values == 1:
-        return binary("==", raw, first_look(look, w), "bool")
-    below = binary("<", raw, literal(look.raw + look.raw_values, "u8"), "bool")
-    inside = both(binary(">=", raw, first_look(look, w), "bool"), below)
-    assert inside is not None
-    return inside
 
 
 def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
