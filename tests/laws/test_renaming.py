@@ -3,12 +3,18 @@
 Left out by the manual: who stays when free cells run out (`otherwise stay`: lower numbers first).
 """
 
+from pathlib import Path
+
 import pytest
 
+from sjdsl.compiler import build
+from sjdsl.compiler.syntax.read import read_source
 from tests.games.environments import NINE
 from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import renamed
+
+LOTS = Path(__file__).parents[1] / "differential" / "on_numpy" / "lots.sj"
 
 
 @pytest.mark.parametrize("name", NINE)
@@ -23,3 +29,11 @@ def test_random_programs() -> None:
     assert not tried.fault
     assert tried.steps > 4 * FEW
     assert tried.drawn > 40 * FEW
+
+
+def test_lots() -> None:
+    """Who of several wins a lot depends on what they drew, not on their numbers."""
+    game = build(read_source(LOTS)).game
+    tried = trials([(number, game) for number in range(8)], renamed, steps=5, compiled=True)
+    assert not tried.fault
+    assert tried.steps >= 30
