@@ -102,6 +102,8 @@ def _matters(path: Path, node: ir.Node, name: str, game: ir.Game) -> bool:
             return not node.chosen  # likewise
         case ir.Case(), "arms":
             return node.subject.type.kind != "condition"  # `yes` and `no` in either order
+        case ir.Wander(), "away":
+            return node.goal is not None
         case ir.Logic(), "args":
             return not any(isinstance(part, ir.ChoseWith) for part in node.args)  # told of the member it is about
         case ir.Check(), "episodes":
