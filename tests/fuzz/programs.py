@@ -291,11 +291,7 @@ def _go(w: World, sort: str) -> str:
     """Returns how movers go in a phase of their own."""
     text, inner, _ = domain(Scope(w, "phase"), 1, kind=sort)
     avoiding = f" avoiding {domain(inner, 1)[0]}" if w.is_now(0.3) else ""
-    way = w.random.choice(("ahead", "along", "random", "toward", "toward", "away", "away"))
-    goal = domain(inner, 1)[0] if way in ("toward", "away") else ""
-    if " of " in goal:  # a known fault: a goal in a shape of the mover, if agents end its lanes, does not compile
-        way = "random"
-    match way:
+    match w.random.choice(("ahead", "along", "random", "toward", "toward", "away", "away")):
         case "ahead":
             return f"move each {text} ahead"
         case "along":
@@ -304,9 +300,9 @@ def _go(w: World, sort: str) -> str:
         case "random":
             return f"move each {text} at random{avoiding}"
         case "toward":
-            return f"move each {text} toward {goal}{avoiding}"
+            return f"move each {text} toward {domain(inner, 1)[0]}{avoiding}"
         case _:
-            return f"move each {text} away from {goal}{avoiding}"
+            return f"move each {text} away from {domain(inner, 1)[0]}{avoiding}"
 
 
 def _needs_tick(w: World, phases: list[Lines]) -> bool:

@@ -260,7 +260,8 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     if block.condition is not None:
         axis = w.axis("blocker", w.module.agents)
         scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
-        standing = Binary("&", standing, spread(w.value(block.condition, scope), (axis,)))
+        stops = Index(spread(w.value(block.condition, scope), (axis,)), (*(NEW_AXIS for _ in cells.axes), ALL))
+        standing = Binary("&", standing, stops)
     return Value(Reduce("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
