@@ -64,31 +64,16 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return _arithmetic(e, v)
         case ir.Case():
             return case(e, v)
-        case ir.Lowest():
-            which = "last" if e.last else "first"
-            level = e.row.type.by[0]
-            names, none = f"the words {codes(level)}", code(level[-e.last])
-            if sort_of(level) == "number":
-                names, none = f"the numbers {level[0]} to {level[-1]}", level[-e.last]
-            return f"the {which} of {names} whose entry in {value(e.row, v)} is above 0 ({none} if none is)"
-        case ir.Mix():
-            return f"the shares of {value(e.row, v)}"
+        case ir.Lowest() | ir.Mix() | ir.SumRow() | ir.ShiftRow():
+            return _of_row(e, v)
         case ir.Ramp():
-            low, high = operand(e.zero_at, v), operand(e.one_at, v)
-            x = operand(e.value, v)
-            return f"({x} - {low}) ÷ ({high} - {low}), taken as 0 below 0 and as 1 above 1"
+            return _ramp(e, v)
         case ir.Named():
             return _named(e, v)
         case ir.Narrowed():
             return value(e.value, v)
         case ir.EventTotal():
             return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(entry_name(e.word))}")
-        case ir.SumRow():
-            which = {"sum": "the sum of all entries", "min": "the smallest entry", "max": "the largest entry"}[e.fn]
-            return f"{which} of {value(e.row, v)}"
-        case ir.ShiftRow():
-            where = f"{abs(e.by)} {'place' if abs(e.by) == 1 else 'places'} {'further on' if e.by >= 0 else 'further back'}"
-            return f"{value(e.row, v)} with every entry {where}, and {operand(e.filler, v)} where none comes from"
         case ir.Count():
             return f"the number of {v.members(e.domain)}"
         case ir.Sum():
@@ -101,6 +86,37 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return f"whether {v.condition(e)}"
         case _:
             assert_never(e)
+
+
+def _of_row(e: ir.Lowest | ir.Mix | ir.SumRow | ir.ShiftRow, v: Vocabulary) -> str:
+    """Returns what is made of a whole row: a word, a number, or another row."""
+    match e:
+        case ir.Lowest():
+            return _lowest(e, v)
+        case ir.Mix():
+            return f"the shares of {value(e.row, v)}"
+        case ir.SumRow():
+            which = {"sum": "the sum of all entries", "min": "the smallest entry", "max": "the largest entry"}[e.fn]
+            return f"{which} of {value(e.row, v)}"
+        case ir.ShiftRow():
+            where = f"{abs(e.by)} {'place' if abs(e.by) == 1 else 'places'} {'further on' if e.by >= 0 else 'further back'}"
+            return f"{value(e.row, v)} with every entry {where}, and {operand(e.filler, v)} where none comes from"
+        case _:
+            assert_never(e)
+
+
+def _lowest(e: ir.Lowest, v: Vocabulary) -> str:
+    which, level = "last" if e.last else "first", e.row.type.by[0]
+    if sort_of(level) == "number":
+        names, none = f"the numbers {level[0]} to {level[-1]}", str(level[-e.last])
+    else:
+        names, none = f"the words {codes(level)}", code(level[-e.last])
+    return f"the {which} of {names} whose entry in {value(e.row, v)} is above 0 ({none} if none is)"
+
+
+def _ramp(e: ir.Ramp, v: Vocabulary) -> str:
+    x, low, high = operand(e.value, v), operand(e.zero_at, v), operand(e.one_at, v)
+    return f"({x} - {low}) ÷ ({high} - {low}), taken as 0 below 0 and as 1 above 1"
 
 
 def _extreme(e: ir.Extreme, v: Vocabulary) -> str:

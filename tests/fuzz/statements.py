@@ -251,14 +251,11 @@ def tally(scope: Scope, _phase: Phase) -> Lines:
 
 
 def send(scope: Scope, phase: Phase) -> Lines:
-    """Returns a `send` of somebody; few phases have several."""
+    """Returns a `send` of somebody."""
     w, r = scope.world, scope.world.random
-    if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
+    who = _to_be_sent(scope, phase)
+    if who is None:
         return []
-    agents = [v for v in (*scope.agents(), *scope.movers()) if is_own(v, scope) or w.is_now(0.5)]
-    if not agents:
-        return []
-    who = r.choice(agents)
     kind = r.choice([n for n in (*w.kinds, *w.groups) if w.num_cells(w.kinds_of(n)) or w.is_now(0.1)])
     later = w.is_now(0.4)
     named = scope if is_own(who, scope) and not later else of_target_alone(scope, who)
@@ -275,15 +272,21 @@ def send(scope: Scope, phase: Phase) -> Lines:
     return [f"send {who.name} to {text}{delay}{facing}{stay}"]
 
 
+def _to_be_sent(scope: Scope, phase: Phase) -> Variable | None:
+    """Returns an agent or a mover that may be sent somewhere, if there is one; few phases send several."""
+    w = scope.world
+    if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
+        return None
+    able = [v for v in (*scope.agents(), *scope.movers()) if is_own(v, scope) or w.is_now(0.5)]
+    return w.random.choice(able) if able else None
+
+
 def shift(scope: Scope, phase: Phase) -> Lines:
     """Returns a `send … by` of somebody."""
     w, r = scope.world, scope.world.random
-    if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
+    who = _to_be_sent(scope, phase)
+    if who is None:
         return []
-    agents = [v for v in (*scope.agents(), *scope.movers()) if is_own(v, scope) or w.is_now(0.5)]
-    if not agents:
-        return []
-    who = r.choice(agents)
     named = scope if is_own(who, scope) else of_target_alone(scope, who)
     phase.written.places += 1
     far = r.choice(("0", "1", "1", "1", "2", "3", fitted(integer(named, "cells", 1), 0, 4)))

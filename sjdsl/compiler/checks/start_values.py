@@ -1,21 +1,11 @@
 """Decides conditions as they are when an episode begins: on declared values and on the map, for given agents and cells."""
 
-import operator
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.evaluate_constant import COMPARISONS, fold
 from sjdsl.compiler.ir.queries import glyphs_of, movers_named, starts_of
-
-_COMPARED = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
-_COUNTED = {"+": operator.add, "-": operator.sub, "*": operator.mul}
 
 
 class Place(NamedTuple):
@@ -105,7 +95,7 @@ def _number(e: ir.Arithmetic, names: Mapping[str, Place | int], game: ir.Game) -
         case "%" if values[1]:
             return values[0] % values[1]
         case "+" | "-" | "*":
-            return _COUNTED[e.fn](*values)
+            return fold(e.fn, *values)
         case _:
             raise NotKnown
 
@@ -124,7 +114,7 @@ def _condition(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> b
         case ir.Same():
             return bool(_value(e.left, names, game) == _value(e.right, names, game))
         case ir.Compare():
-            return bool(_COMPARED[e.fn](_value(e.left, names, game), _value(e.right, names, game)))
+            return bool(COMPARISONS[e.fn](_value(e.left, names, game), _value(e.right, names, game)))
         case ir.InRange():
             return bool(_value(e.low, names, game) <= _value(e.value, names, game) <= _value(e.high, names, game))
         case ir.InWords():

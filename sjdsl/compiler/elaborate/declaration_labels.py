@@ -29,7 +29,7 @@ def _labels(d: Diagnostic, named: dict[str, Span], types: dict[str, Span], game:
             span, text = types.get(d.declared), "its words are declared here"
         case errors.FieldRange():
             span, text = types.get(d.declared), "its range is declared here"
-        case errors.TooFewCells() | errors.NoFreeCell():
+        case errors.TooFewCells() | errors.NoFreeCell() | errors.TakenOrNowhere():
             span, text = _number_of_agents(game), "so many agents"
         case errors.NotKnown():
             span, text = named.get(d.near.nearest), f"`{d.near.nearest}` is declared here"

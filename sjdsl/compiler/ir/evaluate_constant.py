@@ -1,11 +1,20 @@
 """Evaluates constant expressions: two numbers (constant folding), and `require` for given parameters."""
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import place_of
 
+COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
 TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
 

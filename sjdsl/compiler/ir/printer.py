@@ -41,13 +41,8 @@ def expression(e: ir.Expr) -> str:
             return _arithmetic(e)
         case ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
             return _test(e)
-        case ir.Chose():
-            return f"({expression(e.agent)} chose #{e.action})"
-        case ir.ChoseWith():
-            given = f"({', '.join(expression(g.value) for g in e.given)})" if e.given else ""
-            return f"({expression(e.agent)} chose {e.action}{given})"
-        case ir.ArgumentOf():
-            return f"{expression(e.agent)}.{e.action}" + (f".{e.name}" if e.name else "")
+        case ir.Chose() | ir.ChoseWith() | ir.ArgumentOf():
+            return _choice(e)
         case ir.Unoccupied():
             return f"(nobody on {expression(e.cell)})"
         case ir.StandsOn():
@@ -60,18 +55,12 @@ def expression(e: ir.Expr) -> str:
             return f"count({domain(e.domain)})"
         case ir.Sum():
             return f"sum({expression(e.value)} over {domain(e.domain)})"
-        case ir.SumRow():
-            return f"{e.fn}({expression(e.row)})"
-        case ir.ShiftRow():
-            return f"shift({expression(e.row)}, {e.by}, {expression(e.filler)})"
+        case ir.SumRow() | ir.ShiftRow() | ir.Lowest() | ir.Mix():
+            return _of_row(e)
         case ir.Extreme():
             return _extreme(e)
         case ir.Case():
             return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
-        case ir.Lowest():
-            return f"{'highest' if e.last else 'lowest'}({expression(e.row)})"
-        case ir.Mix():
-            return f"mix({expression(e.row)})"
         case ir.Ramp():
             return f"ramp({expression(e.value)}, {expression(e.zero_at)}, {expression(e.one_at)})"
         case ir.Named() | ir.Narrowed():
@@ -82,6 +71,29 @@ def expression(e: ir.Expr) -> str:
             return f"{e.name}({expression(e.table)})"
         case _:
             assert_never(e)
+
+
+def _choice(e: ir.Chose | ir.ChoseWith | ir.ArgumentOf) -> str:
+    match e:
+        case ir.Chose():
+            return f"({expression(e.agent)} chose #{e.action})"
+        case ir.ChoseWith():
+            given = f"({', '.join(expression(g.value) for g in e.given)})" if e.given else ""
+            return f"({expression(e.agent)} chose {e.action}{given})"
+        case ir.ArgumentOf():
+            return f"{expression(e.agent)}.{e.action}" + (f".{e.name}" if e.name else "")
+
+
+def _of_row(e: ir.SumRow | ir.ShiftRow | ir.Lowest | ir.Mix) -> str:
+    match e:
+        case ir.SumRow():
+            return f"{e.fn}({expression(e.row)})"
+        case ir.ShiftRow():
+            return f"shift({expression(e.row)}, {e.by}, {expression(e.filler)})"
+        case ir.Lowest():
+            return f"{'highest' if e.last else 'lowest'}({expression(e.row)})"
+        case ir.Mix():
+            return f"mix({expression(e.row)})"
 
 
 def _extreme(e: ir.Extreme) -> str:

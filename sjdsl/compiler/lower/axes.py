@@ -10,6 +10,7 @@ from math import prod
 from typing import Literal as OneOf
 
 from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
@@ -29,14 +30,6 @@ from sjdsl.compiler.program.expressions import (
     scalar,
 )
 
-_COMPARISONS = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
 _OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "%": operator.mod}
 _OPPOSITES = {"==": "!=", "!=": "=="}
 
@@ -143,12 +136,12 @@ def as_dtype(value: Value, dtype: DType) -> Value:
 
 def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     """Returns `a op b`; of two literals a literal, and nothing for what changes nothing."""
-    if a.literal and b.literal and op in _COMPARISONS:
-        return literal(_COMPARISONS[op](a.number, b.number), "bool")
+    if a.literal and b.literal and op in COMPARISONS:
+        return literal(COMPARISONS[op](a.number, b.number), "bool")
     if a.literal and b.literal and op in _OPERATIONS and not (op in "/%" and not b.number):
         number = float32 if dtype == "f32" else int
         return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)
-    if op in _COMPARISONS:
+    if op in COMPARISONS:
         a, b = _as_kept(a, b), _as_kept(b, a)
     if _is_neutral(op, b) and a.dtype == dtype:
         return a

@@ -35,16 +35,8 @@ ARMS = 4  # of one nested selection
 def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns the array that an expression is for all instances of a scope at once."""
     match e:
-        case ir.Number():
-            return literal(e.value, "i32" if e.type.kind == "int" else "f32")
-        case ir.Word():
-            return w.module.word(e.value, e.type.words)
-        case ir.Truth():
-            return literal(e.value, "bool")
-        case ir.Nobody():
-            return nobody(w)
-        case ir.Nowhere():
-            return cell_values.nowhere(w)
+        case ir.Number() | ir.Word() | ir.Truth() | ir.Nobody() | ir.Nowhere():
+            return written(e, w)
         case ir.ParamRef():
             return _param(e)
         case ir.Member():
@@ -74,8 +66,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Not():
             return invert(lower(e.value, scope, w))
         case ir.Logic():
-            parts = [lower(a, scope, w) for a in e.args]
-            return either(parts) if e.fn == "or" else both(*parts) or TRUE
+            return logic(e, scope, w)
         case ir.Count() | ir.Sum():
             return total(e, scope, w)
         case ir.Extreme():
@@ -87,18 +78,51 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Case():
             return case(e, scope, w)
         case ir.Ramp():
-            parts = [real(x, scope, w) for x in (e.value, e.zero_at, e.one_at)]
-            axes = union(*(p.axes for p in parts))
-            return Value(array.call("ramp", *(aligned(p, axes) for p in parts)), "f32", axes)
+            return ramp(e, scope, w)
         case ir.Named():
-            value = lower(e.value, scope, w)
-            return value if value.dtype == "bool" and len(list(array.walk(value.node))) < LARGE else w.keep(e.name, value)
+            return named(e, scope, w)
         case ir.Narrowed():
             return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
         case ir.EventTotal() | ir.MatrixClass():
             raise AssertionError(e)
         case _:
             assert_never(e)
+
+
+def written(e: ir.Number | ir.Word | ir.Truth | ir.Nobody | ir.Nowhere, w: Writer) -> Value:
+    """Returns a value that stands in the text as it is."""
+    match e:
+        case ir.Number():
+            return literal(e.value, "i32" if e.type.kind == "int" else "f32")
+        case ir.Word():
+            return w.module.word(e.value, e.type.words)
+        case ir.Truth():
+            return literal(e.value, "bool")
+        case ir.Nobody():
+            return nobody(w)
+        case ir.Nowhere():
+            return cell_values.nowhere(w)
+        case _:
+            assert_never(e)
+
+
+def logic(e: ir.Logic, scope: IterationScope, w: Writer) -> Value:
+    """Returns the conjunction or disjunction of conditions."""
+    parts = [lower(a, scope, w) for a in e.args]
+    return either(parts) if e.fn == "or" else both(*parts) or TRUE
+
+
+def ramp(e: ir.Ramp, scope: IterationScope, w: Writer) -> Value:
+    """Returns where a number lies between two others, as a float32 from 0 to 1."""
+    parts = [real(x, scope, w) for x in (e.value, e.zero_at, e.one_at)]
+    axes = union(*(p.axes for p in parts))
+    return Value(array.call("ramp", *(aligned(p, axes) for p in parts)), "f32", axes)
+
+
+def named(e: ir.Named, scope: IterationScope, w: Writer) -> Value:
+    """Returns the value of a `define`, kept under its name for all who read it; short conditions are written out instead."""
+    value = lower(e.value, scope, w)
+    return value if value.dtype == "bool" and len(list(array.walk(value.node))) < LARGE else w.keep(e.name, value)
 
 
 def nobody(w: Writer) -> Value:

@@ -212,14 +212,27 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     theirs = w.keep("theirs", Value(array.Binary("&", somebody, array.Unary("~", self_)), "bool", axes))
     for observable in game.observables:
         if observable.what == "other":
-            value = _field_observable(observable, other_var, place, w)
-            if observable.labels or observable.type.kind == "word":
-                value = binary("+", value, literal(1, "u8"), "u8")
-            value = select(theirs, _shown_where(observable, value, place, w), literal(0, "u8"))
-            if observable.hidden_when is not None and observable.shown_when is None:
-                value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
-            columns.append(value)
+            columns.append(
+                _where_there(observable, _one_up(observable, _field_observable(observable, other_var, place, w)), theirs, place, w)
+            )
     return columns
+
+
+def _one_up(observable: ir.Observable, value: Value) -> Value:
+    """Returns a word's number one up, since 0 says that nobody is there; numbers stay."""
+    return binary("+", value, literal(1, "u8"), "u8") if observable.labels or observable.type.kind == "word" else value
+
+
+def _where_there(observable: ir.Observable, value: Value, there: Value, place: IterationScope, w: Writer) -> Value:
+    """Returns what is seen of somebody in view: 0 where nobody is, and where the rules do not show it."""
+    return _unless_hidden(observable, select(there, _shown_where(observable, value, place, w), literal(0, "u8")), place, w)
+
+
+def _unless_hidden(observable: ir.Observable, value: Value, place: IterationScope, w: Writer) -> Value:
+    """Returns 0 where a `hide` alone takes something out of sight; `_shown_where` knows of one beside a `show … when`."""
+    if observable.hidden_when is None or observable.shown_when is not None:
+        return value
+    return select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
 
 
 def _shown_where(observable: ir.Observable, value: Value, place: IterationScope, w: Writer) -> Value:
@@ -299,13 +312,8 @@ def _mover_plane(observable: ir.Observable, painted: Value, axes: tuple[Axis, ..
         turned = array.Binary("-", state_reads.heading(mover).node, array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
         value = Value(array.Cast(array.Binary("+", array.Binary("&", turned, array.Literal(3)), array.Literal(1)), "u8"), "u8", axes)
     else:
-        value = _field_observable(observable, mover, place, w)
-        if observable.labels or observable.type.kind == "word":
-            value = binary("+", value, literal(1, "u8"), "u8")
-    value = select(there, _shown_where(observable, value, place, w), literal(0, "u8"))
-    if observable.hidden_when is not None and observable.shown_when is None:
-        value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
-    return value
+        value = _one_up(observable, _field_observable(observable, mover, place, w))
+    return _where_there(observable, value, there, place, w)
 
 
 def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
@@ -318,9 +326,7 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
         if observable.what == "everyone":
             w.origin = observable.origin
             value = _shown_where(observable, _field_observable(observable, who, place, w), place, w)
-            if observable.hidden_when is not None and observable.shown_when is None:
-                value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
-            value = w.keep(f"everyone_{observable.field}", value)
+            value = w.keep(f"everyone_{observable.field}", _unless_hidden(observable, value, place, w))
             planes = _full(value, (*pair, axes[1]))
             columns.append(Value(array.Call(array.Attribute(planes, "reshape"), (axes[0].extent, array.Literal(-1))), "u8", axes))
     return columns
@@ -336,8 +342,6 @@ def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
             if observable.what == what:
                 w.origin = observable.origin
                 value = _field_observable(observable, observer if what == "own" else None, place, w)
-                value = _shown_where(observable, value, place, w)
-                if observable.hidden_when is not None and observable.shown_when is None:
-                    value = select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
+                value = _unless_hidden(observable, _shown_where(observable, value, place, w), place, w)
                 columns.append(w.keep(f"shown_{observable.field}", value))
     return columns

@@ -30,7 +30,17 @@ class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
     accepted: Tried | str = ""
 
 
-class NoFreeCell(Diagnostic, code="SJ404", title="There may be no free cell"):
+class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
+    says = "the way can be blocked, taken, or leave the map"
+    hints = ("write `otherwise stay` after it: who cannot go there stays",)
+
+
+class TakenOrNowhere(NoWayFree):
+    says = "somebody may stand on `{place}`, or it may be nowhere"
+    place: str
+
+
+class NoFreeCell(NoWayFree):
     says = "perhaps no cell of `{place}` is free: which cells fit changes in play"
     hints = ("write `otherwise stay` after it: who then finds no cell stays",)
     place: str
@@ -46,16 +56,6 @@ class TooFewFreeCells(NoFreeCell):
 class TooFewToStart(TooFewFreeCells):
     says = "{cells:cell} of the map fit `{place}`, and {agents:agent} begin there"
     hints = ("take a map with more such cells, or fewer agents",)
-
-
-class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
-    says = "the way can be blocked, taken, or leave the map"
-    hints = ("write `otherwise stay` after it: who cannot go there stays",)
-
-
-class TakenOrNowhere(NoFreeCell):
-    says = "somebody may stand on `{place}`, or it may be nowhere"
-    hints = ("write `otherwise stay` after it: who cannot go there stays",)
 
 
 class TooFewForOne(TooFewFreeCells):
