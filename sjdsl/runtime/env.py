@@ -93,8 +93,9 @@ class Environment:
 
     @property
     def episode_length(self) -> int:
-        """Steps until truncation under `params`."""
-        return int(self.module.episode_length(self.params))
+        """Steps until truncation under `params`; also inside `jit`, where a number of the file would else be traced."""
+        with jax.ensure_compile_time_eval():
+            return int(self.module.episode_length(self.params))
 
     def with_params(self, params: Params) -> "Environment":
         """Returns the same game with other run-time parameters, which may be traced; see `jax.vmap`."""

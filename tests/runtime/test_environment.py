@@ -68,6 +68,16 @@ def test_description(env: Environment) -> None:
     assert env.observation_dtype == jnp.uint8
 
 
+def test_the_length_is_known_inside_jit(env: Environment, tmp_path: Path) -> None:
+    """Also where the file writes a number, as most do: a rollout is that long."""
+    written = tmp_path / "yard.sj"
+    text = YARD.read_text("utf-8").replace("  episode length\n", "  episode 4\n")
+    assert "episode 4" in text
+    written.write_text(text, "utf-8")
+    for length, made in ((LENGTH, env), (4, make(written))):
+        assert jax.eval_shape(lambda made=made: jnp.zeros(made.episode_length)).shape == (length,)
+
+
 def test_what_reset_and_step_return(env: Environment) -> None:
     observation, state = env.reset(jax.random.key(0))
     assert (observation.shape, observation.dtype) == (env.observation_shape, jnp.uint8)
