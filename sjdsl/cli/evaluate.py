@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 @click.option(
     "--which", type=click.Choice(["last", "best"]), help="The last policy of a run, which is the default, or its best; as in RUN@best."
 )
-@click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4.")
+@click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4, or an .html page.")
 @scenario_options
 def command(
     run: str,

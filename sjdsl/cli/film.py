@@ -1,4 +1,4 @@
-"""Writes episodes as GIF or MP4 files for several commands."""
+"""Writes episodes as GIF, MP4 or HTML files for several commands."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -9,48 +9,54 @@ import click
 from sjdsl.cli.stages import Say
 
 if TYPE_CHECKING:
-    from sjdsl.render import Snapshot
+    from sjdsl.render import Moment
     from sjdsl.runtime.env import Environment
 
 SPEED = 8.0  # frames a second
+PAGE = ".html"
+FILMS = (".gif", ".mp4", PAGE)
 
 
 def check_film(path: Path) -> None:
-    """Refuses a file that is no film, or one that needs a package that is missing."""
-    if path.suffix not in (".gif", ".mp4"):
+    """Refuses a file that is no film and no page, or one that needs a package that is missing."""
+    if path.suffix not in FILMS:
         raise click.UsageError(
-            f"`{path}` must end in .gif or .mp4, or where one picture is drawn in .png", click.get_current_context(silent=True)
+            f"`{path}` must end in .gif, .mp4 or .html, or where one picture is drawn in .png", click.get_current_context(silent=True)
         )
     if path.suffix == ".mp4":
         import importlib.util
 
         if importlib.util.find_spec("av") is None:
-            raise click.ClickException("an .mp4 needs the package av: pip install 'sjdsl[video]'; a .gif needs nothing")
+            raise click.ClickException("an .mp4 needs the package av: pip install 'sjdsl[video]'; a .gif and an .html need nothing")
 
 
 def save_film(
     env: "Environment", policy: Any, path: Path, steps: int, seed: int, every: int = 1, speed: float = SPEED, say: Say = lambda _: None
 ) -> str:
-    """Plays, draws and writes a film; returns what there is to say about it. `say` is told what is being done."""
-    from sjdsl.render import play
+    """Plays, draws and writes a film or a page; returns what there is to say about it. `say` is told what is being done."""
+    from sjdsl.render import play_moments
 
-    return write_film(env, told(play(env, policy, steps, seed, every), env, say), path, speed, say)
+    return write_film(env, told(play_moments(env, policy, steps, seed), env, say), path, speed, say, every)
 
 
-def told(shots: "Iterable[Snapshot]", env: "Environment", say: Say) -> "Iterator[Snapshot]":
+def told(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
     """Yields the moments of an episode as they are played, and says that they are: the first two wait for the compiler."""
     say(f"compiling {env.name}")
-    for number, shot in enumerate(shots):
+    for number, moment in enumerate(moments):
         if number == 1:
             say(f"playing {env.name}")
-        yield shot
+        yield moment
 
 
-def write_film(env: "Environment", shots: "Iterable[Snapshot]", path: Path, speed: float = SPEED, say: Say = lambda _: None) -> str:
-    """Draws and writes a film of some moments; returns what there is to say about it."""
-    from sjdsl.render import make_painter, save_gif, save_mp4
+def write_film(
+    env: "Environment", moments: "Iterable[Moment]", path: Path, speed: float = SPEED, say: Say = lambda _: None, every: int = 1
+) -> str:
+    """Draws and writes a film, or a page, of some moments; returns what there is to say about it. `every`: a film shows one step of so many."""
+    if path.suffix == PAGE:
+        return _write_page(env, list(moments), path, speed, say)
+    from sjdsl.render import make_painter, one_of, save_gif, save_mp4
 
-    shots = list(shots)
+    shots = [moment.snapshot for moment in one_of(every, moments)]
     say(f"drawing {len(shots)} pictures")
     painter = make_painter(env)
     frames = [painter.draw(shot) for shot in shots]
@@ -59,3 +65,11 @@ def write_film(env: "Environment", shots: "Iterable[Snapshot]", path: Path, spee
     save(frames, path, round(1000 / speed))
     width, height = frames[0].size
     return f"{path}  {len(frames)} frames of {width} x {height} pixels, {path.stat().st_size / 1000:.0f} kB"
+
+
+def _write_page(env: "Environment", moments: "list[Moment]", path: Path, speed: float, say: Say) -> str:
+    from sjdsl.render import make_page
+
+    say(f"writing {path}")
+    make_page(env.game, moments, speed).save(path)
+    return f"{path}  {len(moments)} moments to look at in a browser, {path.stat().st_size / 1000:.0f} kB"

@@ -1,4 +1,4 @@
-"""`sjdsl render`: writes a game as a film, or one moment of it as a picture."""
+"""`sjdsl render`: writes a game as a film or a page, or one moment of it as a picture."""
 
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from sjdsl.cli.environment_options import (
     make_environment,
     read_assignments,
 )
-from sjdsl.cli.film import check_film, save_film, told
+from sjdsl.cli.film import PAGE, check_film, save_film, told
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, policy_option
 from sjdsl.cli.stages import LOADING, stages
@@ -21,9 +21,14 @@ from sjdsl.cli.stages import LOADING, stages
 
 @click.command("render")
 @click.argument("game")
-@click.option("-o", "output", metavar="FILE", help="A .gif or .mp4, or a .png of the last step; by default GAME.gif.")
+@click.option(
+    "-o",
+    "output",
+    metavar="FILE",
+    help="A .gif or .mp4, an .html page that plays in a browser, or a .png of the last step; by default GAME.gif.",
+)
 @click.option("--steps", type=click.IntRange(min=0), default=100, show_default=True, help="Steps to play.")
-@click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Draw one step of every N.")
+@click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Draw one step of every N; a page has them all.")
 @policy_option
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second.")
@@ -33,19 +38,21 @@ def command(game: str, output: str | None, steps: int, every: int, policy: str, 
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix != ".png":
         check_film(path)
+    if path.suffix == PAGE and every > 1:
+        raise click.UsageError("an .html page holds every step: leave out --every", click.get_current_context(silent=True))
     described["params"] = read_assignments(described["params"])
     check_policy(policy, check_environment(game, **described))
     require_folder_of(path)
     with stages(LOADING) as say:
         env = make_environment(describe_environment(game, **described))
 
-        from sjdsl.render import make_painter, play, save_png
+        from sjdsl.render import make_painter, one_of, play_moments, save_png
 
         chosen = choose_policy(policy, env)
         if path.suffix == ".png":
-            *_, last = told(play(env, chosen, steps, seed, every), env, say)
-            save_png(make_painter(env).draw(last), path)
-            done = f"{path}  step {last.step} of {env.title or env.name}"
+            *_, last = one_of(every, told(play_moments(env, chosen, steps, seed), env, say))
+            save_png(make_painter(env).draw(last.snapshot), path)
+            done = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:
             done = save_film(env, chosen, path, steps, seed, every, speed, say)
     click.echo(done)

@@ -1,4 +1,4 @@
-"""`sjdsl replay`: shows a recorded episode in the terminal, or writes it as a film."""
+"""`sjdsl replay`: shows a recorded episode in the terminal, or writes it as a film or a page."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.command("replay")
 @click.argument("file")
 @click.option("--episode", type=int, default=0, show_default=True, help="The episode to show, in a file of many; -1 is the last.")
-@click.option("-o", "output", metavar="FILE", help="Write a .gif or .mp4 instead of showing it here.")
+@click.option("-o", "output", metavar="FILE", help="Write a .gif, .mp4 or .html instead of showing it here.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=1000), default=SPEED, show_default=True, help="Steps a second.")
 def command(file: str, episode: int, output: str | None, speed: float) -> int:
     """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if its rules are still the same."""
@@ -42,8 +42,7 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
 
         with stages(LOADING) as say:
             env = make_environment(recording.environment)
-            shots = (moment.snapshot for moment in replayed(recording, env))
-            done = write_film(env, told(shots, env, say), Path(output), speed, say)
+            done = write_film(env, told(replayed(recording, env), env, say), Path(output), speed, say)
         click.echo(done)
     except RecordingError as error:
         raise click.ClickException(str(error)) from None

@@ -50,7 +50,7 @@ class Substrate(dm_env.Environment):
         self.env = _make(game, arguments)
         number = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         self._key = jax.random.key(number)
-        self._look = replace(make_look(self.env), tile=tile)
+        self._look = replace(make_look(self.env.game), tile=tile)
         self._sees = jax.jit(self.env.module.observe)
         self._tiles: Tiles = {}
         self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN]

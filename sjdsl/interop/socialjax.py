@@ -17,6 +17,7 @@ from sjdsl.interop.socialjax_observation import make_channels
 from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 from sjdsl.interop.socialjax_table import Entry, Figure, entries
 from sjdsl.interop.spaces import make_box, make_discrete
+from sjdsl.render.snapshot import take_snapshot
 
 __all__ = [
     "CTRolloutManager",
@@ -144,11 +145,10 @@ class SocialJaxGame:
         """Returns the board as a picture, `[height, width, 3]` uint8."""
         import numpy as np
 
-        from sjdsl.render import take_snapshot
         from sjdsl.render.board import draw_board
         from sjdsl.render.look import make_look
 
-        return draw_board(make_look(self.env), take_snapshot(self.env, state.game, np.zeros(self.num_agents)), {})
+        return draw_board(make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents)), {})
 
     def _ours(self, actions: Sequence[Array] | Array) -> Array:
         """Returns our numbers of actions; numbers out of range mean nothing, as in the suite."""

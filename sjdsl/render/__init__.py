@@ -5,16 +5,23 @@ from typing import TYPE_CHECKING
 from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from sjdsl.render.episode_page import EpisodePage, make_page
     from sjdsl.render.film import save_gif, save_mp4, save_png
     from sjdsl.render.frame import Painter, make_painter
-    from sjdsl.render.playing import play, random_policy, stay_policy
+    from sjdsl.render.moment import Moment
+    from sjdsl.render.playing import one_of, play, play_moments, random_policy, stay_policy
     from sjdsl.render.snapshot import Snapshot, take_snapshot
 
 __all__ = [
+    "EpisodePage",
+    "Moment",
     "Painter",
     "Snapshot",
+    "make_page",
     "make_painter",
+    "one_of",
     "play",
+    "play_moments",
     "random_policy",
     "save_gif",
     "save_mp4",
@@ -26,10 +33,15 @@ __all__ = [
 __getattr__ = lazy_names(
     __name__,
     {
+        "EpisodePage": "episode_page",
+        "Moment": "moment",
         "Painter": "frame",
         "Snapshot": "snapshot",
+        "make_page": "episode_page",
         "make_painter": "frame",
+        "one_of": "playing",
         "play": "playing",
+        "play_moments": "playing",
         "random_policy": "playing",
         "save_gif": "film",
         "save_mp4": "film",

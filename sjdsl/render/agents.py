@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 from sjdsl.render.colours import INK, PAPER, Colour, mixed
 from sjdsl.render.drawings import Figure
 from sjdsl.render.sprites import draw_sprite
-from sjdsl.render.tiles import put_badges
+from sjdsl.render.tiles import badges_at, put_badges
 from sjdsl.runtime.actions import DIRECTIONS
 
 SMALLEST_WITH_NUMBER = 15  # pixels of a tile
@@ -22,6 +22,16 @@ def put_figure(tile: np.ndarray, figure: Figure) -> None:
     opacity = body[..., 3:].astype(np.float32) / 255
     tile[...] = np.round(tile * (1 - opacity) + body[..., :3] * opacity).astype(np.uint8)
     put_badges(tile, figure.badges)
+
+
+@cache
+def draw_figure(figure: Figure, size: int) -> np.ndarray:
+    """Returns the picture of an agent or a mover with what it carries, `[size, size, 4]` uint8 with opacity."""
+    body = draw_body(figure.number, figure.colour, figure.sprite, figure.heading, size, figure.held)
+    picture = Image.fromarray(body).copy()
+    for (top, left), badge in badges_at(figure.badges, size):
+        picture.alpha_composite(Image.fromarray(badge), (left, top))
+    return np.asarray(picture)
 
 
 @cache

@@ -26,12 +26,12 @@ def draw_board(look: Look, snapshot: Snapshot, tiles: Tiles) -> np.ndarray:
             if (kind.name, key) not in tiles:
                 tiles[kind.name, key] = draw_tile(draw_cell(kind, key), size)
         board[kind.rows, :, kind.cols] = np.stack([tiles[kind.name, key] for key in keys])[tile_of]
-    for _, attribute, colour in look.marks:
-        rows, cols = np.nonzero(snapshot.marked(attribute, look))
+    for label, colour in look.marks:
+        rows, cols = np.nonzero(snapshot.marks[label])
         board[rows, :, cols] = tinted(board[rows, :, cols], colour, TINT)
     standing = [*zip(draw_figures(look, snapshot.values, snapshot.heading, snapshot.held), snapshot.row, snapshot.col, strict=True)]
     for herd in look.herds:
-        standing += zip(draw_movers(herd, snapshot.values), *snapshot.cells_of(herd, look), strict=True)
+        standing += zip(draw_movers(herd, snapshot.values), *snapshot.movers[herd.name], strict=True)
     for figure, row, col in standing:
         if 0 <= row < look.height and 0 <= col < look.width:
             put_figure(board[row, :, col], figure)

@@ -34,6 +34,6 @@ class Painter:
 
 def make_painter(env: Environment) -> Painter:
     """Returns what draws the states of an environment."""
-    look = make_look(env)
+    look = make_look(env.game)
     width = max(look.width * look.tile, MIN_WIDTH)
     return Painter(look, width, draw_legend(look, width))

@@ -33,7 +33,7 @@ class Entry:
 
 def draw_legend(look: Look, width: int) -> Image.Image:
     """Returns the part of the strip that is the same in every frame: the kinds, the words of their fields, the marks."""
-    lines = list(_wrap(_entries(look), width - 2 * MARGIN))
+    lines = list(_wrap(legend_entries(look), width - 2 * MARGIN))
     strip = Image.new("RGB", (width, LINE * len(lines) + 4), PAPER)
     pen = ImageDraw.Draw(strip)
     for number, line in enumerate(lines):
@@ -78,10 +78,10 @@ def _wrap(entries: Iterator[Entry], width: int) -> Iterator[list[Entry]]:
         yield line
 
 
-def _entries(look: Look) -> Iterator[Entry]:
+def legend_entries(look: Look) -> Iterator[Entry]:
     for drawing, text in cell_entries(look):
         yield Entry(draw_tile(drawing, SWATCH), text)
-    for label, _, colour in look.marks:
+    for label, colour in look.marks:
         ground = draw_tile(Drawing(look.kinds[0].ground), SWATCH)
         yield Entry(tinted(ground, colour, 0.6), label)
     for figure, text in figure_entries(look):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, 
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds
 from sjdsl.render.usual import Picture, is_passing, is_taken, main_kind, spawn_kinds, usual_body, usual_movers, usual_words
-
-if TYPE_CHECKING:  # the screen draws before JAX is there
-    from sjdsl.runtime.env import Environment
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
@@ -107,15 +104,13 @@ class Look:
     width: int
     tile: int
     kinds: tuple[KindLook, ...]
-    marks: tuple[tuple[str, str, Colour], ...]  # label, attribute of the state, colour
+    marks: tuple[tuple[str, Colour], ...]  # label of the phase, colour
     colour_field: tuple[str, tuple[Colour, ...]] | None
     roles: tuple[str, ...]
     carried: tuple[FieldLook, ...]
     rules: tuple[Rule, ...]
     num_agents: int
     can_be_held: bool
-    frame: tuple[int, int]
-    pad: int
     herds: tuple[HerdLook, ...] = ()
 
     def agent_colours(self, fields: Values) -> list[Colour]:
@@ -126,9 +121,8 @@ class Look:
         return [colours[int(word)] for word in fields[attribute]]
 
 
-def make_look(env: "Environment") -> Look:
-    """Returns how the environment's game looks; equal games look equal."""
-    game = env.game
+def make_look(game: ir.Game) -> Look:
+    """Returns how a game looks; equal games look equal."""
     height, width = len(game.rows), len(game.rows[0])
     tile = max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE))
     phases = marking_phases(game)
@@ -140,7 +134,7 @@ def make_look(env: "Environment") -> Look:
         width=width,
         tile=tile,
         kinds=tuple(kind_looks(game)),
-        marks=tuple((phase.label, f"mark_{phase.name}", colour) for phase, colour in marks),
+        marks=tuple((phase.label, colour) for phase, colour in marks),
         colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(colour_field.type.words)),
         roles=() if colour_field is None or set(colour_field.type.words) <= set(WORDS) else colour_field.type.words,
         carried=tuple(
@@ -149,8 +143,6 @@ def make_look(env: "Environment") -> Look:
         rules=tuple(_rule(look) for look in game.looks if look.what == "agent"),
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
-        frame=env.module.FRAME,
-        pad=env.module.PAD,
         herds=tuple(herd_looks(game)),
     )
 

@@ -1,41 +1,69 @@
-"""Plays episodes to be drawn: snapshots of one environment under a policy."""
+"""Plays episodes to be drawn: the moments of one environment under a policy."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
+from typing import Any
 
 import jax
 import numpy as np
 
+from sjdsl.render.moment import Moment
 from sjdsl.render.snapshot import Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
 
-__all__ = ["play", "random_policy", "stay_policy"]
+__all__ = ["one_of", "play", "play_moments", "random_policy", "stay_policy"]
 
 
 def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every: int = 1) -> Iterator[Snapshot]:
-    """Yields the first state of each episode and one of `every` states that follow, an episode's last one included.
+    """Returns the first state of each episode and one of `every` states that follow, an episode's last one included.
 
     Args:
       policy: `(key, observation) -> actions [N]`, or one with memory.
       num_steps: steps to play, over as many episodes as they take.
     """
+    return (moment.snapshot for moment in one_of(every, play_moments(env, policy, num_steps, seed)))
+
+
+def one_of(every: int, moments: Iterable[Moment]) -> Iterator[Moment]:
+    """Yields the first moment of each episode and one of `every` that follow, an episode's last one included."""
+    number = 0
+    for moment in moments:
+        number += bool(moment.actions)
+        if not moment.actions or moment.done or number % every == 0:
+            yield moment
+
+
+def play_moments(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Iterator[Moment]:
+    """Yields every moment of the same episodes, with the actions and the rewards; the arguments are those of `play`."""
     key, reset_key = jax.random.split(jax.random.key(seed))
     observation, state = env.reset(reset_key)
-    returns = np.zeros(env.num_agents)
+    moment = first_moment(env, state)
+    yield moment
     remembering = with_memory(policy)
     memory = remembering.start
     act = jax.jit(partial(take_actions, env, remembering))
-    yield take_snapshot(env, state, returns)
     for number in range(1, num_steps + 1):
         key, action_key, step_key, reset_key = jax.random.split(key, 4)
         memory, actions = act(memory, action_key, observation, state)
-        observation, state, reward, done, _ = env.step_env(step_key, state, actions)
-        returns = returns + np.asarray(reward)
-        if number % every == 0 or done:
-            yield take_snapshot(env, state, returns)
+        observation, state, reward, done, info = env.step_env(step_key, state, actions)
+        moment = next_moment(env, state, moment.snapshot.returns, actions, reward, bool(done), info["events"])
+        yield moment
         if done and number < num_steps:
             observation, state = env.reset(reset_key)
             memory = remembering.start
-            returns = np.zeros(env.num_agents)
-            yield take_snapshot(env, state, returns)
+            moment = first_moment(env, state)
+            yield moment
+
+
+def first_moment(env: Environment, state: Any) -> Moment:
+    """Returns the start of an episode: nothing was done, and nothing paid."""
+    nothing = np.zeros(env.num_agents)
+    return Moment(take_snapshot(env, state, nothing), (), nothing, {}, False)
+
+
+def next_moment(env: Environment, state: Any, returns: np.ndarray, actions: Any, reward: Any, done: bool, events: dict[str, Any]) -> Moment:
+    """Returns the moment after a step. `returns`: those before it, `[N]`."""
+    paid = np.asarray(reward)
+    counted = {name: np.asarray(count) for name, count in events.items() if np.any(count)}
+    return Moment(take_snapshot(env, state, returns + paid), tuple(np.asarray(actions).tolist()), paid, counted, done)

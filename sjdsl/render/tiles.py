@@ -1,5 +1,7 @@
 """Draws the tile of a cell as pixels."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sjdsl.render.colours import INK, PAPER, Colour, mixed
@@ -34,12 +36,16 @@ def draw_tile(drawing: Drawing, size: int) -> np.ndarray:
 
 
 def put_badges(tile: np.ndarray, badges: tuple[Picture, ...]) -> None:
-    """Puts small sprites into the corners of a cell, in place: bottom right, bottom left, top right, top left."""
-    size = tile.shape[0]
+    """Puts small sprites into the corners of a cell, in place."""
+    for (top, left), badge in badges_at(badges, tile.shape[0]):
+        lay(tile, badge, top, left)
+
+
+def badges_at(badges: tuple[Picture, ...], size: int) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
+    """Yields top, left and pixels of small sprites in the corners of a cell: bottom right, bottom left, top right, top left."""
     side = max(3, round(size * BADGE))
     for picture, (row, col) in zip(badges, ((1, 1), (1, 0), (0, 1), (0, 0)), strict=False):
-        top, left = row * (size - side), col * (size - side)
-        lay(tile, _badge(picture, side), top, left)
+        yield (row * (size - side), col * (size - side)), _badge(picture, side)
 
 
 def _badge(picture: Picture, side: int) -> np.ndarray:

@@ -8,7 +8,8 @@ from sjdsl.replay.episode import Episode
 from sjdsl.replay.recording import Recording, RecordingError, save_recording
 
 if TYPE_CHECKING:
-    from sjdsl.replay.episode_player import EpisodePlayer, Moment, replayed
+    from sjdsl.render.moment import Moment
+    from sjdsl.replay.episode_player import EpisodePlayer, replayed
     from sjdsl.replay.episodes import play_episodes
 
 __all__ = [

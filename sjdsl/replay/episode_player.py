@@ -1,25 +1,16 @@
 """Replays an episode one step at a time: the same seed and actions give the same episode."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import jax
 import numpy as np
 
-from sjdsl.render.snapshot import Snapshot, take_snapshot
+from sjdsl.render.moment import Moment
+from sjdsl.render.playing import first_moment, next_moment
 from sjdsl.replay.recording import Recording, check_returns, check_rules
 from sjdsl.runtime.env import Environment
-
-
-@dataclass(frozen=True)
-class Moment:
-    """One moment. snapshot: what a picture shows; reward: `[N]` of the last step; events: its counts that are not zero; done."""
-
-    snapshot: Snapshot
-    reward: np.ndarray
-    events: dict[str, np.ndarray]
-    done: bool
 
 
 class EpisodePlayer:
@@ -40,7 +31,8 @@ class EpisodePlayer:
 
     def now(self) -> Moment:
         """Returns the moment, as after a step in which nothing was paid."""
-        return Moment(take_snapshot(self.env, self.state, self.returns), np.zeros(self.env.num_agents), {}, self.done)
+        moment = first_moment(self.env, self.state)
+        return replace(moment, snapshot=replace(moment.snapshot, returns=self.returns), done=self.done)
 
     def step(self, actions: Sequence[int]) -> Moment:
         """Takes one step.
@@ -55,11 +47,10 @@ class EpisodePlayer:
             raise ValueError(f"{chosen} are not {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}")
         key = jax.random.fold_in(self._key, len(self.actions) + 1)
         self.observation, self.state, reward, done, info = self.env.step_env(key, self.state, np.array(chosen, np.int32))
+        moment = next_moment(self.env, self.state, self.returns, chosen, reward, bool(done), info["events"])
         self.actions.append(chosen)
-        self.returns = self.returns + np.asarray(reward)
-        self.done = bool(done)
-        events = {name: np.asarray(count) for name, count in info["events"].items() if np.any(count)}
-        return Moment(take_snapshot(self.env, self.state, self.returns), np.asarray(reward), events, self.done)
+        self.returns, self.done = moment.snapshot.returns, moment.done
+        return moment
 
     def recording(self, environment: Mapping[str, Any]) -> Recording:
         """Returns the episode so far. `environment`: the arguments of `sjdsl.make`."""

@@ -9,7 +9,8 @@ import numpy as np
 from sjdsl.compiler.ir.queries import marking_phases
 from sjdsl.interpreter.state import Value, World
 from sjdsl.properties.state_conversion import world_of
-from sjdsl.replay.episode_player import EpisodePlayer, Moment
+from sjdsl.render.moment import Moment
+from sjdsl.replay.episode_player import EpisodePlayer
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.display import Display, make_display
 

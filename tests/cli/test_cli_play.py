@@ -62,7 +62,7 @@ def test_an_episode_of_other_rules_is_refused(env: Environment, sjdsl: Sjdsl, fo
             ["replay", "orchard.sj"],
             "orchard.sj does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, `sjdsl record",
         ),
-        (["replay", "none.json", "-o", "film.avi"], "must end in .gif or .mp4"),
+        (["replay", "none.json", "-o", "film.avi"], "must end in .gif, .mp4 or .html"),
         (["play", "orchard.sj"], "there is no terminal to play in"),
         (["play", "orchard.sj", "--watch", "--agent", "2"], "orchard has no agent 2; its agents are 0 to 1"),
         (["play", "orchard.sj", "--watch", "--others", "nobody"], "there is no policy `nobody`"),

@@ -124,7 +124,7 @@ def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pyt
         assert "pip install 'sjdsl[video]'" in shown.err
     shown = sjdsl("evaluate", folder, "--film", "x.avi")
     assert shown.status == 2
-    assert "must end in .gif or .mp4" in shown.err
+    assert "must end in .gif, .mp4 or .html" in shown.err
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,7 @@ def test_a_look_is_no_rule(plain: Environment, looked: Environment) -> None:
 
 
 def test_conditions_read_words_numbers_owners_and_sets(looked: Environment) -> None:
-    look = make_look(looked)
+    look = make_look(looked.game)
     first, blue, _ = bushes(look)
     assert first.ground == mixed((16, 32, 48), read_colour("red"), TINTED), "no look reads its hue"
     assert first.body is None
@@ -116,26 +116,26 @@ def test_conditions_read_words_numbers_owners_and_sets(looked: Environment) -> N
 
 def test_a_field_that_a_look_reads_is_drawn_by_it_alone(looked: Environment, plain: Environment) -> None:
     for env, places in ((looked, [{1}, {0, 1}]), (plain, [{0, 1}, {0, 1}])):
-        drawn = bushes(make_look(env), crop=[3, 3, 3], owner=[-1, -1, 2], pickers=[1, 1, 1])
+        drawn = bushes(make_look(env.game), crop=[3, 3, 3], owner=[-1, -1, 2], pickers=[1, 1, 1])
         assert [{place for place, _ in d.bars} for d in (drawn[0], drawn[2])] == (places if env is plain else [set(), {0}])
         assert drawn[0].edge is None
         assert drawn[2].edge == agent_colour(2)
 
 
 def test_agents_show_what_they_carry(looked: Environment, plain: Environment) -> None:
-    idle, busy, full = figures(make_look(plain), bag=[[0, 0], [2, 0], [1, 3]], mood=[0, 0, 1])
+    idle, busy, full = figures(make_look(plain.game), bag=[[0, 0], [2, 0], [1, 3]], mood=[0, 0, 1])
     assert idle.badges == ()
     assert len(busy.badges) == 1
     assert len(set(full.badges)) == 3, "two entries and a mood"
     assert busy.badges[0] in full.badges
-    calm, _, wild = figures(make_look(looked), bag=[[1, 0], [0, 0], [1, 3]], mood=[0, 1, 1])
+    calm, _, wild = figures(make_look(looked.game), bag=[[1, 0], [0, 0], [1, 3]], mood=[0, 1, 1])
     assert (calm.sprite, calm.colour) == ("agent", agent_colour(0))
     assert (wild.sprite, wild.colour, wild.badges[0].sprite) == ("animal", read_colour("orange"), "pot")
     assert len(wild.badges) == 1, "its fields are read by the look"
 
 
 def test_what_is_usual_follows_from_the_rules(plain: Environment) -> None:
-    kinds = {kind.name: kind for kind in make_look(plain).kinds}
+    kinds = {kind.name: kind for kind in make_look(plain.game).kinds}
     assert kinds["hedge"].body is not None and kinds["hedge"].body.sprite == "wall", "it blocks agents"
     assert kinds["moss"].body is None
     assert kinds["start_"].body is None, "nobody is sent there"
@@ -159,10 +159,10 @@ def test_the_looks_of_a_kind_are_replaced_together(tmp_path: Path) -> None:
 
 def test_the_legend_names_each_thing_once(looked: Environment, plain: Environment) -> None:
     for env in (looked, plain):
-        look = make_look(env)
+        look = make_look(env.game)
         drawn = [*cell_entries(look), *figure_entries(look)]
         assert len({text for _, text in drawn}) == len(drawn)
-    texts = [text for _, text in cell_entries(make_look(looked))]
+    texts = [text for _, text in cell_entries(make_look(looked.game))]
     assert "crop >= 2, owner is nobody" in texts
     assert "blue" in texts
 
@@ -190,7 +190,7 @@ def test_every_file_and_every_name_of_a_sprite() -> None:
 
 def test_a_legend_leaves_out_what_no_cell_shows() -> None:
     """Every patch has a class, so there is no plain one; and no word is said twice."""
-    look = make_look(sjdsl.make("pd_arena"))
+    look = make_look(sjdsl.make("pd_arena").game)
     assert [text for _, text in cell_entries(look)] == ["floor", "wall", "patch: coop", "defect", "coop, ripe", "defect, ripe", "gate"]
     assert [text for _, text in figure_entries(look)] == ["bag: coop", "bag: defect", "pale: can only stay"]
 

@@ -60,7 +60,7 @@ def test_movers_are_drawn_where_they_are(tmp_path: Path) -> None:
     for herd, heading in ((deer, 3), (coin, 1)):
         body = draw_body(None, herd.colour, herd.sprite, heading, size, False)
         full = body[..., 3] == 255
-        rows, cols = before.cells_of(herd, painter.look)
+        rows, cols = before.movers[herd.name]
         assert len(cols) == len(set(cols)) == (2 if herd is deer else 1)
         assert (rows == 0).all()
         assert agent not in cols
@@ -68,7 +68,7 @@ def test_movers_are_drawn_where_they_are(tmp_path: Path) -> None:
             assert np.array_equal(cells[col][full], body[full][:, :3])
     _, state, *_ = env.step_env(jax.random.key(1), state, np.zeros(1, np.int32))
     after = take_snapshot(env, state, np.zeros(1))
-    assert after.cells_of(coin, painter.look)[1].tolist() == [-1], "it is removed, and not drawn"
+    assert after.movers["coin"][1].tolist() == [-1], "it is removed, and not drawn"
     assert [figure.badges == () for figure in draw_movers(deer, after.values)] == [True, False], "fear is a badge"
 
 

@@ -268,7 +268,7 @@ game wide "Wide" {{
 }}
 """)
     env = sjdsl.make(file)
-    look = make_look(env)
+    look = make_look(env.game)
     assert look.width * look.tile <= 800
     assert look.height * look.tile <= 600
 

@@ -41,7 +41,7 @@ def unlike_words(look: Look) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
 
 @pytest.mark.parametrize("name", main_games())
 def test_words_of_one_field_are_told_apart(name: str) -> None:
-    look = make_look(sjdsl.make(name))
+    look = make_look(sjdsl.make(name).game)
     for what, first, second in unlike_words(look):
         for vision in VISIONS:
             seen = float((distance(first, second, vision) >= CLEAR).mean())
@@ -51,7 +51,7 @@ def test_words_of_one_field_are_told_apart(name: str) -> None:
 @pytest.mark.parametrize("name", main_games())
 def test_objects_stand_out_more_than_starting_places(name: str) -> None:
     """Of all kinds: whatever can be taken or stands there differs more from its ground than the mark where agents appear."""
-    look = make_look(sjdsl.make(name))
+    look = make_look(sjdsl.make(name).game)
     marks, things = [], []
     for kind in look.kinds:
         for _, drawing in states_of(kind):

@@ -1,0 +1,109 @@
+// The page of an episode: plays it, goes to any moment, and tells what each agent did and got.
+"use strict";
+
+const FORMAT = 1;
+const SPEEDS = [1, 2, 4, 8, 16, 32]; // moments a second
+
+async function showEpisode(root, data) {
+  const find = (name) => root.querySelector(`[data-part="${name}"]`);
+  if (data.format !== FORMAT) {
+    find("message").textContent = `This page shows episodes of format ${FORMAT}, and this is one of format ${data.format}.`;
+    return;
+  }
+  find("title").textContent = data.title;
+  const board = new Board(find("board"), data);
+  await board.load();
+  const last = data.moments.length - 1;
+  let number = 0, timer = null;
+  const rows = agentRows(find("agents"), data);
+  const moveCursor = plotReturns(find("plot"), data, (at) => show(at));
+  fillLegend(find("legend"), data);
+  const scrub = find("scrub"), play = find("play"), speed = find("speed");
+  scrub.max = last;
+  for (const rate of [...new Set([...SPEEDS, data.speed])].sort((a, b) => a - b)) {
+    speed.append(new Option(`${rate} steps a second`, rate, rate === data.speed, rate === data.speed));
+  }
+
+  function show(wanted) {
+    number = Math.min(last, Math.max(0, wanted));
+    const moment = data.moments[number];
+    board.draw(number, find("stage").clientWidth);
+    scrub.value = number;
+    find("step").textContent = `step ${moment.step}` + (moment.done ? ", the episode is over" : "");
+    rows.forEach((row, agent) => row(moment, agent));
+    find("events").textContent = moment.events.map(([name, count]) => describeEvent(name, count)).join(" · ");
+    moveCursor(number);
+  }
+
+  function pause() {
+    clearInterval(timer);
+    timer = null;
+    play.textContent = "Play";
+  }
+
+  function start() {
+    if (number === last) show(0);
+    play.textContent = "Pause";
+    timer = setInterval(() => (number < last ? show(number + 1) : pause()), 1000 / Number(speed.value));
+  }
+
+  play.addEventListener("click", () => (timer === null ? start() : pause()));
+  find("back").addEventListener("click", () => { pause(); show(number - 1); });
+  find("forward").addEventListener("click", () => { pause(); show(number + 1); });
+  scrub.addEventListener("input", () => { pause(); show(Number(scrub.value)); });
+  speed.addEventListener("change", () => { if (timer !== null) { pause(); start(); } });
+  window.addEventListener("resize", () => show(number));
+  root.ownerDocument.addEventListener("keydown", (event) => {
+    if (event.target.matches("input, select, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === " ") play.click();
+    else if (event.key === "ArrowLeft") find("back").click();
+    else if (event.key === "ArrowRight") find("forward").click();
+    else if (event.key === "Home") { pause(); show(0); }
+    else if (event.key === "End") { pause(); show(last); }
+    else return;
+    event.preventDefault();
+  });
+  show(0);
+}
+
+// Makes a row for each agent; returns what fills each of them from a moment.
+function agentRows(table, data) {
+  return data.agents.map((colour, agent) => {
+    const row = table.tBodies[0].insertRow();
+    const [name, action, reward, total] = Array.from({ length: 4 }, () => row.insertCell());
+    const swatch = document.createElement("span");
+    swatch.className = "swatch";
+    swatch.style.background = colour;
+    name.append(swatch, String(agent));
+    return (moment) => {
+      action.textContent = moment.actions.length ? data.actions[moment.actions[agent]] : "";
+      reward.textContent = moment.rewards[agent] === 0 ? "" : signed(moment.rewards[agent]);
+      total.textContent = plain(moment.returns[agent]);
+    };
+  });
+}
+
+function fillLegend(place, data) {
+  for (const [picture, text] of data.legend) entry(place, text, (image) => { image.src = data.pictures[picture]; }, "img");
+  function entry(list, text, fill, sort) {
+    const item = document.createElement("li"), image = document.createElement(sort);
+    fill(image);
+    image.alt = "";
+    item.append(image, text);
+    list.append(item);
+  }
+}
+
+// An event of everybody has one count, one of agents a count for each.
+function describeEvent(name, count) {
+  if (!Array.isArray(count)) return `${name} ${count}`;
+  const counted = count.flatMap((times, agent) => (times ? [times === 1 ? `${agent}` : `${agent} (${times} times)`] : []));
+  return `${name}: agent${counted.length > 1 ? "s" : ""} ${counted.join(", ")}`;
+}
+
+const plain = (value) => String(Number(value.toPrecision(6)));
+const signed = (value) => (value > 0 ? "+" : "−") + plain(Math.abs(value));
+
+document.addEventListener("DOMContentLoaded", () => {
+  showEpisode(document.body, JSON.parse(document.getElementById("episode").textContent));
+});
