@@ -10,6 +10,8 @@ import pytest
 
 import sjdsl
 from sjdsl.cli import commands
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.format import format_source
 
 ROOT = Path(__file__).parent.parent
 
@@ -25,6 +27,8 @@ def test_the_game_in_twenty_lines(tmp_path: Path) -> None:
     path = tmp_path / "orchard.sj"
     path.write_text(block("sj"), encoding="utf-8")
     assert len(block("sj").splitlines()) <= 24
+    assert format_source(Source("orchard.sj", block("sj"))) == block("sj")
+    assert sjdsl.make(path, num_agents=6).num_agents == 6  # as many as its limits allow
     env = sjdsl.make(path, params={"regrow": 0})
     _, state = env.reset(jax.random.key(0))
     forward = jax.numpy.full(env.num_agents, env.action_names.index("forward"))

@@ -145,25 +145,43 @@ def test_every_code_is_listed_with_its_title():
     assert listed == wanted
 
 
-LIMITS = {
-    "agents": limits.MAX_AGENTS,
-    "movers of one sort": limits.MAX_MOVERS,
-    "actions": limits.MAX_ACTIONS,
-    "words in one set": limits.MAX_WORDS,
-    "rows or columns of a map": limits.MAX_MAP_SIDE,
-    "cells that `send … by` sends an agent": limits.MAX_SHIFT,
-    "cells of a shape": limits.MAX_SHAPE_CELLS,
-    "window, cells to one side": limits.MAX_WINDOW,
-    "turns of a schedule": limits.MAX_TURNS,
-    "statements in one file": limits.MAX_STATEMENTS,
-    "bytes in one file": limits.MAX_BYTES,
-    "characters in one line": limits.MAX_LINE,
-    "brackets around one place": limits.MAX_DEPTH,
+LIMITS = {  # the row of the table -> the compiler's own name
+    "agents": "MAX_AGENTS",
+    "movers of one sort": "MAX_MOVERS",
+    "actions": "MAX_ACTIONS",
+    "words in one set": "MAX_WORDS",
+    "entries of one row": "MAX_WORDS",
+    "kinds": "MAX_KINDS",
+    "fields and timers, of all owners together": "MAX_FIELDS",
+    "phases": "MAX_PHASES",
+    "rows or columns of a map": "MAX_MAP_SIDE",
+    "cells that `send … by` sends an agent": "MAX_SHIFT",
+    "cells of a shape": "MAX_SHAPE_CELLS",
+    "window, cells to one side": "MAX_WINDOW",
+    "turns of a schedule": "MAX_TURNS",
+    "statements in one file": "MAX_STATEMENTS",
+    "bytes in one file": "MAX_BYTES",
+    "characters in one line": "MAX_LINE",
+    "words and signs in one file": "MAX_TOKENS",
+    "brackets around one place": "MAX_DEPTH",
+    "brackets, blocks, operators in a row and `otherwise`s around one place": "MAX_TREE",
+    "defines that use each other in a row": "MAX_DEFINES_DEEP",
+    "uses of defines, with those inside them": "MAX_EXPANSIONS",
+    "characters of one number with a fraction": "MAX_DIGITS",
 }
+IN_WORDS = {"MAX_DRAWN", "MAX_INTEGER", "MAX_PROBLEMS", "MAX_VALUE"}  # below the table
+IMPLIED = {"MAX_MAP_CELLS"}  # by the rows and columns
 
 
 def test_the_limits_are_those_of_the_compiler():
-    assert {row[0]: int(row[1]) for row in table("limit")[1:]} == LIMITS
+    assert {row[0]: int(row[1]) for row in table("limit")[1:]} == {row: getattr(limits, name) for row, name in LIMITS.items()}
+    for name in IN_WORDS:
+        assert f"{getattr(limits, name):,}" in section("23. Limits"), name
+
+
+def test_every_limit_of_the_compiler_is_told():
+    assert {name for name in vars(limits) if name.startswith("MAX_")} == {*LIMITS.values()} | IN_WORDS | IMPLIED
+    assert limits.MAX_MAP_CELLS == limits.MAX_MAP_SIDE**2
 
 
 @pytest.mark.parametrize(("sign", "unit_of"), [("×", types.times_unit), ("÷", types.over_unit)])

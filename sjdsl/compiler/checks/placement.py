@@ -56,7 +56,7 @@ def _check_start(game: ir.Game, problems: Problems) -> None:
         missing = [i for i in range(many) if not _always_sent(game.start.body, Body(sort, i))]
         if missing:
             who = f"{sort or 'agent'} {missing[0]}" if len(missing) == 1 else f"{sort or 'agents'} {missing[0]} .. {missing[-1]}"
-            problems.add(errors.NotSentAtStart(game.start.span, who=who))
+            problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort or "agent"))
 
 
 def _is_of(who: ir.Expr, agent: Body) -> bool:

@@ -5,7 +5,7 @@ from math import isfinite
 from typing import Any
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label, near
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.keys import level_of
@@ -26,7 +26,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     if unit == "word":
         _word(declared, scope)
         return
-    if declared.is_size and declared.by is not None:
+    if declared.is_size and (declared.by is not None or isinstance(declared.value, ast.Table)):
         raise scope.problems.fail(errors.Unsupported(declared.span, what="a size that is a table", help="a `param` can be one"))
     low, high = _limits(declared, unit, scope)
     level = None if declared.by is None else level_of(declared.by, scope)
@@ -52,14 +52,14 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
 def _report_outside(
     declared: ast.Constant,
     outside: list[tuple[tuple[str, ...], float]],
-    limits: tuple[float, float],
+    between: tuple[float, float],
     level: Level | None,
     scope: Scope,
 ) -> None:
     """Reports the numbers of one declaration that are outside its limits, as one mistake."""
     spans = list(dict.fromkeys(_entry(declared.value, keys, level, scope).span for keys, _ in outside))
     labels = (*_where_limits(declared, spans[0]), *(Label(span, "and this") for span in spans[1:]))
-    name, value, (low, high) = f"`{declared.name.text}`", outside[0][1], limits
+    name, value, (low, high) = f"`{declared.name.text}`", outside[0][1], between
     found = errors.OutOfLimits(spans[0], labels=labels, name=name, value=value, low=low, high=high, reason=_reason(declared, scope))
     scope.problems.add(found)
 
@@ -152,9 +152,10 @@ def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
         raise scope.problems.fail(errors.WrongType(tree.span, wanted="a number", given=describe(built.type)))
     value = built.value
     whole = unit in INTEGER_UNITS
-    if not isfinite(value) or abs(value) > 2**30 or (whole and value != int(value)):
-        wanted = "a whole number" if whole else "a number of reasonable size"
-        raise scope.problems.fail(errors.WrongType(tree.span, wanted=wanted, given=f"{value:g}"))
+    if not isfinite(value) or (whole and value != int(value)):
+        raise scope.problems.fail(errors.WrongType(tree.span, wanted="a whole number" if whole else "a number", given=f"{value:g}"))
+    if abs(value) > limits.MAX_VALUE:
+        raise scope.problems.fail(limits.too_much(f"this number is {value:.15g}", limits.MAX_VALUE, tree.span))
     if built.type.unit not in ("number", unit) and not (unit == "reward" and built.type.unit == "count"):
         raise scope.problems.fail(errors.UnitMismatch(tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`"))
     return int(value) if whole else float(value)

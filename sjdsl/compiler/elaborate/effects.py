@@ -35,6 +35,9 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
     built = scope.expression(e)
     if built.type.kind == "agents" and not built.type.by:
         return built
+    if isinstance(built, ir.Member) and built.who == "mover":
+        help_ = "a mover earns nothing; keep it in a field of the mover, such as `field fed : 0 .. 9 capped = 0`"
+        raise scope.problems.fail(errors.WrongType(e.span, wanted="an agent or a set of agents", given="a mover", help=help_))
     if not as_agent(built):
         raise wrong_type(scope, e, "an agent or a set of agents", built.type)
     check_somebody(built, e.span, scope)

@@ -4,7 +4,7 @@ from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text, not_a_word
 from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
@@ -75,7 +75,10 @@ def _cell_type(declared: ast.CellType, scope: Scope) -> ir.Type:
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
     low, high = scope.expression(declared.low), scope.expression(declared.high)
     values = [scope.fixed(e, "the range of a field") for e in (declared.low, declared.high)]
-    if any(v != int(v) for v in values) or values[0] > values[1] or max(map(abs, values)) > 2**30:
+    if max(map(abs, values)) > limits.MAX_VALUE:
+        problem = f"an end of this range is {max(values, key=abs):.15g}"
+        raise scope.problems.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
+    if any(v != int(v) for v in values) or values[0] > values[1]:
         raise scope.problems.fail(
             errors.WrongType(declared.span, wanted="a range of whole numbers, the smaller first", given="another one")
         )

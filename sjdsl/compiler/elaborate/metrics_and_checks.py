@@ -17,6 +17,8 @@ from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, is_number
 
+REQUIRES = "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; `always` speaks of every state of play"
+
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     """Returns the conditions of all `require`s, about numbers and the map only; proofs elsewhere rely on them."""
@@ -27,9 +29,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
                 test = of_the_map(scope.condition(check.condition), scope.static)
                 for node in ir.walk(test):
                     if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
-                        raise scope.problems.fail(
-                            errors.NotFixed(node.origin or check.span, what="what a `require` reads (numbers and the map, not the state)")
-                        )
+                        raise scope.problems.fail(errors.NotFixed(node.origin or check.span, what="what a `require` reads", help=REQUIRES))
                 found.append(test)
     return tuple(found)
 

@@ -13,6 +13,7 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
 
 ALIKE = (ir.Word, ir.Number, ir.ParamRef, ir.At, ir.Arithmetic, ir.SumRow, ir.Named, ir.Narrowed)  # the same in all of an episode
+USED_WITH = "use words, numbers, `size`s, `param`s and names of actions; what changes in play, and who is meant, the phase says itself"
 
 
 def start(game: Composition, scope: Scope) -> ir.Phase | None:
@@ -89,7 +90,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
             return argument.name.text
     value = scope.expression(argument)
     if not all(isinstance(node, ALIKE) for node in ir.walk(value)):
-        raise scope.problems.fail(errors.NotFixed(argument.span, what="what a phase is used with"))
+        raise scope.problems.fail(errors.NotFixed(argument.span, what="what a phase is used with", help=USED_WITH))
     return value
 
 

@@ -70,7 +70,7 @@ def _is_within_limits(found: Scan, token: Token) -> bool:
             shown = token if len(token) < 20 else f"{token[:8]}... ({len(token)} digits)"
             _too_much(found, token, f"{shown} is too large a number", MAX_INTEGER)
         case "DEC" if len(token) > MAX_DIGITS:
-            _too_much(found, token, f"this number has {len(token)} digits", MAX_DIGITS)
+            _too_much(found, token, f"this number has {len(token)} characters", MAX_DIGITS)
     found.brackets += (token.type in OPENING) - (token.type in CLOSING)
     found.prefixes = found.prefixes + 1 if token.type in PREFIX else 0
     if found.brackets + found.prefixes > MAX_DEPTH:

@@ -75,8 +75,12 @@ class NoStart(Diagnostic, code="SJ501", title="Agents without a place"):
 
 
 class NotSentAtStart(NoStart):
+    """`sort`: `agent`, or the sort of the movers."""
+
     says = "`phase start` does not always send {who} to a place"
+    hints = ("write `phase start {{ each {sort} {{ send {sort} to KIND }} }}`",)
     who: str
+    sort: str
 
 
 class TickTwice(Diagnostic, code="SJ502", title="The schedule and its timers"):
