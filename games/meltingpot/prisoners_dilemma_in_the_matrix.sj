@@ -5,7 +5,7 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
                 "two holds is its strategy. Defecting pays more in every meeting; two cooperators earn more than two defectors."
   about our_paradigm "prisoner's dilemma"  # Melting Pot
 
-  size players : count = 8 in 2 .. 32                # Melting Pot; ours: a set of agents holds as many
+  size players : count = 8 in 2 .. 64                # Melting Pot
   size room    : count = 100                         # ours: a bag needs a bound; it holds no more of each
   size classes : count = 2  size health : count = 3  # Melting Pot: one of each is held from the start; hits that destroy a resource
   param longest : steps = 5000  episode longest      # Melting Pot

@@ -49,8 +49,9 @@ def _many(state: Any, declared: ir.VarField) -> list[Value]:
 
 def _held(stored: np.ndarray, type_: ir.Type) -> Value:
     """Returns a stored value as the interpreter holds it."""
-    if stored.ndim:
-        return tuple(_held(entry, type_) for entry in stored)
+    if type_.by:
+        inner = type_.model_copy(update={"by": type_.by[1:]})
+        return tuple(_held(entry, inner) for entry in stored)
     match type_.kind:
         case "word":
             return type_.words[int(stored)]
@@ -59,7 +60,8 @@ def _held(stored: np.ndarray, type_: ir.Type) -> Value:
         case "cell":
             return None if stored < 0 else Cell(*divmod(int(stored), 256))
         case "agents":
-            return frozenset(agent for agent in range(32) if int(stored) >> agent & 1)
+            words = enumerate(np.atleast_1d(stored).tolist())  # large sets are kept in several
+            return frozenset(32 * number + bit for number, word in words for bit in range(32) if word >> bit & 1)
         case "real":
             return np.float32(stored)
         case _:

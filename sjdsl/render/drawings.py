@@ -60,7 +60,7 @@ def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
         case "word":
             return values.astype(int)
         case "agents":
-            counts = np.bitwise_count(values)
+            counts = np.bitwise_count(values).reshape(len(values), -1).sum(axis=1)  # large sets are kept in several numbers
         case "agent":
             return values.astype(int) + 1
         case _:

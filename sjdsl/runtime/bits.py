@@ -35,6 +35,14 @@ def unpack(words: Array, size: int) -> Array:
     return result
 
 
+def has_member(words: Array, member: Array) -> Array:
+    """Returns whether sets have a member: `[..., W]` uint32 and `[...]` int32 -> `[...]` bool; nobody, -1, is in none."""
+    index = jnp.arange(words.shape[-1], dtype=jnp.int32).reshape((1,) * member.ndim + (-1,))
+    word = jnp.sum(jnp.where(index == (member >> 5)[..., None], words, jnp.uint32(0)), axis=-1, dtype=jnp.uint32)
+    result: Array = ((word >> (member & (WIDTH - 1)).astype(jnp.uint32)) & jnp.uint32(1)) != 0
+    return result
+
+
 def count(words: Array) -> Array:
     """Returns how many bits are set in all words: `[..., W]` -> `[...]` int32."""
     return jnp.sum(lax.population_count(words).astype(jnp.int32), axis=-1, dtype=jnp.int32)

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from sjdsl.runtime.bits import pack
+from sjdsl.runtime.bits import count, pack
 
 
 def count_near(member: Array, masks: Array) -> Array:
@@ -25,6 +25,11 @@ def count_near(member: Array, masks: Array) -> Array:
 def size_of_set(members: Array) -> Array:
     """Returns how many agents sets have that are kept as bits: `[...]` unsigned -> `[...]` int32."""
     return lax.population_count(members).astype(jnp.int32)
+
+
+def size_of_large_set(words: Array) -> Array:
+    """Returns how many agents sets have that are kept as bits in several words: `[..., W]` uint32 -> `[...]` int32."""
+    return count(words)
 
 
 @partial(jax.jit, static_argnums=1)  # one function of the program for each shape, however many rules count

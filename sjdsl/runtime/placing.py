@@ -32,6 +32,12 @@ def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
     return bits.nth_bit(members, below(word, number)), number > 0
 
 
+def pick_of_large_set(members: Array, word: Array) -> tuple[Array, Array]:
+    """Returns one agent of each set that is kept as bits in several words: as `pick`, from `[..., W]` uint32."""
+    number = bits.count(members)
+    return bits.nth(members, below(word, number)), number > 0
+
+
 def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> tuple[Array, Array]:
     """Returns one agent of each of many sets, as `pick_of_set` does; random numbers are drawn only if some set has several members.
 

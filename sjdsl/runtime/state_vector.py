@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.runtime.actions import HEADINGS
+from sjdsl.runtime.bits import WIDTH, unpack
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.module import GameModule
 
@@ -48,7 +49,9 @@ def _numbers(stored: Array, field: StateField, num_agents: int) -> Array:
         case "agent":
             return jax.nn.one_hot(stored, num_agents, dtype=jnp.float32)  # nobody, -1: all zero
         case "agents":
-            shifts = jnp.arange(min(num_agents, 8 * stored.dtype.itemsize)).astype(stored.dtype)
+            if num_agents > WIDTH:
+                return unpack(stored, num_agents).astype(jnp.float32)
+            shifts = jnp.arange(num_agents).astype(stored.dtype)
             one = jnp.ones((), stored.dtype)
             return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(jnp.float32)
         case "cell":

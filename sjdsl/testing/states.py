@@ -33,9 +33,10 @@ def held_values(declared: ir.VarField, world: World) -> Any:
 def stored_values(declared: ir.VarField, world: World) -> Any:
     """Returns the values of a field of the interpreter as the compiled state stores them."""
     values = held_values(declared, world)
+    agents = len(world.position)
     if declared.held_by == "world":
-        return stored(values, declared.type)
-    return [stored(value, declared.type) for value in values]
+        return stored(values, declared.type, agents)
+    return [stored(value, declared.type, agents) for value in values]
 
 
 def compiled_state(env: Environment, blank: Any, world: World) -> Any:

@@ -57,8 +57,9 @@ def stored(state: Any, declared: ir.VarField) -> np.ndarray:
 
 def held(value: np.ndarray, type_: ir.Type) -> Any:
     """Returns one value as the interpreter holds it."""
-    if np.ndim(value):
-        return tuple(held(entry, type_) for entry in value)
+    if type_.by:
+        inner = type_.model_copy(update={"by": type_.by[1:]})
+        return tuple(held(entry, inner) for entry in value)
     match type_.kind:
         case "word":
             return type_.words[int(value)]
@@ -67,7 +68,8 @@ def held(value: np.ndarray, type_: ir.Type) -> Any:
         case "cell":
             return None if value < 0 else Cell(*divmod(int(value), 256))
         case "agents":
-            return frozenset(agent for agent in range(64) if int(value) >> agent & 1)
+            together = sum(int(word) << 32 * number for number, word in enumerate(np.atleast_1d(value)))
+            return frozenset(agent for agent in range(64) if together >> agent & 1)
         case "real":
             return np.float32(value)
         case _:

@@ -20,12 +20,13 @@ ACTIONS = ("zap", "peer", "hand_over")
 MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
 EVENTS = ("seen", "eaten", "hits", "deals")
 GLYPHS = "gtpkeaxyzwvu"
+CROWDS = 0.01  # how often there are more agents than one number of 32 bits holds
 
 
 def declare(random: Random) -> World:
     """Returns a world with everything but rules."""
     w = World(random)
-    w.agents = random.choice((1, 2, 2, 3, 3, 4, 5))
+    w.agents = random.choice((1, 2, 2, 3, 3, 4, 5)) if not w.is_now(CROWDS) else random.choice((33, 36))
     for _ in range(random.randint(2, 3)):
         w.word_sets.append(tuple(random.sample(WORDS, random.randint(2, 4))))
     for name in random.sample(SIZES, random.randint(1, 3)):
@@ -40,7 +41,7 @@ def declare(random: Random) -> World:
     for name in random.sample(AGENT_FIELDS, random.randint(1, 4)):
         w.agent_fields.append(a_field(w, name, sets=True))
     for name in random.sample(WORLD_FIELDS, random.choice((0, 1, 1, 2))):
-        w.fields.append(a_field(w, name, sets=False))
+        w.fields.append(a_field(w, name, sets=True))
     w.word_sets = [s for s in w.word_sets if s in _declared_sets(w)] or [_some_words(w)]
     for name in random.sample(PARAMS, random.randint(2, 6)):
         w.params.append(param(w, name))
@@ -276,7 +277,7 @@ def _glyphs(w: World) -> None:
 def _map(w: World) -> None:
     """Draws a map with enough cells of the first kind for everybody."""
     r = w.random
-    height, width = r.randint(3, 5), r.randint(3, 7)
+    height, width = (r.randint(3, 5), r.randint(3, 7)) if w.bodies < 20 else (6, 8)
     kinds = list(w.kinds.values())
     common = kinds[0]
     absent = kinds[-1] if len(kinds) > 2 and w.is_now(0.15) else None

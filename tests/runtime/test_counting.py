@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.bits import as_bits, from_bits
-from sjdsl.runtime.counting import count_near, occupied, size_of_set, times_in
+from sjdsl.runtime.bits import as_bits, from_bits, has_member, pack, unpack
+from sjdsl.runtime.counting import count_near, occupied, size_of_large_set, size_of_set, times_in
 from sjdsl.runtime.geometry import near_masks
 from sjdsl.runtime.line_of_sight import reached
 from sjdsl.runtime.rows import entry, highest, lowest, mix, ramp
@@ -96,6 +96,23 @@ def test_sets_as_bits_and_back(dtype: jnp.dtype, most: int) -> None:
         np.testing.assert_array_equal(from_bits(found, agents), members)
         np.testing.assert_array_equal(from_bits(found[0], agents), members[0])
     assert as_bits(jnp.ones(most, bool), dtype).tolist() == 2**most - 1
+
+
+@pytest.mark.parametrize("agents", [33, 40, 64])
+def test_large_sets(agents: int) -> None:
+    """Sets kept in several words, against Python's; nobody, -1, is in none."""
+    random = np.random.default_rng(agents)
+    members = random.random((5, agents)) < 0.5
+    words = pack(jnp.asarray(members))
+    assert (words.shape, words.dtype) == ((5, 2), jnp.uint32)
+    together = [int(low) + (int(high) << 32) for low, high in np.asarray(words)]
+    assert together == [sum(2**i for i in range(agents) if row[i]) for row in members]
+    np.testing.assert_array_equal(unpack(words, agents), members)
+    assert size_of_large_set(words).tolist() == members.sum(axis=1).tolist()
+    everybody = jnp.arange(-1, agents, dtype=jnp.int32)
+    found = has_member(words[:, None], everybody[None])
+    np.testing.assert_array_equal(found, np.pad(members, ((0, 0), (1, 0))))
+    assert has_member(words[0], jnp.int32(agents - 1)).tolist() == members[0, -1]
 
 
 def test_reached() -> None:

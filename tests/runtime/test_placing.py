@@ -5,7 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_set, pick_of_sets, place, place_fitting
+from sjdsl.runtime.bits import pack
+from sjdsl.runtime.placing import choose, pair, pair_reached, pick, pick_of_large_set, pick_of_set, pick_of_sets, place, place_fitting
 from sjdsl.runtime.random_bits import random_bits
 
 from . import references
@@ -100,6 +101,17 @@ def test_pick_of_set(dtype: jnp.dtype) -> None:
     number, found = pick_of_set(jnp.asarray(sets, dtype), word)
     expected, there = pick(jnp.asarray((sets[:, None] >> np.arange(size)) & 1 != 0), word)
     assert found.tolist() == there.tolist()
+    assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
+
+
+def test_pick_of_large_set() -> None:
+    """A set kept as bits in two words is the same as its members spelt out."""
+    random = np.random.default_rng(64)
+    members = np.concatenate([random.random((100, 64)) < 0.5, np.eye(64, dtype=bool)[[0, 31, 32, 63]], np.zeros((1, 64), bool)])
+    word = jnp.asarray(random.integers(0, 2**32, len(members)), jnp.uint32)
+    number, found = pick_of_large_set(pack(jnp.asarray(members)), word)
+    expected, there = pick(jnp.asarray(members), word)
+    assert found.tolist() == there.tolist() == members.any(axis=1).tolist()
     assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
 
 

@@ -8,8 +8,8 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 
 KERNELS = {
-    "sjdsl.runtime.bits": ("as_bits", "from_bits"),
-    "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_set", "times_in"),
+    "sjdsl.runtime.bits": ("as_bits", "from_bits", "has_member", "pack", "unpack"),
+    "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_large_set", "size_of_set", "times_in"),
     "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "random_bits", "random_bits_at", "threshold", "unit"),
     "sjdsl.runtime.fields": ("StateField",),
     "sjdsl.runtime.geometry": (
@@ -38,6 +38,7 @@ KERNELS = {
         "pair",
         "pair_reached",
         "pick",
+        "pick_of_large_set",
         "pick_of_set",
         "pick_of_sets",
         "place",

@@ -72,7 +72,8 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     members = whole_set(e.domain, scope, w)
     if members is None:
         return None
-    return w.keep(f"num_{e.domain.var.name}", replace(members, node=call("size_of_set", members.node), dtype="i32"))
+    size = call("size_of_large_set" if members.levels else "size_of_set", members.node)
+    return w.keep(f"num_{e.domain.var.name}", replace(members, node=size, dtype="i32", levels=0))
 
 
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:

@@ -27,7 +27,7 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.draws import random_bits
 from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
@@ -44,10 +44,6 @@ class Target(Record):
     @property
     def attribute(self) -> str:
         return attribute_name(self.declared)
-
-    @property
-    def levels(self) -> int:
-        return len(self.read.type.by)
 
     @property
     def own_axes(self) -> tuple[Axis, ...] | None:
@@ -96,24 +92,25 @@ def _write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     axes = union(scope.axes, index.axes, rank.axes, value.axes)
     extent = array.Literal(1) if target.who is None else state_reads.total_extent(target.who, w)
     at = select(scope.mask, index, literal(0, "i32"))
-    place = _flat(at, axes, "i32")
-    won = w.bind("won", array.call("drawn_by_lot", place, _flat(rank, axes, "u32"), extent))
+    place = _flat(at, axes, "i32", w)
+    won = w.bind("won", array.call("drawn_by_lot", place, _flat(rank, axes, "u32", w), extent))
     if target.who is None:
         here = array.call("jnp.argmax", won)
-        drawn = array.Index(_flat(value, axes, value.dtype), (here,))
+        drawn = array.Index(_flat(value, axes, value.dtype, w), (here,))
         w.assign(target.attribute, array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)))
         return
     past = array.scalar(_past_the_end(target.who, w).node, "i32")
     keys = (array.Where(won, place, past),)
-    new = _flat(value, axes, value.dtype) if value.axes else value.node
+    new = _flat(value, axes, value.dtype, w) if value.axes else value.node
     w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
 
 
-def _flat(value: Value, axes: tuple[Axis, ...], dtype: array.DType) -> array.Expression:
+def _flat(value: Value, axes: tuple[Axis, ...], dtype: array.DType, w: Writer) -> array.Expression:
     """Returns a value for each instance, in the order of their numbers."""
-    extents = tuple(a.extent for a in axes)
+    words = (array.Literal(w.module.set_words),) * value.levels  # of a large set
+    extents = (*(a.extent for a in axes), *words)
     full = array.Broadcast(array.as_array(aligned(value, axes), dtype) if value.literal else aligned(value, axes), extents)
-    return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1),))
+    return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1), *words))
 
 
 def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -164,7 +161,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     if own is None or (key is not None and any(a.size > 1 and a not in own for a in key.axes)):
         _scatter(target, key, value, w)
         return
-    stored = Value(w.current(target.attribute), state_reads.storage(target.declared, w), own, target.levels)
+    stored = Value(w.current(target.attribute), state_reads.storage(target.declared, w), own, w.module.levels(target.read.type))
     before = stored if along is None else unrolled(stored, along)
     own = before.axes
     over = tuple(a for a in target.scope.axes if a not in own)
@@ -196,12 +193,15 @@ def _entries(before: Value, mask: Value | None, key: Value | None, target: Targe
     if key is None:
         return _filled(before, value) if mask is None else select(mask, value, before)
     if key.literal:
-        new = select(mask, value, taken(before, key.node))
+        new = select(mask, value, taken(before, key.node, before.levels - 1))
         keys = (*[array.ALL] * len(before.axes), key.node)
         return replace(before, node=array.Update(before.node, keys, "set", new.node))
     hit = _is_word(key, before.axes, target, w)
     if mask is not None:
         hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
+    if before.levels > 1:  # of large sets
+        words = array.Index(hit, (array.REST, array.NEW_AXIS))
+        return replace(before, node=array.Where(words, aligned(value, before.axes, before.levels), before.node))
     return replace(before, node=array.Where(hit, _for_each_word(value, before.axes), before.node))
 
 
@@ -223,7 +223,7 @@ def _filled(before: Value, value: Value) -> Value:
         return value
     if not value.axes and not value.levels:
         return replace(before, node=array.call("jnp.full_like", before.node, value.node))
-    rows = _for_each_word(value, before.axes) if value.levels < before.levels else aligned(value, before.axes)
+    rows = aligned(value, before.axes, before.levels)
     return replace(before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape")))
 
 
@@ -239,7 +239,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     axes = union(index.axes, *(x.axes for x in (scope.mask, rest, value) if x is not None))
     at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
     keys = (at.node, *([] if rest is None else [aligned(rest, axes)]))
-    levels = target.levels if key is None and value.axes else 0
+    levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
     w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
 
@@ -293,7 +293,7 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
     sets = array.Update(zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True)
-    sums.append(w.keep(f"{target.attribute}_added", Value(sets, total.dtype, shape, target.levels)))
+    sums.append(w.keep(f"{target.attribute}_added", Value(sets, total.dtype, shape, len(target.read.type.by))))
 
 
 def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
@@ -320,36 +320,46 @@ def _one_hot(value: Value, key: Value, target: Target, w: Writer) -> Value:
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
-    n, scope, who = w.module.num_agents, target.scope, target.who
-    if n > 32:
-        instead = "keep a field of each agent instead, of the words of who belongs to it and who does not"
-        raise NotSupported(f"a set of agents in a game of {n} agents (at most 32)", s.origin, instead)
+    scope, who = target.scope, target.who
     member = w.value(s.value, scope.always())
     joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    dtype = w.module.set_dtype
-    if who is None:
-        instead = "keep a field of each agent instead, such as `field in_club : { outside_it, inside_it } = outside_it`"
-        raise NotSupported("adding to a set of agents that is a field of the world", s.origin, instead)
+    dtype, words = w.module.set_dtype, w.module.set_words
     keys = [x for x in (target.key(w),) if x is not None]
-    axes = union(who.number.axes, member.axes, *(k.axes for k in keys), () if scope.mask is None else scope.mask.axes)
-    at = spread(select(scope.mask, who.number, _past_the_end(who, w)), axes)
-    places = [w.keep(_place(who), Value(at, "i32", axes)).node, *(aligned(key, axes) for key in keys)]
-    sizes = (state_reads.total_extent(who, w), *(w.module.num_words(target.read.type.by[0]) for _ in keys))
-    name = f"{target.attribute}_joined"
-    itself = joining.axis if isinstance(joining, AgentVar) else None
+    mask_axes = () if scope.mask is None else scope.mask.axes
+    sizes = [w.module.num_words(target.read.type.by[0]) for _ in keys]
     sets: array.Expression
-    if itself is not None and itself in axes and all(a.size == 1 or a == itself for a in axes):  # each agent joins once at most
-        bits = Value(array.Binary("<<", array.scalar(array.Literal(1), dtype), iota(itself, dtype).node), dtype, (itself,))
-        sets = array.Update(
-            array.call("jnp.zeros", array.shape_of(sizes), array.DTYPES[dtype]), tuple(places), "add", aligned(bits, axes), drop=True
-        )
+    if who is None:  # those who are not added are numbers past the end
+        axes = union(member.axes, *(k.axes for k in keys), mask_axes)
+        at = w.keep("member", Value(spread(select(scope.mask, member, Value(w.module.agents, "i32")), axes), "i32", axes))
+        sets = _folded([aligned(key, axes) for key in keys], at.node, sizes, w)
     else:
-        empty = array.call("jnp.zeros", array.Sequence((*sizes, w.module.agents)), array.Name("bool"))
-        table = array.Update(empty, (*places, aligned(member, axes)), "set", array.Literal(True), drop=True)
-        sets = array.call("as_bits", w.keep("members", Value(table, "bool")).node, array.DTYPES[dtype])
-    if target.levels and not keys:  # to every entry of the row
-        sets = array.Index(sets, (array.ALL, array.NEW_AXIS))
-    w.joined.setdefault(target.attribute, []).append(w.keep(name, Value(sets, dtype)).node)
+        axes = union(who.number.axes, member.axes, *(k.axes for k in keys), mask_axes)
+        at = Value(spread(select(scope.mask, who.number, _past_the_end(who, w)), axes), "i32", axes)
+        places = [w.keep(_place(who), at).node, *(aligned(key, axes) for key in keys)]
+        extents = [state_reads.total_extent(who, w), *sizes]
+        itself = joining.axis if isinstance(joining, AgentVar) else None
+        once = itself is not None and itself in axes and all(a.size == 1 or a == itself for a in axes)  # each agent joins once at most
+        if once and not words:
+            assert itself is not None
+            bits = Value(array.Binary("<<", array.scalar(array.Literal(1), dtype), iota(itself, dtype).node), dtype, (itself,))
+            zeros = array.call("jnp.zeros", array.shape_of(tuple(extents)), array.DTYPES[dtype])
+            sets = array.Update(zeros, tuple(places), "add", aligned(bits, axes), drop=True)
+        else:
+            sets = _folded(places, aligned(member, axes), extents, w)
+    if target.read.type.by and not keys:  # to every entry of the row
+        sets = array.Index(sets, (*[array.ALL] * (who is not None), array.NEW_AXIS))
+    joined_sets = w.keep(f"{target.attribute}_joined", Value(sets, dtype))
+    w.joined.setdefault(target.attribute, []).append(joined_sets.node)
+
+
+def _folded(places: list[array.Expression], member: array.Expression, sizes: list[array.Literal], w: Writer) -> array.Expression:
+    """Returns the sets in which each instance's agent is at each instance's place: a table of truths, folded into bits."""
+    empty = array.call("jnp.zeros", array.shape_of((*sizes, w.module.agents)), array.Name("bool"))
+    table = array.Update(empty, (*places, member), "set", array.Literal(True), drop=True)
+    members = w.keep("members", Value(table, "bool")).node
+    if w.module.set_words:
+        return array.call("pack", members)
+    return array.call("as_bits", members, array.DTYPES[w.module.set_dtype])
 
 
 def finish(w: Writer) -> None:

@@ -48,7 +48,7 @@ class Axis(Record):
 
 
 class Value(Record):
-    """`node` computes an array with `axes`, then `levels` axes of words."""
+    """`node` computes an array with `axes`, then `levels` axes: those of the entries of rows, last that of the words of large sets."""
 
     node: Expression
     dtype: DType

@@ -54,9 +54,9 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
 
 
 def in_set(members: Value, axis: Axis) -> Value:
-    """Returns which agents, along an axis, are in a set that is kept as bits."""
+    """Returns which agents, along an axis, are in a set that is kept as bits, of a large one in several words."""
     assert all(axis.order > a.order for a in members.axes)
-    return Value(call("from_bits", members.node, axis.extent), "bool", (*members.axes, axis))
+    return Value(call("unpack" if members.levels else "from_bits", members.node, axis.extent), "bool", (*members.axes, axis))
 
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:

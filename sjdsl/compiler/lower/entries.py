@@ -26,10 +26,13 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
     key = row_key(e.key, e.row.type.by[0], scope, w)
     if key.literal or not row.axes:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
+    axes = union(row.axes, key.axes)
+    if e.type.kind == "agents" and row.levels == 2:
+        found = array.call("entry", words_first(aligned_row(row, axes)), aligned(key, axes))
+        return Value(words_last(found), row.dtype, axes, 1)
     if row.levels != 1:
         instead = "write one of the words out with `case`"
         raise NotSupported("a table of several levels by words that differ from member to member", e.origin, instead)
-    axes = union(row.axes, key.axes)
     return Value(array.call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
 
 
@@ -72,6 +75,16 @@ def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
     if row.axes == axes:
         return row.node
     return array.Index(row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes))
+
+
+def words_first(sets: array.Expression) -> array.Expression:
+    """Returns large sets with the axis of their words first, so that the entries of rows stand last as those of other rows do."""
+    return array.call("jnp.moveaxis", sets, array.Literal(-1), array.Literal(0))
+
+
+def words_last(sets: array.Expression) -> array.Expression:
+    """Returns what was made of `words_first` as sets are kept."""
+    return array.call("jnp.moveaxis", sets, array.Literal(0), array.Literal(-1))
 
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:

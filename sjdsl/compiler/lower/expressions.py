@@ -23,7 +23,7 @@ from sjdsl.compiler.lower.axes import (
     summed,
     union,
 )
-from sjdsl.compiler.lower.entries import aligned_row, entry, to_words
+from sjdsl.compiler.lower.entries import aligned_row, entry, to_words, words_first, words_last
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
 from sjdsl.compiler.program import expressions as array
@@ -156,7 +156,12 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
         case _:
             pass
     axes = union(row.axes, filler.axes)
-    fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned(filler, axes)
+    fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
+    if row.levels > 1:  # of large sets
+        fill = fill if filler.literal else words_first(fill)
+        return replace(
+            row, node=words_last(array.call("shifted", words_first(aligned_row(row, axes)), array.Literal(e.by), fill)), axes=axes
+        )
     return replace(row, node=array.call("shifted", aligned_row(row, axes), array.Literal(e.by), fill), axes=axes)
 
 
@@ -264,10 +269,15 @@ def test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmp
             return _is_one_of(lower(e.value, scope, w), e.words, e.value, w)
         case ir.InSet():
             container, value = lower(e.container, scope, w), lower(e.value, scope, w)
+            if container.levels:
+                axes = union(container.axes, value.axes)
+                return Value(array.call("has_member", aligned_row(container, axes), aligned(value, axes)), "bool", axes)
             bit = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
             return binary("!=", binary("&", bit, literal(1, "u32"), "u32"), literal(0, "u32"), "bool")
         case ir.IsEmpty():
-            return binary("==", lower(e.container, scope, w), literal(0, "u32"), "bool")
+            container = lower(e.container, scope, w)
+            empty = binary("==", container, literal(0, "u32"), "bool")
+            return replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0) if container.levels else empty
         case _:
             assert_never(e)
 

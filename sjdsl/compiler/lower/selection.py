@@ -76,7 +76,8 @@ def _pick_one(
     axes = union(single.axes, tuple(a for a in around if a != axis))
     drawn = spread(single, axes)
     source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
-    many = members is not None and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
+    large = members is not None and members.levels > 0
+    many = members is not None and not large and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
     if many and need_no_state((*scope.digits, (iota(turns), turns.extent))):  # most steps need none of the random bits
         source = source if scope.mask is None else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
         picked, found = array.Name(w.names.fresh("picked")), array.Name(w.names.fresh("found"))
@@ -84,7 +85,7 @@ def _pick_one(
         best_one = w.keep(name, Value(array.Cast(picked, "i32", "u8"), "i32", axes))
     else:
         best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
-        w.unpack((best, found), array.call("pick_of_set" if members else "pick", source, drawn))
+        w.unpack((best, found), array.call(("pick_of_large_set" if large else "pick_of_set") if members else "pick", source, drawn))
         best_one = Value(best, "i32", axes)
     there = Value(found, "bool", axes)
     chosen = _chosen_variable(member, axis, best_one)

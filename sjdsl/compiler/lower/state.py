@@ -54,13 +54,14 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     dtype = STORED[state_reads.storage(field, w)]
     sort = field.kind if field.held_by == "mover" else ""
     dims = {"cell": "S", "agent": "N", "world": ""}.get(field.held_by) or (str(w.module.extent(sort).size) if sort else "")
-    shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by])
+    words = (array.Literal(w.module.set_words),) if field.type.kind == "agents" and w.module.set_words else ()
+    shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by] + [str(number.size) for number in words])
     layout = w.module.layout
     starts = layout.starts(field.kind, field) if field.held_by == "cell" else {field.start}
     if len(starts) <= 1:
         extent = {"cell": w.module.num_cells((field.kind,)), "agent": w.module.agents}.get(field.held_by)
         extent = w.module.extent(sort) if sort else extent
-        size = (*([] if extent is None else [extent]), *map(w.module.num_words, field.type.by))
+        size = (*([] if extent is None else [extent]), *map(w.module.num_words, field.type.by), *words)
         first = _start(next(iter(starts), field.start), field, w)
         default: array.Expression = array.call(
             "jnp.full", array.shape_of(size) if size else array.Sequence(()), first, array.path(f"jnp.{dtype}")

@@ -35,7 +35,7 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
-    stored = Value(path(f"state.{attribute_name(declared)}"), storage(declared, w), (), len(e.type.by))
+    stored = Value(path(f"state.{attribute_name(declared)}"), storage(declared, w), (), w.module.levels(e.type))
     return _widened(stored if owner is None else _of(owner, stored), declared)
 
 
@@ -55,7 +55,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     vectors = Sequence(tuple(path(f"state.{attribute_name(p)}") for p in parts), is_list=True)
     together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
     whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
-    return _widened(_of(owner, replace(whole, levels=len(e.type.by))), parts[0])
+    return _widened(_of(owner, replace(whole, levels=w.module.levels(e.type))), parts[0])
 
 
 def _widened(value: Value, declared: ir.VarField) -> Value:

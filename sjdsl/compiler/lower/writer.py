@@ -20,6 +20,7 @@ from sjdsl.runtime.actions import HEADINGS
 FACTS = {"NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW", "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS"}
 MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
 NOBODY = -1
+WORD = 32  # bits of a number that agents of a set are kept in
 
 
 @dataclass
@@ -125,6 +126,15 @@ class Module:
     def set_dtype(self) -> DType:
         """How a set of agents is kept: a bit for each agent."""
         return "u8" if self.num_agents <= 8 else "u32"
+
+    @property
+    def set_words(self) -> int:
+        """How many words of 32 bits a set of agents takes, along an axis of their own; 0 where one number holds it."""
+        return 0 if self.num_agents <= WORD else -(-self.num_agents // WORD)
+
+    def levels(self, type_: ir.Type) -> int:
+        """Returns how many axes one value has: those of rows and tables, and that of the words of a large set."""
+        return len(type_.by) + (type_.kind == "agents" and self.set_words > 0)
 
     def can_be_away(self, sort: str = "") -> bool:
         """Returns whether agents, or movers of a sort, can be off the map during a step."""
