@@ -27,6 +27,7 @@ COMMANDS = {
     "explain": "Explain the code of a message, such as SJ101.",
     "fmt": "Format the text of games.",
     "list": "List games: agents, actions, parameters, variants.",
+    "lsp": "Serve editors: messages, completion, names, over the Language Server Protocol.",
     "new": "Create a new game: a file, a map and a test.",
     "play": "Control an agent of a game in the terminal.",
     "plot": "Plot learning curves of runs.",

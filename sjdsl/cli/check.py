@@ -6,8 +6,7 @@ import click
 
 from sjdsl.cli.diagnostics import print_diagnostics, texts_of
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
-from sjdsl.compiler import check
-from sjdsl.compiler.compose import compose
+from sjdsl.compiler import check, check_variants
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.report import to_json
 from sjdsl.compiler.diagnostics.source import Source
@@ -44,16 +43,12 @@ def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: 
 def find_problems(source: Source, variant: str | None = None) -> Found:
     """Returns the diagnostics of a game by variant, in the order of the file; each is listed once, where it first appears."""
     if variant is not None:
-        names = [split_variants(variant)]
-    else:
-        try:
-            names = [(), *((name,) for name in compose(source).variants)]
-        except CompileError as error:
-            return {(): list(error.diagnostics)}
+        chosen = split_variants(variant)
+        return {chosen: list(check(source, chosen))}
     found: Found = {}
-    for name in names:
+    for name, problems in check_variants(source):
         known = {_said(d) for problems in found.values() for d in problems}
-        found[name] = [d for d in check(source, name) if _said(d) not in known]
+        found[name] = [d for d in problems if _said(d) not in known]
     return found
 
 

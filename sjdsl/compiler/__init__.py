@@ -3,7 +3,7 @@
 Source -> Composition -> ir.Game -> Program -> text
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -90,6 +90,17 @@ def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
     except CompileError as error:
         return error.diagnostics
     return CompileError(made.warnings).diagnostics
+
+
+def check_variants(source: Source) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
+    """Yields every error and warning of a file: as it is, then in each of its variants."""
+    try:
+        names = [(), *((name,) for name in compose(source).variants)]
+    except CompileError as error:
+        yield (), error.diagnostics
+        return
+    for name in names:
+        yield name, check(source, name)
 
 
 def _with_ways_out(found: list[Diagnostic], game: Composition, overrides: Overrides | None) -> list[Diagnostic]:

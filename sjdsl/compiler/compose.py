@@ -106,7 +106,7 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
         base_name = file.game.extends
         if source.name in seen:
             raise CompileError([errors.ExtendsCycle(base_name.span, name=source.name)])
-        base = _read_base(base_name, source)
+        base = base_of(base_name, source)
         tree = parse(base)
         if base.name == source.name or base.name in seen:
             raise CompileError([errors.ExtendsCycle(base_name.span, name=base.name)])
@@ -119,16 +119,20 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
     return game
 
 
-def _read_base(name: ast.String, source: Source) -> Source:
-    """Returns the text that a file `extends`, read from the file's own folder."""
+def base_of(name: ast.String, source: Source) -> Source:
+    """Returns the text that a file `extends`, from the file's own folder. Raises CompileError if there is none, or it cannot be read."""
     problems = Problems()
     path = inside_folder(name.text, name.span, source, problems)
     if path is None:
         raise CompileError(problems.found)
+    name_here = (Path(source.name).parent / name.text).as_posix()
+    over = source.instead_of(path)
+    if over is not None:
+        return Source(name_here, over, path.parent, source.over)
     if not path.is_file():
         beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
         raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside))])
-    return Source((Path(source.name).parent / name.text).as_posix(), read_source(path).text, path.parent)
+    return Source(name_here, read_source(path).text, path.parent, source.over)
 
 
 def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, object]]:

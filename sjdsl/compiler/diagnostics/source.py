@@ -1,5 +1,6 @@
 """Source texts and spans: the file, and the part of it, that a node or a message is about."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,11 +19,19 @@ class Span(Record):
 
 @dataclass(frozen=True)
 class Source:
-    """One file as read: `name` is what messages call it, `folder` is where its maps and bases are looked up."""
+    """One file as read: `name` is what messages call it, `folder` is where its maps and bases are looked up.
+
+    `over`: the texts that stand in place of files there, None for a file that is as on the disk: an editor has some open.
+    """
 
     name: str
     text: str
     folder: Path | None = field(default=None, compare=False)
+    over: Callable[[Path], str | None] | None = field(default=None, compare=False, repr=False)
+
+    def instead_of(self, path: Path) -> str | None:
+        """Returns the text that stands in place of a file, None where the file itself is to be read."""
+        return None if self.over is None else self.over(path)
 
     def span(self, start: int, end: int) -> Span:
         """Returns the span of the characters `start .. end`."""

@@ -29,6 +29,9 @@ def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows
     path = inside_folder(name, span, source, problems)
     if path is None:
         return (), ()
+    over = source.instead_of(path)
+    if over is not None:
+        return parse_rows(over.encode("utf-8", "replace"), (Path(source.name).parent / name).as_posix(), span, problems)
     if not path.is_file():
         folder = path.parent
         beside = [p.name for p in folder.iterdir()] if folder.is_dir() else []

@@ -31,10 +31,21 @@ VERSION = "1"
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
 
-@lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
 def parse(source: Source) -> ast.File:
     """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
-    return build_ast(read_tree(source)[1], source.name)
+    found = _parsed(source)
+    if isinstance(found, ast.File):
+        return found
+    raise CompileError(found)
+
+
+@lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
+def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
+    """Returns the tree of a text, or its syntax errors."""
+    try:
+        return build_ast(read_tree(source)[1], source.name)
+    except CompileError as error:
+        return error.diagnostics
 
 
 def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
@@ -79,6 +90,11 @@ def _kept_tables() -> str | bool:
 def automaton() -> Automaton:
     """Returns the parser's table, for finding errors."""
     return make_automaton(parser(), SOFT)
+
+
+def as_read(tokens: list[Token]) -> list[Token]:
+    """Returns the tokens of any text, with soft words as names where they are names, as far as it has no error."""
+    return as_names(automaton(), tokens)
 
 
 def _check_version(source: Source) -> list[Diagnostic]:
@@ -126,7 +142,7 @@ def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
     table = automaton()
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]
-    closing = _closing(kinds)
+    closing = closing_braces(kinds)
     stack, before = _beginning(table, begun), None
     search, at, repairs = Search(), 0, 0
     trail: dict[int, Stack] = {}
@@ -193,7 +209,7 @@ def _identity(problem: Diagnostic) -> tuple[int, object]:
     return (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
 
 
-def _closing(kinds: list[str]) -> list[int]:
+def closing_braces(kinds: Sequence[str]) -> list[int]:
     """Returns for each token how many more `}` than `{` there are from it to the end."""
     counts = [0]
     for kind in reversed(kinds):

@@ -1,0 +1,26 @@
+"""`sjdsl lsp`: serves editors over the Language Server Protocol, on standard input and output or on a port."""
+
+import gc
+from importlib.util import find_spec
+
+import click
+
+HOST = "127.0.0.1"
+MANY = 50_000  # objects between two looks for garbage: a server lives long, and each text makes some
+
+
+@click.command("lsp")
+@click.option("--tcp", "port", type=click.IntRange(min=0, max=65535), metavar="PORT", help=f"Listen on this port of {HOST} instead.")
+def command(port: int | None) -> None:
+    """Starts the language server, which an editor does for itself: docs/editors.md says how. It needs the extra `sjdsl[lsp]`."""
+    if find_spec("pygls") is None:
+        raise click.ClickException("`sjdsl lsp` needs pygls; install it with: pip install 'sjdsl[lsp]'")
+    from sjdsl.editor.server import make_server
+
+    gc.set_threshold(MANY, 20, 20)
+    server = make_server()
+    if port is None:
+        server.start_io()
+    else:
+        click.echo(f"listening on {HOST}:{port}", err=True)
+        server.start_tcp(HOST, port)

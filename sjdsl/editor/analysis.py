@@ -1,0 +1,153 @@
+"""What is known of one text: its words, its tree, the games it stands on, its mistakes. Kept until a text or a file changes."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cached_property
+from pathlib import Path
+
+from lark import Token
+
+from sjdsl.compiler import Build, ast, build, check
+from sjdsl.compiler.compose import Composition, base_of, compose
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.limits import check_text
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import as_read, parse, parser
+from sjdsl.compiler.syntax.tokens import scan
+from sjdsl.editor.documents import Document, Documents
+
+Stamp = tuple[object, ...]
+
+
+class Analysis:
+    """One text at one state of the files that it names: its bases and maps. Everything is found out when it is first asked for."""
+
+    def __init__(self, document: Document, documents: Documents):
+        self.document = document
+        self._documents = documents
+        self._seen: dict[Path, Stamp] = {}
+        self._variants: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
+        folder = None if document.path is None else document.path.parent
+        self.source = Source(document.name, document.text, folder, self._over)
+
+    def _over(self, path: Path) -> str | None:
+        self._seen[path] = _stamp(path, self._documents)
+        return self._documents.text_over(path)
+
+    def depends_on(self, path: Path) -> bool:
+        """Returns whether a file was read, or missed, for what is known."""
+        return path in self._seen
+
+    def is_current(self) -> bool:
+        """Returns whether the files that were read are as they were."""
+        return all(_stamp(path, self._documents) == stamp for path, stamp in self._seen.items())
+
+    @cached_property
+    def tokens(self) -> tuple[Token, ...]:
+        """The words and signs of the text, also of one with mistakes; soft words that are names are tokens of names."""
+        if check_text(self.source):
+            return ()
+        return tuple(as_read(scan(self.source, parser()).tokens))
+
+    @cached_property
+    def file(self) -> ast.File | None:
+        """The tree of the text, None if it has syntax errors."""
+        with suppress(CompileError):
+            return parse(self.source)
+        return None
+
+    @cached_property
+    def chain(self) -> tuple[tuple[Source, ast.File], ...]:
+        """The text and the games that it extends, as far as they can be read: its own tree, then that of its base, and so on."""
+        found: list[tuple[Source, ast.File]] = []
+        with suppress(CompileError):
+            source, file = self.source, parse(self.source)
+            while True:
+                found.append((source, file))
+                if file.game.extends is None:
+                    break
+                source = base_of(file.game.extends, source)
+                if any(source.name == before.name for before, _ in found):
+                    break
+                file = parse(source)
+        return tuple(found)
+
+    @cached_property
+    def composition(self) -> Composition | None:
+        """The game put together, None if that fails."""
+        with suppress(CompileError):
+            return compose(self.source)
+        return None
+
+    @cached_property
+    def build(self) -> Build | None:
+        """The typed game as it is without variants, None if it has errors."""
+        with suppress(CompileError):
+            return build(self.source)
+        return None
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        return () if self.composition is None else tuple(self.composition.variants)
+
+    def problems(self, variants: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
+        """Returns every error and warning of the game in a variant."""
+        if variants not in self._variants:
+            self._variants[variants] = check(self.source, variants)
+        return self._variants[variants]
+
+    def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
+        """Yields the problems of the game as it is, then of each variant."""
+        yield (), self.problems()
+        for name in self.variants:
+            yield (name,), self.problems((name,))
+
+
+class Analyses:
+    """The analysis of each text, made anew when the text or a file it stands on has changed, and the last one without syntax errors."""
+
+    def __init__(self, documents: Documents):
+        self.documents = documents
+        self._made: dict[str, Analysis] = {}
+        self._readable: dict[str, Analysis] = {}
+
+    def of(self, uri: str) -> Analysis | None:
+        """Returns what is known of a text, None if there is no such text."""
+        document = self.documents.get(uri)
+        if document is None:
+            self.forget(uri)
+            return None
+        made = self._made.get(uri)
+        if made is None or made.document.text != document.text or not made.is_current():
+            made = self._made[uri] = Analysis(document, self.documents)
+        elif made.document.version != document.version:  # typed and taken back
+            made.document = document
+        if made.file is not None:
+            self._readable[uri] = made
+        return made
+
+    def readable(self, uri: str) -> Analysis | None:
+        """Returns what is known of a text when it had no syntax error last, perhaps now; None if it always had one."""
+        self.of(uri)
+        return self._readable.get(uri)
+
+    def forget(self, uri: str) -> None:
+        """Drops what is known of a text that is closed."""
+        self._made.pop(uri, None)
+        self._readable.pop(uri, None)
+
+    def standing_on(self, path: Path) -> list[str]:
+        """Returns the URIs of the texts that read a file."""
+        return [uri for uri, made in self._made.items() if made.depends_on(path)]
+
+
+def _stamp(path: Path, documents: Documents) -> Stamp:
+    """Returns what changes when a file does: its open text, or its time and size; empty for a file that is not there."""
+    text = documents.text_over(path)
+    if text is not None:
+        return ("open", text)
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return ()
+    return (status.st_mtime_ns, status.st_size)

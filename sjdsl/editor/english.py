@@ -1,0 +1,76 @@
+"""The English of one declared thing, as `sjdsl doc` says it: a phase, a policy, a define, a number, a field, an action."""
+
+from collections.abc import Iterable, Iterator
+
+from sjdsl.compiler import ir
+from sjdsl.doc.actions import action_rows
+from sjdsl.doc.checks import event_line, measure_line
+from sjdsl.doc.defines import explained, vocabulary
+from sjdsl.doc.entities import blocking, field_line
+from sjdsl.doc.numbers import unit_of
+from sjdsl.doc.policies import policy_lines
+from sjdsl.doc.statements import block
+from sjdsl.doc.vocabulary import Vocabulary
+from sjdsl.doc.wording import Line, bullets, code, table_value
+from sjdsl.editor.names import Symbol
+
+
+def english(symbol: Symbol, game: ir.Game) -> list[str]:
+    """Returns lines of Markdown about something of a game; none where its declaration says all."""
+    v = vocabulary(game)
+    match symbol.space:
+        case "phase":
+            return _phase(symbol.name, v)
+        case "policy":
+            return next((_bullets(policy_lines(p, v)) for p in game.policies if p.name == symbol.name), [])
+        case "field":
+            return _bullets(_field(symbol, game))
+        case "action":
+            return [meaning for _, name, meaning in action_rows(v) if name.strip("`").partition("(")[0] == symbol.name and meaning]
+        case "metric":
+            lines = [event_line(e) for e in game.events if e.name == symbol.name]
+            return _bullets([*lines, *(measure_line(m, v) for m in game.measures if m.name == symbol.name)])
+        case "name":
+            return _bullets(list(_named(symbol.name, v)))
+        case _:
+            return []
+
+
+def _bullets(lines: Iterable[Line]) -> list[str]:
+    return list(bullets(list(lines)))
+
+
+def _phase(name: str, v: Vocabulary) -> list[str]:
+    if name == "start":
+        return _bullets(block(v.game.start.body, v))
+    turns = [t for t in v.game.schedule if isinstance(t, ir.Phase) and t.name == name]
+    found: list[str] = []
+    for turn in turns:
+        found += [*([f"{code(turn.label)}:", ""] if len(turns) > 1 else []), *_bullets(block(turn.body, v)), ""]
+    return found or ["No turn of the schedule runs it."]
+
+
+def _field(symbol: Symbol, game: ir.Game) -> list[Line]:
+    owners: dict[str, tuple[ir.VarField, ...]] = {"agent": game.agents.fields}
+    owners |= {kind.name: kind.fields for kind in game.kinds} | {sort.name: sort.fields for sort in game.movers}
+    return [field_line(field) for field in owners.get(symbol.owner, ()) if field.name == symbol.name]
+
+
+def _named(name: str, v: Vocabulary) -> Iterator[Line]:
+    """Yields what there is to say of a number, a define, a field of the world, a kind or a group."""
+    game = v.game
+    numbers: tuple[ir.Size | ir.Param, ...] = (*game.sizes, *game.params)
+    for number in numbers:
+        if number.name == name:
+            yield Line(f"{code(name)} is {table_value(number.value, number.type.by)} ({unit_of(number)})")
+    yield from (line for line in explained(v) if line.text.startswith(code(name)))
+    yield from (field_line(field) for field in game.fields if field.name == name)
+    for kind in game.kinds:
+        if kind.name == name:
+            cells = sum(row.count(g.glyph) for row in game.rows for g in game.glyphs if g.kind == name)
+            yield Line(f"{cells} {'cell' if cells == 1 else 'cells'} of the map")
+            yield from blocking(kind, v)
+            yield from map(field_line, kind.fields)
+    for group, kinds in game.groups:
+        if group == name:
+            yield Line(f"{code(name)} means {' or '.join(kinds)} cells")

@@ -1,0 +1,133 @@
+"""Hover: a name's declaration and its English, what a word of the language means, and the explanation of a message."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+
+from lark import Token, UnexpectedCharacters
+from lsprotocol import types
+
+from sjdsl.compiler.ast.traverse import walk
+from sjdsl.compiler.diagnostics.explanations import explain
+from sjdsl.compiler.syntax.parse import automaton, parser
+from sjdsl.editor.analysis import Analyses, Analysis
+from sjdsl.editor.english import english
+from sjdsl.editor.family import declarations
+from sjdsl.editor.names import Occurrence
+from sjdsl.editor.navigation import symbol_at
+
+MOST_LINES = 14  # of a declaration
+MOST_DECLARATIONS = 3
+
+
+def hover(uri: str, position: types.Position, analyses: Analyses) -> types.Hover | None:
+    """Returns what there is to say of a place, as Markdown: of the messages about it, of a name, of a word of the language."""
+    analysis = analyses.of(uri)
+    if analysis is None:
+        return None
+    offset = analysis.document.lines.offset(position)
+    token = next((t for t in analysis.tokens if (t.start_pos or 0) <= offset < (t.end_pos or 0)), None)
+    found = symbol_at(uri, position, analyses)
+    told = _explained(analysis, offset)
+    if found is not None:
+        told += _declared(*found, analyses)
+    elif token is not None:
+        told += _word(token)
+    if not told:
+        return None
+    range_ = None if token is None else analysis.document.lines.range(token.start_pos or 0, token.end_pos or 0)
+    return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, "\n\n---\n\n".join(told)), range_)
+
+
+def _explained(analysis: Analysis, offset: int) -> list[str]:
+    """Returns the explanations of the codes of messages at a place, of the game itself and of its variants."""
+    codes = dict.fromkeys(
+        d.code
+        for _, problems in analysis.all_problems()
+        for d in problems
+        if d.span.file == analysis.document.name and d.span.start <= offset <= d.span.end
+    )
+    return [explain(code) for code in codes]
+
+
+def _declared(analysis: Analysis, occurrence: Occurrence, analyses: Analyses) -> list[str]:
+    places = declarations(occurrence.symbols, analysis, analyses)[:MOST_DECLARATIONS]
+    shown = "\n".join(declaration_text(made, o) for made, o in places)
+    told = [f"```sj\n{shown}\n```"] if shown else []
+    game = analysis.build.game if analysis.build is not None else None
+    lines = [] if game is None else english(occurrence.symbols[0], game)
+    elsewhere = [made.document.name.rpartition("/")[2] for made, _ in places if made is not analysis]
+    told += ["\n".join(lines)] * bool(lines) + [f"in {', '.join(dict.fromkeys(elsewhere))}"] * bool(elsewhere)
+    return ["\n\n".join(told)] if told else []
+
+
+def declaration_text(analysis: Analysis, o: Occurrence) -> str:
+    """Returns the lines of a declaration with the comment behind it, without their indentation; of a long one the beginning."""
+    text = analysis.document.text
+    whole = (_around(analysis, o) or [(o.span.start, o.span.end)])[-1]
+    end = text.find("\n", whole[1])
+    rest = text[whole[1] : end if end >= 0 else len(text)]
+    comment = rest if rest.lstrip().startswith("#") else ""
+    start = text.rfind("\n", 0, whole[0]) + 1
+    indent = whole[0] - start
+    lines = (text[whole[0] : whole[1]] + comment).splitlines()
+    lines = [lines[0], *(line[min(indent, len(line) - len(line.lstrip())) :] for line in lines[1:])]
+    return "\n".join(lines if len(lines) <= MOST_LINES else [*lines[: MOST_LINES - 1], "…"])
+
+
+def _around(analysis: Analysis, o: Occurrence) -> list[tuple[int, int]]:
+    """Returns where the declarations around a name stand, the smallest last."""
+    if analysis.file is None:
+        return []
+    nodes = [n for n in walk(analysis.file) if getattr(n, "name", None) is not None and getattr(n.name, "span", None) == o.span]  # type: ignore[attr-defined]
+    return [(n.span.start, n.span.end) for n in nodes]  # type: ignore[attr-defined]
+
+
+# ---- words of the language
+
+
+@cache
+def meanings() -> Mapping[str, tuple[str, ...]]:
+    """Returns for each word of the language the sentences of the manual that say what it means."""
+    text = files("sjdsl.editor").joinpath("words.toml").read_text("utf-8")
+    return {word: tuple(sentences) for word, sentences in tomllib.loads(text).items()}
+
+
+@cache
+def examples() -> Mapping[str, tuple[str, ...]]:
+    """Returns for each word of the language lines of games that have it: the examples of the grammar."""
+    grammar = files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
+    table = automaton()
+    found: dict[str, list[str]] = {}
+    for line in grammar.splitlines():
+        if line.startswith("// ") and not line.startswith("// -"):
+            example = line[3:].strip()
+            for token in parser().parse_interactive(example).lexer_thread.lex(None) if _is_example(example) else ():
+                word = table.words.get(token.type, "")
+                if word.isalpha() and example not in found.setdefault(word, []):
+                    found[word].append(example)
+    return {word: tuple(sorted(lines, key=lambda e: (not e.startswith(word), len(e)))[:2]) for word, lines in found.items()}
+
+
+def _is_example(line: str) -> bool:
+    try:
+        list(parser().parse_interactive(line).lexer_thread.lex(None))
+    except UnexpectedCharacters:
+        return False
+    return not line[:1].isupper()
+
+
+def _word(token: Token) -> list[str]:
+    word = automaton().words.get(token.type, "")
+    if not word.isalpha():
+        return []
+    said = "  \n".join(plain_link(sentence) for sentence in meanings().get(word, ()))
+    shown = "\n".join(examples().get(word, ()))
+    return ["\n\n".join(part for part in (f"**`{word}`**", said, f"```sj\n{shown}\n```" if shown else "") if part)]
+
+
+def plain_link(sentence: str) -> str:
+    """Returns a sentence of the manual without its links, which lead nowhere here."""
+    return re.sub(r"\[([^\]]*)\]\(#[^)]*\)", r"\1", sentence)

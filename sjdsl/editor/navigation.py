@@ -1,0 +1,208 @@
+"""Where a name is declared, where it is used, and its change everywhere at once; through the games that one extends."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+from lsprotocol import types
+
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, NOWHERE
+from sjdsl.compiler.syntax.parse import automaton
+from sjdsl.editor.analysis import Analyses, Analysis
+from sjdsl.editor.documents import Documents
+from sjdsl.editor.family import declarations, everywhere, read_names
+from sjdsl.editor.moved import Moved
+from sjdsl.editor.names import Occurrence, Symbol
+from sjdsl.editor.occurrences import at
+from sjdsl.runtime.actions import BUILT_IN, HEADINGS
+
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+MEANT = ("agent", "cell", "no", "other", "step", "yes", "outside", NOWHERE, *HEADINGS)  # they mean something of their own
+FIXED = {"phase": ("start", "tick"), "action": BUILT_IN, "field": ("heading", *AGENT_ATTRIBUTES, *CELL_ATTRIBUTES)}
+CALLED = {
+    "game": "the game", "word": "a word", "field": "a field", "action": "an action", "argument": "an argument", "shape": "a shape",
+    "phase": "a phase", "metric": "a metric", "variant": "a variant", "policy": "a policy", "scenario": "a scenario", "checks": "a block of checks",
+    "local": "a local name",
+}  # fmt: skip
+
+
+class Refused(Exception):
+    """A name cannot be changed; the message says why."""
+
+
+def symbol_at(uri: str, position: types.Position, analyses: Analyses) -> tuple[Analysis, Occurrence] | None:
+    """Returns the name at a position, in the text as it could be read last."""
+    document, analysis = analyses.documents.get(uri), analyses.readable(uri)
+    if document is None or analysis is None:
+        return None
+    offset = document.lines.offset(position)
+    back = Moved(analysis.document.text, document.text)
+    found = at(read_names(analysis), back.back(offset))
+    if found is None or document.text[back.start(found.span.start) : back.end(found.span.end)] != _text(analysis, found):
+        return None  # the name itself is being changed
+    return analysis, found
+
+
+def _text(analysis: Analysis, o: Occurrence) -> str:
+    return analysis.document.text[o.span.start : o.span.end]
+
+
+def _range(o: Occurrence, analysis: Analysis, documents: Documents) -> types.Range:
+    """Returns where a name stands now, in the text as it is open."""
+    now = documents.get(analysis.document.uri) or analysis.document
+    if now.text == analysis.document.text:
+        return now.lines.span(o.span)
+    moved = Moved(analysis.document.text, now.text)
+    return now.lines.range(moved.start(o.span.start), moved.end(o.span.end))
+
+
+def definition(uri: str, position: types.Position, analyses: Analyses) -> list[types.Location]:
+    """Returns where the name at a position is declared; of `extends "FILE"` and `map "FILE"` the file."""
+    found = symbol_at(uri, position, analyses)
+    if found is None:
+        return _named_file(uri, position, analyses)
+    analysis, occurrence = found
+    places = declarations(occurrence.symbols, analysis, analyses)
+    others = [(made, o) for made, o in places if (made is not analysis or o.span != occurrence.span)]
+    chosen = others if occurrence.declares and others else places
+    return [types.Location(made.document.uri, _range(o, made, analyses.documents)) for made, o in chosen]
+
+
+def _named_file(uri: str, position: types.Position, analyses: Analyses) -> list[types.Location]:
+    analysis = analyses.of(uri)
+    if analysis is None or analysis.document.path is None:
+        return []
+    offset = analysis.document.lines.offset(position)
+    for before, token in zip(analysis.tokens, analysis.tokens[1:], strict=False):
+        if token.type == "STRING" and (token.start_pos or 0) <= offset <= (token.end_pos or 0) and before.type in ("EXTENDS", "MAP"):
+            path = analysis.document.path.parent / token[1:-1]
+            start = types.Position(0, 0)
+            return [types.Location(analyses.documents.uri(path.resolve()), types.Range(start, start))] if path.is_file() else []
+    return []
+
+
+def references(
+    uri: str, position: types.Position, analyses: Analyses, folders: Iterable[Path], declared: bool = True
+) -> list[types.Location]:
+    """Returns every place of the name at a position; with its declarations if `declared`."""
+    found = symbol_at(uri, position, analyses)
+    if found is None:
+        return []
+    analysis, occurrence = found
+    hits = everywhere(occurrence.symbols, analysis, analyses, folders)
+    return [
+        types.Location(made.document.uri, _range(o, made, analyses.documents))
+        for made, all_ in hits
+        for o in all_
+        if declared or not o.declares
+    ]
+
+
+def highlights(uri: str, position: types.Position, analyses: Analyses) -> list[types.DocumentHighlight]:
+    """Returns the places of the name at a position in its own text."""
+    found = symbol_at(uri, position, analyses)
+    if found is None:
+        return []
+    analysis, occurrence = found
+    wanted = set(occurrence.symbols)
+    kinds = {True: types.DocumentHighlightKind.Write, False: types.DocumentHighlightKind.Read}
+    return [
+        types.DocumentHighlight(_range(o, analysis, analyses.documents), kinds[o.declares])
+        for o in read_names(analysis)
+        if wanted & set(o.symbols)
+    ]
+
+
+# ---- rename
+
+
+def can_be_renamed(uri: str, position: types.Position, analyses: Analyses) -> types.PrepareRenamePlaceholder:
+    """Returns the name at a position. Raises Refused: there is none, it belongs to the language, or the text has syntax errors."""
+    analysis, occurrence = _renamed(uri, position, analyses)
+    return types.PrepareRenamePlaceholder(_range(occurrence, analysis, analyses.documents), _text(analysis, occurrence))
+
+
+def _renamed(uri: str, position: types.Position, analyses: Analyses) -> tuple[Analysis, Occurrence]:
+    now = analyses.of(uri)
+    if now is not None and now.file is None:
+        raise Refused("the text has syntax errors: repair them first, so that every place of the name is known")
+    found = symbol_at(uri, position, analyses)
+    if found is None:
+        raise Refused("there is no name here that the game declares")
+    analysis, occurrence = found
+    for symbol in occurrence.symbols:
+        if symbol.name in FIXED.get(symbol.space, ()):
+            raise Refused(f"`{symbol.name}` is a name of the language: it means something of its own")
+    if occurrence.symbols[0].space == "word" and occurrence.symbols[0].name in MEANT:
+        raise Refused(f"`{occurrence.symbols[0].name}` is a word of the language")
+    return analysis, occurrence
+
+
+def rename(uri: str, position: types.Position, new: str, analyses: Analyses, folders: Iterable[Path]) -> types.WorkspaceEdit:
+    """Returns the edits that give a thing another name, in every text.
+
+    Raises Refused: the new name is not allowed, or is taken; the compiler decides, which reads the changed texts before they are offered.
+    """
+    analysis, occurrence = _renamed(uri, position, analyses)
+    old = _text(analysis, occurrence)
+    _check_name(new)
+    hits = everywhere(occurrence.symbols, analysis, analyses, folders)
+    if new != old:
+        _check_changed(hits, old, new, analyses)
+    documents = analyses.documents
+    changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
+    for made, found in hits:
+        now = documents.get(made.document.uri) or made.document
+        edits: list[types.TextEdit | types.AnnotatedTextEdit | types.SnippetTextEdit] = [
+            types.TextEdit(_range(o, made, documents), new) for o in found
+        ]
+        changes.append(types.TextDocumentEdit(types.OptionalVersionedTextDocumentIdentifier(now.uri, now.version), edits))
+    return types.WorkspaceEdit(document_changes=changes)
+
+
+@cache
+def hard_words() -> frozenset[str]:
+    """Returns the words of the language that cannot be names anywhere."""
+    table = automaton()
+    return frozenset(word for kind, word in table.words.items() if word.isalpha() and kind not in table.soft)
+
+
+def _check_name(new: str) -> None:
+    if not NAME.fullmatch(new):
+        raise Refused(f"`{new[:40]}` cannot be a name: names are small letters, digits and `_`, and begin with a letter")
+    if new in hard_words():
+        raise Refused(f"`{new}` is a word of the language and cannot be a name")
+    if new in MEANT:
+        raise Refused(f"`{new}` means something of its own in the language and cannot be a name here")
+
+
+def _check_changed(hits: list[tuple[Analysis, list[Occurrence]]], old: str, new: str, analyses: Analyses) -> None:
+    """Compiles the changed texts, in all their variants: a mistake that was not there before is a reason to refuse."""
+    changed = {made.document.name: _edited(made.document.text, found, new) for made, found in hits}
+    for made, _ in hits:
+        before = Counter(d.code for _, problems in made.all_problems() for d in problems)
+        source = Source(made.source.name, changed[made.document.name], made.source.folder, lambda path: _over(path, changed, analyses))
+        trial = Analysis(made.document, analyses.documents)
+        trial.source = source
+        for _, problems in trial.all_problems():
+            worse = next((d for d in problems if Counter(x.code for x in problems)[d.code] > before[d.code]), None)
+            if worse is not None:
+                raise Refused(f"`{old}` cannot become `{new}`: {Path(worse.span.file).name}:{worse.span.line}: {worse.message}")
+
+
+def _over(path: Path, changed: dict[str, str], analyses: Analyses) -> str | None:
+    return changed.get(path.as_posix(), analyses.documents.text_over(path))
+
+
+def _edited(text: str, found: list[Occurrence], new: str) -> str:
+    for o in sorted(found, key=lambda o: o.span.start, reverse=True):
+        text = text[: o.span.start] + new + text[o.span.end :]
+    return text
+
+
+def called(symbol: Symbol, sorts: dict[str, str]) -> str:
+    """Returns what a symbol is, as messages call it."""
+    return f"the {sorts.get(symbol.name, 'name')}" if symbol.space == "name" else CALLED[symbol.space]

@@ -1,0 +1,79 @@
+"""Positions of the Language Server Protocol: lines and code units of one text, and back to its characters."""
+
+import re
+from bisect import bisect_right
+from functools import cached_property
+
+from lsprotocol import types
+
+from sjdsl.compiler.diagnostics.source import Span
+
+LINE_END = re.compile(r"\r\n|\n|\r")
+WIDTHS = {"utf-8": (1, 2, 3, 4), "utf-16": (1, 1, 1, 2), "utf-32": (1, 1, 1, 1)}  # code units of a character below each of LIMITS
+LIMITS = (0x80, 0x800, 0x10000)
+UTF16 = "utf-16"
+
+
+class Lines:
+    """The lines of one text. A position is a line and code units in it, both from 0; an offset counts characters of the text from 0.
+
+    What lies outside is moved to the nearest place inside: behind the end of a line, that end; inside a character, its beginning.
+    """
+
+    def __init__(self, text: str, encoding: str = UTF16):
+        """`encoding`: `utf-8`, `utf-16` or `utf-32`, the code units that the client counts. Raises KeyError for another one."""
+        self.text = text
+        self._widths = WIDTHS[encoding]
+        ends = list(LINE_END.finditer(text))
+        self.starts = [0, *(end.end() for end in ends)]
+        self._stops = [*(end.start() for end in ends), len(text)]
+
+    @cached_property
+    def _is_plain(self) -> bool:
+        """Whether each character is one code unit."""
+        return self._widths == WIDTHS["utf-32"] or self.text.isascii()
+
+    def offset(self, position: types.Position) -> int:
+        """Returns the character at a position."""
+        if position.line >= len(self.starts):
+            return len(self.text)
+        start, stop = self.starts[max(position.line, 0)], self._stops[max(position.line, 0)]
+        wanted = max(position.character, 0) if position.line >= 0 else 0
+        if self._is_plain:
+            return min(start + wanted, stop)
+        for at in range(start, stop):
+            wanted -= self._width(self.text[at])
+            if wanted < 0:
+                return at
+        return stop
+
+    def position(self, offset: int) -> types.Position:
+        """Returns the position of a character; a place inside `\\r\\n` is the end of the line."""
+        offset = min(max(offset, 0), len(self.text))
+        line = bisect_right(self.starts, offset) - 1
+        start, offset = self.starts[line], min(offset, self._stops[line])
+        units = offset - start if self._is_plain else sum(map(self._width, self.text[start:offset]))
+        return types.Position(line, units)
+
+    def range(self, start: int, end: int) -> types.Range:
+        """Returns the range of the characters `start .. end`."""
+        return types.Range(self.position(start), self.position(end))
+
+    def span(self, span: Span) -> types.Range:
+        """Returns the range of a span of this text."""
+        return self.range(span.start, span.end)
+
+    def _width(self, character: str) -> int:
+        return self._widths[bisect_right(LIMITS, ord(character))]
+
+
+def changed(text: str, changes: list[types.TextDocumentContentChangeEvent], encoding: str = UTF16) -> str:
+    """Returns a text after changes, which a client sends in the order in which they apply: of a range, or of the whole text."""
+    for change in changes:
+        if isinstance(change, types.TextDocumentContentChangePartial):
+            lines = Lines(text, encoding)
+            start, end = sorted((lines.offset(change.range.start), lines.offset(change.range.end)))
+            text = text[:start] + change.text + text[end:]
+        else:
+            text = change.text
+    return text

@@ -1,0 +1,246 @@
+"""The language server: messages of the Language Server Protocol, carried by pygls, to and from one session."""
+
+import asyncio
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+from pygls.lsp.server import LanguageServer
+
+from sjdsl.editor import colours, completion, lenses
+from sjdsl.editor.documents import path_of
+from sjdsl.editor.navigation import Refused
+from sjdsl.editor.running import Result, run_checks, run_phase
+from sjdsl.editor.session import Session
+from sjdsl.version import __version__
+
+QUIET = 0.01  # seconds without a change before a text is looked at, so that of many fast ones only the last costs anything
+PATIENCE = 0.3  # seconds after which it is looked at whatever comes
+REQUEST_FAILED = -32803  # ErrorCodes.RequestFailed of the protocol
+
+Answer = TypeVar("Answer")
+
+
+class Server(LanguageServer):
+    """A session and the tasks that look at its texts."""
+
+    def __init__(self) -> None:
+        super().__init__("sjdsl", __version__)
+        self.session = Session()
+        self._waiting: dict[str, float] = {}  # URI -> when it changed first since it was last looked at
+        self._changed: dict[str, float] = {}  # and when it changed last
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+
+    def begin(self, params: types.InitializeParams) -> None:
+        """Takes over what the client says of itself."""
+        uris = [folder.uri for folder in params.workspace_folders or []] or [uri for uri in [params.root_uri] if uri]
+        document = params.capabilities.text_document
+        item = document.completion.completion_item if document and document.completion else None
+        encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
+        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None], bool(item and item.snippet_support))
+
+    def look_at(self, uris: list[str]) -> None:
+        """Has texts looked at soon, each by one task at a time."""
+        now = asyncio.get_running_loop().time()
+        for uri in uris:
+            self._waiting.setdefault(uri, now)
+            self._changed[uri] = now
+            if uri not in self._tasks or self._tasks[uri].done():
+                self._tasks[uri] = asyncio.ensure_future(self._look(uri))
+
+    async def _look(self, uri: str) -> None:
+        while uri in self._waiting:
+            now = asyncio.get_running_loop().time
+            while now() - self._changed[uri] < QUIET and now() - self._waiting[uri] < PATIENCE:
+                await asyncio.sleep(QUIET)
+            del self._waiting[uri]
+            await self._publish(uri)
+
+    async def _publish(self, uri: str) -> None:
+        """Sends the messages about a text: at once those of the game as it is, at last those of all variants; none of an older text."""
+        document = self.session.documents.get(uri)
+        sent = last = None
+        for found in self.session.diagnosed(uri):
+            await asyncio.sleep(0.001)  # what has come in the meantime goes first
+            if document is None or uri in self._waiting or not self.session.documents.is_open(uri):
+                return
+            last = found
+            if sent is None:
+                self.send(uri, document.version, found)
+                sent = found
+        if document is not None and last is not None and last != sent:
+            self.send(uri, document.version, last)
+
+    def send(self, uri: str, version: int | None, found: list[types.Diagnostic]) -> None:
+        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, found, version))
+
+    def closed(self, uri: str) -> None:
+        """Takes back the messages about a text that is closed."""
+        others = [other for other in self.session.affected_by(uri) if other != uri]
+        self.session.close(uri)
+        self._waiting.pop(uri, None)
+        self.send(uri, None, [])
+        self.look_at(others)
+
+    async def run(self, uri: str, runs: Callable[[Any], Iterator[Result | None]]) -> dict[str, Any]:
+        """Runs a part of a game, in pieces between which other messages are answered; shows the result, and marks it in the text."""
+        analysis = self.session.analyses.of(uri)
+        result = Result("the text has syntax errors", failed=True)
+        if analysis is not None and analysis.file is not None:
+            for step in runs(analysis):
+                result = step or result
+                await asyncio.sleep(0)
+                now = self.session.documents.get(uri)
+                if now is None or now.text != analysis.document.text:
+                    result = Result("the text has changed: run it again", failed=True)
+                    break
+            else:
+                self.session.mark(analysis, result.marks)
+                if self.session.documents.is_open(uri):
+                    self.send(uri, analysis.document.version, self.session.diagnostics(uri))
+        sort = types.MessageType.Warning if result.failed else types.MessageType.Info
+        self.window_show_message(types.ShowMessageParams(sort, result.summary))
+        return {"summary": result.summary, "text": result.text, "failed": result.failed}
+
+
+def make_server() -> Server:
+    """Returns a server with everything registered; `start_io` and `start_tcp` run it."""
+    server = Server()
+    _texts(server)
+    _questions(server)
+    _edits(server)
+    _commands(server)
+    return server
+
+
+def _texts(server: Server) -> None:
+    """What the client tells: texts, files, folders."""
+
+    @server.feature(types.INITIALIZE)
+    def initialize(ls: Server, params: types.InitializeParams) -> None:
+        ls.begin(params)
+
+    @server.feature(types.INITIALIZED)
+    def initialized(ls: Server, _params: types.InitializedParams) -> None:
+        workspace = ls.client_capabilities.workspace
+        watched = workspace.did_change_watched_files if workspace else None
+        if watched is not None and watched.dynamic_registration:
+            watchers = [types.FileSystemWatcher(f"**/*.{suffix}") for suffix in ("sj", "txt")]
+            options = types.DidChangeWatchedFilesRegistrationOptions(watchers)
+            wanted = types.Registration("files", types.WORKSPACE_DID_CHANGE_WATCHED_FILES, options)
+            ls.client_register_capability(types.RegistrationParams([wanted]))
+
+    @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
+    def opened(ls: Server, params: types.DidOpenTextDocumentParams) -> None:
+        document = params.text_document
+        ls.session.open(document.uri, document.text, document.version)
+        ls.look_at(ls.session.affected_by(document.uri))
+
+    @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
+    def changed(ls: Server, params: types.DidChangeTextDocumentParams) -> None:
+        ls.session.change(params.text_document.uri, params.content_changes, params.text_document.version)
+        ls.look_at(ls.session.affected_by(params.text_document.uri))
+
+    @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
+    def saved(ls: Server, params: types.DidSaveTextDocumentParams) -> None:
+        ls.look_at(ls.session.affected_by(params.text_document.uri))
+
+    @server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
+    def closed(ls: Server, params: types.DidCloseTextDocumentParams) -> None:
+        ls.closed(params.text_document.uri)
+
+    @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
+    def files(ls: Server, params: types.DidChangeWatchedFilesParams) -> None:
+        for change in params.changes:
+            ls.look_at([uri for uri in ls.session.affected_by(change.uri) if uri != change.uri])
+
+    @server.feature(types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS)
+    def folders(ls: Server, params: types.DidChangeWorkspaceFoldersParams) -> None:
+        gone = {path_of(folder.uri) for folder in params.event.removed}
+        come = [path for path in (path_of(folder.uri) for folder in params.event.added) if path is not None]
+        ls.session.folders = [*(folder for folder in ls.session.folders if folder not in gone), *come]
+
+
+def _questions(server: Server) -> None:
+    """What the client asks about a text."""
+
+    @server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=list(completion.TRIGGERS)))
+    def complete(ls: Server, params: types.CompletionParams) -> types.CompletionList:
+        return types.CompletionList(False, ls.session.completion(params.text_document.uri, params.position))
+
+    @server.feature(types.TEXT_DOCUMENT_HOVER)
+    def hover(ls: Server, params: types.HoverParams) -> types.Hover | None:
+        return ls.session.hover(params.text_document.uri, params.position)
+
+    @server.feature(types.TEXT_DOCUMENT_DEFINITION)
+    def definition(ls: Server, params: types.DefinitionParams) -> list[types.Location]:
+        return ls.session.definition(params.text_document.uri, params.position)
+
+    @server.feature(types.TEXT_DOCUMENT_REFERENCES)
+    def references(ls: Server, params: types.ReferenceParams) -> list[types.Location]:
+        return ls.session.references(params.text_document.uri, params.position, params.context.include_declaration)
+
+    @server.feature(types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
+    def highlight(ls: Server, params: types.DocumentHighlightParams) -> list[types.DocumentHighlight]:
+        return ls.session.highlights(params.text_document.uri, params.position)
+
+    @server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
+    def symbols(ls: Server, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+        return ls.session.symbols(params.text_document.uri)
+
+    @server.feature(types.WORKSPACE_SYMBOL)
+    def workspace(ls: Server, params: types.WorkspaceSymbolParams) -> list[types.WorkspaceSymbol]:
+        return ls.session.workspace_symbols(params.query)
+
+    @server.feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
+    def folding(ls: Server, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
+        return ls.session.folding(params.text_document.uri)
+
+    @server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, colours.LEGEND)
+    def tokens(ls: Server, params: types.SemanticTokensParams) -> types.SemanticTokens:
+        return ls.session.semantic_tokens(params.text_document.uri)
+
+    @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
+    def lens(ls: Server, params: types.CodeLensParams) -> list[types.CodeLens]:
+        return ls.session.code_lenses(params.text_document.uri)
+
+
+def _edits(server: Server) -> None:
+    """Changes of texts that the client asks for."""
+
+    @server.feature(types.TEXT_DOCUMENT_FORMATTING)
+    def format(ls: Server, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+        return ls.session.formatting(params.text_document.uri)
+
+    @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
+    def prepare(ls: Server, params: types.PrepareRenameParams) -> types.PrepareRenamePlaceholder:
+        return _or_refused(lambda: ls.session.can_be_renamed(params.text_document.uri, params.position))
+
+    @server.feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
+    def rename(ls: Server, params: types.RenameParams) -> types.WorkspaceEdit:
+        return _or_refused(lambda: ls.session.rename(params.text_document.uri, params.position, params.new_name))
+
+
+def _or_refused(answer: Callable[[], Answer]) -> Answer:
+    """Returns an answer; a refusal goes to the client as the message of an error."""
+    try:
+        return answer()
+    except Refused as reason:
+        raise JsonRpcException(str(reason), REQUEST_FAILED) from None
+
+
+def _commands(server: Server) -> None:
+    """What the code lenses run."""
+
+    @server.command(lenses.RUN_PHASE)
+    async def phase(ls: Server, uri: str, name: str) -> dict[str, Any]:
+        return await ls.run(uri, lambda analysis: run_phase(analysis, name))
+
+    @server.command(lenses.RUN_CHECK)
+    async def check(ls: Server, uri: str, start: int) -> dict[str, Any]:
+        return await ls.run(uri, lambda analysis: run_checks(analysis, start))
+
+    @server.command(lenses.RUN_CHECKS)
+    async def checks(ls: Server, uri: str) -> dict[str, Any]:
+        return await ls.run(uri, run_checks)

@@ -1,0 +1,138 @@
+"""One editor's session: its open texts and folders, and an answer for each thing it asks. Nothing here knows how messages travel."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+
+from lsprotocol import types
+
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.editor.analysis import Analyses, Analysis
+from sjdsl.editor.colours import semantic_tokens
+from sjdsl.editor.completion import completion
+from sjdsl.editor.diagnostics import diagnostics, explanation_file
+from sjdsl.editor.documents import Document, Documents, path_of
+from sjdsl.editor.family import all_texts
+from sjdsl.editor.formatting import formatting
+from sjdsl.editor.hover import hover
+from sjdsl.editor.lenses import code_lenses
+from sjdsl.editor.navigation import can_be_renamed, definition, highlights, references, rename
+from sjdsl.editor.outline import document_symbols, folding, workspace_symbols
+from sjdsl.editor.positions import UTF16
+
+GAME = ".sj"
+
+
+class Session:
+    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open; `snippets`: whether it knows them.
+
+    link: the address of the explanation of a code.
+    """
+
+    def __init__(
+        self, encoding: str = UTF16, folders: Iterable[Path] = (), snippets: bool = False, link: Callable[[str], str] = explanation_file
+    ):
+        self.documents = Documents(encoding)
+        self.analyses = Analyses(self.documents)
+        self.folders, self.snippets, self.link = list(folders), snippets, link
+        self._marks: dict[str, tuple[str, list[types.Diagnostic]]] = {}  # what runs found: of the text as it was then
+
+    # ---- texts
+
+    def open(self, uri: str, text: str, version: int | None = None) -> None:
+        self.documents.put(uri, text, version)
+
+    def change(self, uri: str, changes: Sequence[types.TextDocumentContentChangeEvent], version: int | None = None) -> None:
+        self.documents.change(uri, changes, version)
+
+    def close(self, uri: str) -> None:
+        self.documents.close(uri)
+        self.analyses.forget(uri)
+        self._marks.pop(uri, None)
+
+    def affected_by(self, uri: str) -> list[str]:
+        """Returns the open games whose messages may differ when a text has changed: it itself, and those that stand on it."""
+        path = path_of(uri)
+        games = [d.uri for d in self.documents if is_game(d)]
+        standing = set(self.analyses.standing_on(path)) if path is not None else set()
+        return [game for game in games if game == uri or game in standing]
+
+    # ---- messages
+
+    def diagnosed(self, uri: str) -> Iterator[list[types.Diagnostic]]:
+        """Yields the messages about a text: of the game as it is, then with those of one variant after the other."""
+        analysis = self.analyses.of(uri)
+        if analysis is None:
+            return
+        found: list[tuple[tuple[str, ...], tuple[Diagnostic, ...]]] = []
+        for variants, problems in analysis.all_problems():
+            found.append((variants, problems))
+            yield diagnostics(analysis, self.documents, found, self.link) + self._marked(analysis)
+
+    def diagnostics(self, uri: str) -> list[types.Diagnostic]:
+        """Returns all messages about a text, in all its variants."""
+        return next(iter([*self.diagnosed(uri)][-1:]), [])
+
+    def mark(self, analysis: Analysis, marks: Iterable[types.Diagnostic]) -> None:
+        """Keeps messages of a run beside those of the compiler, as long as the text stays as it is."""
+        uri, text = analysis.document.uri, analysis.document.text
+        before = [m for m in self._marked(analysis) if all(m.range != new.range for new in marks)]
+        self._marks[uri] = (text, [*before, *marks])
+
+    def _marked(self, analysis: Analysis) -> list[types.Diagnostic]:
+        text, marks = self._marks.get(analysis.document.uri, ("", []))
+        return list(marks) if text == analysis.document.text else []
+
+    # ---- questions
+
+    def completion(self, uri: str, position: types.Position) -> list[types.CompletionItem]:
+        return completion(uri, position, self.analyses, self.snippets)
+
+    def hover(self, uri: str, position: types.Position) -> types.Hover | None:
+        return hover(uri, position, self.analyses)
+
+    def definition(self, uri: str, position: types.Position) -> list[types.Location]:
+        return definition(uri, position, self.analyses)
+
+    def references(self, uri: str, position: types.Position, declared: bool = True) -> list[types.Location]:
+        return references(uri, position, self.analyses, self.folders, declared)
+
+    def highlights(self, uri: str, position: types.Position) -> list[types.DocumentHighlight]:
+        return highlights(uri, position, self.analyses)
+
+    def can_be_renamed(self, uri: str, position: types.Position) -> types.PrepareRenamePlaceholder:
+        """Raises Refused with the reason why not."""
+        return can_be_renamed(uri, position, self.analyses)
+
+    def rename(self, uri: str, position: types.Position, new: str) -> types.WorkspaceEdit:
+        """Raises Refused with the reason why not."""
+        return rename(uri, position, new, self.analyses, self.folders)
+
+    def formatting(self, uri: str) -> list[types.TextEdit]:
+        analysis = self.analyses.of(uri)
+        return [] if analysis is None else formatting(analysis)
+
+    def symbols(self, uri: str) -> list[types.DocumentSymbol]:
+        document = self.documents.get(uri)
+        readable = self.analyses.readable(uri)
+        return [] if document is None else document_symbols(readable, document.lines)
+
+    def workspace_symbols(self, query: str) -> list[types.WorkspaceSymbol]:
+        texts = all_texts(self.analyses, self.folders).values()
+        return workspace_symbols(query, [(a.document, a.file) for a in texts if a.file is not None])
+
+    def folding(self, uri: str) -> list[types.FoldingRange]:
+        analysis = self.analyses.of(uri)
+        return [] if analysis is None else folding(analysis)
+
+    def semantic_tokens(self, uri: str) -> types.SemanticTokens:
+        analysis = self.analyses.of(uri)
+        return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis)
+
+    def code_lenses(self, uri: str) -> list[types.CodeLens]:
+        analysis = self.analyses.of(uri)
+        return [] if analysis is None else code_lenses(analysis)
+
+
+def is_game(document: Document) -> bool:
+    """Returns whether an open text is a game, and not a map that a game names."""
+    return document.path is None or document.path.suffix == GAME

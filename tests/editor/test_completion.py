@@ -1,0 +1,149 @@
+"""Completion offers what fits the place, and the words of the language that the grammar allows there."""
+
+from pathlib import Path
+
+import pytest
+from lsprotocol import types
+
+from sjdsl.compiler import check
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.editor.place import place_at
+from sjdsl.editor.snippets import SNIPPETS
+from tests.editor.asked import ORCHARD, opened, with_cursor
+
+BROKEN = "phase late { each agent { set agent. } "  # what is not finished elsewhere does not matter
+
+
+def offered(marked: str, sort: types.CompletionItemKind | None = None) -> list[str]:
+    session, uri, position = with_cursor(marked)
+    found = session.completion(uri, position)
+    assert len({item.label for item in found}) == len(found)
+    return [item.label for item in found if sort is None or item.kind == sort]
+
+
+def inside(statement: str) -> str:
+    """Returns the orchard with an unfinished phase, behind another one that is not finished either."""
+    return ORCHARD.replace("  observe {", f"  phase late {{ {statement} }}\n  observe {{").replace("phase walk {", "phase  {", 1)
+
+
+@pytest.mark.parametrize(
+    ("statement", "wanted", "unwanted"),
+    [
+        ("each agent as a { set a.| }", {"bag", "sore", "row", "col", "heading", "away"}, {"fruit", "apple", "each"}),
+        ("each tree { when tree.| }", {"fruit", "owner", "row"}, {"bag", "index"}),
+        ("each plants as p { when p.| }", {"fruit"}, {"bag"}),
+        ("each tree where tree.owner.|", {"bag", "sore"}, {"fruit"}),
+        ("each agent where agent chose |", {"zap", "share", "stay"}, {"apple", "agent", "walk"}),
+        ("each |", {"agent", "tree", "bush", "plants"}, {"apple", "beam", "each"}),
+        ("each agent on |", {"tree", "plants"}, {"apple"}),
+        ("pick 1 |", {"tree", "agent"}, {"ripe"}),
+        ("each agent as a { each agent as b in | }", {"beam", "disc", "line"}, {"walk"}),
+        ("each agent as a { mark beam of | }", {"a"}, {"tree", "apple"}),
+        ("each agent as a { mark | }", {"beam", "disc"}, {"a"}),
+        ("each tree where tree.fruit is |", {"none", "ripe", "not"}, {"walk"}),
+        ("each tree { set tree.fruit = |", {"none", "ripe"}, {"walk"}),
+        ("each agent { tally |", {"eaten", "hits", "given"}, {"ripe_trees"}),
+        ("each agent { give | to agent }", {"apple", "agent", "ready", "step", "min"}, {"walk", "each"}),
+        ("each agent as me { send | }", {"me"}, {"tree"}),
+        ("each agent { send agent to |", {"gate", "tree"}, {"apple"}),
+        ("each agent { send agent to gate facing |", {"north", "same"}, {"apple"}),
+        ("let big = 3 chance |", {"big", "regrow"}, {"walk"}),
+        ("|", {"each", "when", "chance", "let"}, {"kind", "agent", "apple"}),
+    ],
+)
+def test_what_fits_in_a_phase_is_offered(statement: str, wanted: set[str], unwanted: set[str]) -> None:
+    found = set(offered(inside(statement)))
+    assert wanted <= found
+    assert not unwanted & found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wanted", "unwanted"),
+    [
+        ("schedule tick -> grow", "schedule tick -> |", {"grow", "walk", "tick"}, {"start", "apple"}),
+        ("param regrow  : probability", "param regrow  : |", {"probability", "reward", "steps"}, {"apple"}),
+        ("group plants = tree", "group plants = |", {"tree", "bush"}, {"agent", "apple"}),
+        ("set apple = 2", "set |", {"apple", "regrow", "players"}, {"tree", "bag"}),
+        ("set apple = 2", "drop |", {"eat", "ripe_trees", "beam", "apple"}, {"each"}),
+        ("moves relative", "moves |", {"relative", "compass"}, {"tree"}),
+        ("with never(zap)", "with |", {"eater_first", "random", "never", "seek"}, {"tree"}),
+        ("never(zap)", "never(|)", set(), {"tree"}),
+        ("field owner : agent", "field owner : |", {"agent", "set"}, {"tree"}),
+        ("forbid zap", "forbid |", {"zap", "all"}, {"tree"}),
+        ("episode 20", "episode 20\n  |", {"kind", "phase", "agents", "variant"}, {"each", "tree"}),
+        ("observe { window ahead 2", "observe { window |", {"ahead", "left"}, {"tree"}),
+        ("always count(agent)", "always count(|)", {"agent", "tree"}, {"apple"}),
+        ("{ always count", "{ |  always count", {"require", "expect"}, {"each"}),
+        ('"An orchard" {', '"An | orchard" {', set(), {"kind", "tree"}),
+        ("# ours", "# ours |", set(), {"kind", "tree"}),
+    ],
+)
+def test_what_fits_in_a_declaration_is_offered(old: str, new: str, wanted: set[str], unwanted: set[str]) -> None:
+    assert old in ORCHARD
+    found = set(offered(ORCHARD.replace(old, new, 1)))
+    assert wanted <= found
+    assert not unwanted & found
+
+
+def test_words_of_a_field_come_first() -> None:
+    session, uri, position = with_cursor(inside("each tree where tree.fruit is |"))
+    items = sorted(session.completion(uri, position), key=lambda item: item.sort_text or "")
+    assert [item.label for item in items[:2]] == ["none", "ripe"]
+
+
+def test_the_word_begun_is_replaced() -> None:
+    session, uri, position = with_cursor("# é😀\n" + inside("each agent { give ap| to agent }"))
+    (apple,) = [item for item in session.completion(uri, position) if item.label == "apple"]
+    assert apple.text_edit == types.TextEdit(types.Range(types.Position(position.line, position.character - 2), position), "apple")
+    assert apple.detail == "param apple : reward = 1"
+
+
+def test_names_of_a_text_that_was_never_right_are_offered() -> None:
+    text = (
+        'sj 1\ngame g {\n  param one : reward = \n  kind pond "~" { field depth : { low, deep } = low }\n  phase p { each pond where pond.|'
+    )
+    assert {"depth"} <= set(offered(text))
+    assert {"pond", "agent"} <= set(offered(text.replace("pond where pond.|", "|")))
+    assert {"low", "deep"} <= set(offered(text.replace("pond.|", "pond.depth is |")))
+
+
+def test_files_are_offered_in_quotes(tmp_path: Path) -> None:
+    (tmp_path / "maps").mkdir()
+    for name in ("base.sj", "maps/small.txt", "notes.md"):
+        (tmp_path / name).write_text("")
+    text = 'sj 1\ngame g "G" extends "'
+    session, uri = opened(text, tmp_path, "g.sj")
+    assert [item.label for item in session.completion(uri, types.Position(1, 22))] == ["base.sj"]
+    session.open(uri, 'sj 1\ngame g "G" { map "ma" }', 2)
+    assert [item.label for item in session.completion(uri, types.Position(1, 20))] == ["maps/small.txt"]
+
+
+def test_texts_with_gaps_are_for_clients_that_know_them() -> None:
+    session, uri, position = with_cursor(inside("|"))
+    assert not [item for item in session.completion(uri, position) if item.kind == types.CompletionItemKind.Snippet]
+    session.snippets = True
+    found = {item.filter_text for item in session.completion(uri, position) if item.kind == types.CompletionItemKind.Snippet}
+    assert found == {"each", "pick", "first", "match", "when", "chance", "send"}
+
+
+@pytest.mark.parametrize("word", SNIPPETS)
+def test_a_text_with_gaps_can_be_written_where_its_word_can(word: str) -> None:
+    import re
+
+    filled = re.sub(r"\$\{\d+:([^}]*)\}", r"\1", SNIPPETS[word]).replace("$0", "")
+    places = (
+        "{}",
+        "sj 1 game x {{ {} }}",
+        "sj 1 game x {{ phase p {{ {} }} }}",
+        "sj 1 game x {{ checks {{ {} }} }}",
+        "sj 1 game x {{ define d = {} }}",
+    )
+    errors = [[d for d in check(Source("x.sj", place.format(filled))) if d.code == "SJ002" and "expected" in d.message] for place in places]
+    gaps = {"define", "case", "count", "checks", "policy"}
+    assert word in gaps or [] in errors
+
+
+def test_what_stands_before_the_cursor_is_read_through_mistakes() -> None:
+    place = place_at(inside("each agent as a { set a.| }").partition("|")[0], 10_000)
+    assert place.last() == "DOT"
+    assert place.following == {"NAME"}

@@ -1,0 +1,133 @@
+"""Definitions, references and new names, through the games that one extends."""
+
+from pathlib import Path
+
+import pytest
+from lsprotocol import types
+
+from sjdsl.editor.navigation import Refused
+from tests.editor.asked import ORCHARD, opened, place, texts
+
+SMALL = """sj 1
+game small "A smaller one" extends "orchard.sj" {
+  set apple = 3
+  map { "GTG" }
+  phase eat { each agent as eater on tree where tree.fruit is ripe { give apple to eater  set tree.fruit = none } }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "number", "line", "name"),
+    [
+        ("give app", 1, 4, "apple"),
+        ("chance regr", 1, 5, "regrow"),
+        ("beam of zap", 1, 31, "zapper"),
+        ("in be", 1, 19, "beam"),
+        ("chose za", 1, 14, "zap"),
+        ("ready(za", 1, 31, "zapper"),
+        ("and read", 1, 20, "ready"),
+        ("who.b", 1, 16, "bag"),
+        ("-> wal", 1, 24, "walk"),
+        ("tally hi", 1, 37, "hits"),
+        ("tree.own", 1, 8, "owner"),
+    ],
+)
+def test_a_name_leads_to_its_declaration(before: str, number: int, line: int, name: str) -> None:
+    session, uri = opened()
+    assert [(at, text) for _, at, text in texts(session, session.definition(uri, place(session, uri, before, number)))] == [(line, name)]
+
+
+def test_a_field_of_a_group_is_declared_by_each_kind() -> None:
+    session, uri = opened()
+    found = texts(session, session.definition(uri, place(session, uri, "where plants.fru")))
+    assert [(line, name) for _, line, name in found] == [(8, "fruit"), (9, "fruit")]
+
+
+def test_references_cross_games_that_extend_one_another(tmp_path: Path) -> None:
+    (tmp_path / "small.sj").write_text(SMALL)
+    (tmp_path / "other.sj").write_text(SMALL.replace('extends "orchard.sj"', "").replace("small", "other"))
+    (tmp_path / "orchard.sj").write_text(ORCHARD)
+    session, uri = opened(ORCHARD, tmp_path)
+    found = texts(session, session.references(uri, place(session, uri, "param app")))
+    assert found == [*(("orchard.sj", line, "apple") for line in (4, 27, 40)), *(("small.sj", line, "apple") for line in (3, 5))]
+    without = session.references(uri, place(session, uri, "param app"), declared=False)
+    assert len(without) == 4
+    small = (tmp_path / "small.sj").as_uri()
+    assert texts(session, session.definition(small, place(session, small, "give ap"))) == [("orchard.sj", 4, "apple")]
+    assert texts(session, session.definition(small, place(session, small, "phase ea"))) == [("orchard.sj", 25, "eat")]
+    assert [location.uri for location in session.definition(small, place(session, small, 'extends "orch'))] == [uri]
+
+
+def test_a_local_name_stays_in_its_scope() -> None:
+    session, uri = opened()
+    found = texts(session, session.references(uri, place(session, uri, "agent as eat")))
+    assert [line for _, line, _ in found] == [26, 27, 27, 27, 27]
+    kinds = [h.kind for h in session.highlights(uri, place(session, uri, "agent as eat"))]
+    assert kinds == [types.DocumentHighlightKind.Write, *[types.DocumentHighlightKind.Read] * 4]
+
+
+def test_names_are_found_where_the_text_is_broken_further_on() -> None:
+    session, uri = opened()
+    session.symbols(uri)
+    session.open(uri, ORCHARD.replace("param regrow", "param  =\n  param regrow"), 2)
+    found = texts(session, session.definition(uri, place(session, uri, "give app")))
+    assert [(line, text) for _, line, text in found] == [(4, "apple")]
+    found = texts(session, session.definition(uri, place(session, uri, "-> wal")))
+    assert [(line, text) for _, line, text in found] == [(25, "walk")]
+
+
+def test_a_new_name_reaches_every_file(tmp_path: Path) -> None:
+    (tmp_path / "small.sj").write_text(SMALL)
+    (tmp_path / "orchard.sj").write_text("stale")
+    session, uri = opened(ORCHARD, tmp_path)
+    edit = session.rename(uri, place(session, uri, "give app"), "reward_of_apple")
+    assert edit.document_changes is not None
+    after = {}
+    for change in edit.document_changes:
+        assert isinstance(change, types.TextDocumentEdit)
+        document = session.documents.get(change.text_document.uri)
+        assert document is not None
+        text = document.text
+        for e in sorted(change.edits, key=lambda e: document.lines.offset(e.range.start), reverse=True):
+            assert isinstance(e, types.TextEdit)
+            text = text[: document.lines.offset(e.range.start)] + e.new_text + text[document.lines.offset(e.range.end) :]
+        after[Path(change.text_document.uri).name] = (text, change.text_document.version)
+    assert after["orchard.sj"] == (
+        ORCHARD.replace("param apple ", "param reward_of_apple ")
+        .replace("give apple", "give reward_of_apple")
+        .replace("set apple", "set reward_of_apple"),
+        1,
+    )
+    assert after["small.sj"] == (SMALL.replace("apple", "reward_of_apple"), None)
+
+
+@pytest.mark.parametrize(
+    ("before", "new", "reason"),
+    [
+        ("give app", "regrow", "already the name of"),
+        ("give app", "Apple", "small letters"),
+        ("give app", "2nd", "begin with a letter"),
+        ("give app", "each", "is a word of the language"),
+        ("give app", "step", "means something of its own"),
+        ("give app", "ripe", "both a word and"),
+        ("agent as hi", "zapper", "already the name of"),
+        ("phase start", "begin", "is a name of the language"),
+        ("turn_le", "left", "is a name of the language"),
+        ("each", "every", "there is no name here"),
+        ("field b", "row", ""),
+    ],
+)
+def test_a_new_name_that_cannot_be_is_refused(before: str, new: str, reason: str) -> None:
+    session, uri = opened()
+    with pytest.raises(Refused) as refused:
+        session.rename(uri, place(session, uri, before), new)
+    assert reason in str(refused.value)
+
+
+def test_a_broken_text_gets_no_new_names() -> None:
+    session, uri = opened()
+    session.symbols(uri)
+    session.open(uri, ORCHARD + "}", 2)
+    with pytest.raises(Refused, match="syntax errors"):
+        session.can_be_renamed(uri, place(session, uri, "give app"))
