@@ -98,7 +98,7 @@ class Server(LanguageServer):
             else:
                 self.session.mark(analysis, result.marks)
                 if self.session.documents.is_open(uri):
-                    self.send(uri, analysis.document.version, self.session.diagnostics(uri))
+                    self.look_at([uri])
         sort = types.MessageType.Warning if result.failed else types.MessageType.Info
         self.window_show_message(types.ShowMessageParams(sort, result.summary))
         return {"summary": result.summary, "text": result.text, "failed": result.failed}
