@@ -1,10 +1,9 @@
 sj 1
 game chemistry "Chemistry" {
-  cite "Agapiou et al. 2022, Melting Pot 2"
   about summary "Molecules side by side react. Rings make food of energy; energy comes of the waste of two rings, brought together."
-  size players : count = 8 in 1 .. 40  episode 1000  # Melting Pot
-  param ground  : probability = { background: 0.00001, low: 0.005, medium: 0.001, high: 0.9 }  # Melting Pot: to react, per step
-  param carried : probability = { background: 0, low: 0.0025, medium: 0.25, high: 0.9 }        # Melting Pot
+  cite "Agapiou et al. 2022, Melting Pot 2"  size players : count = 8 in 1 .. 40  episode 1000  # Melting Pot
+  param ground  : probability = { background: 0.00001, low: 0.005, medium: 0.001, high: 0.9 }   # Melting Pot: to react, per step
+  param carried : probability = { background: 0, low: 0.0025, medium: 0.25, high: 0.9 }         # Melting Pot
   kind dish "~" {
     field mol  : { empty, xa, xb, xc, ya, yb, yc, za, zb, zc, x, y, ix, iy, food1, food2, food3, energy, lure, hot } = empty
     field next : { none, empty, xa, xb, xc, ya, yb, yc, za, zb, zc, x, y, ix, iy, food1, food2, food3, energy, lure, hot } = none
@@ -12,12 +11,10 @@ game chemistry "Chemistry" {
     field plan : { idle, x1, x2, x3, y1, y2, y3, z1, z2, z3, cx, cy, xy, px, py } = idle
     field site : { idle, x1, x2, x3, y1, y2, y3, z1, z2, z3, cx, cy, xy, px, py } = idle
     field rank : 0 .. 9 = 0  field held_rank : 0 .. 10 = 0  field ticket : 0 .. 60000 = 0  field top : 0 .. 60000 = 0
-    field lit : { no, yes } = no  field spark : { no, yes } = no  timer fresh
+    field lit : { no, yes } = no  field spark : { no, yes } = no  timer fresh  glyph "x" with mol = lure
     glyph "a" with mol = xa  glyph "b" with mol = xb  glyph "c" with mol = xc  glyph "1" with mol = ya  glyph "2" with mol = yb
-    glyph "3" with mol = yc  glyph "4" with mol = za  glyph "5" with mol = zb  glyph "6" with mol = zc
-    glyph "h" with mol = energy  glyph "x" with mol = lure
+    glyph "3" with mol = yc  glyph "4" with mol = za  glyph "5" with mol = zb  glyph "6" with mol = zc  glyph "h" with mol = energy
   }
-  map "maps/chemistry_three.txt"
   agents players {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, exchange  moves relative
     field mol  : { empty, xa, xb, xc, ya, yb, yc, za, zb, zc, x, y, ix, iy, food1, food2, food3, energy, lure, hot } = empty
@@ -40,21 +37,20 @@ game chemistry "Chemistry" {
   param or_else : word = {
     xa: x3, xb: x1, xc: x2, ya: y3, yb: y1, yc: y2, za: z3, zb: z1, zc: z2, x: cx, y: cy, ix: cx, iy: cy,
     none: idle, empty: idle, food1: idle, food2: idle, food3: idle, energy: idle, lure: idle, hot: idle }  # Melting Pot
-  param turned  : word = {
+  param turned  : word = {  # Melting Pot: within its ring
     xa: xb, xb: xc, xc: xa, ya: yb, yb: yc, yc: ya, za: zb, zb: zc, zc: za, empty: none, x: none, y: none,
-    ix: none, iy: none, food1: none, food2: none, food3: none, energy: none, lure: none, hot: none }  # Melting Pot: within its ring
-  define class(m) = case m {
+    ix: none, iy: none, food1: none, food2: none, food3: none, energy: none, lure: none, hot: none }
+  define class(m)           = case m {
     empty: background, energy: low, x: medium, y: medium, food1: medium, food2: medium, food3: medium, lure: medium, otherwise: high }
-  define product(r, m, n) = case turned[m] is none { no: turned[m], yes: case n { 0: leaves[r], otherwise: later(r) } }
+  define product(r, m, n)   = case turned[m] is none { no: turned[m], yes: case n { 0: leaves[r], otherwise: later(r) } }
   define some_left(r, m, n) = n == 0 or n == 1 and r in { x3, y3, z3, px, py } and m is takes3[r]
-  define uses(r, m) = m is takes1[r] or m is takes2[r] or m is takes3[r]
+  define uses(r, m) = m is takes1[r] or m is takes2[r] or m is takes3[r]  phase start { each agent { send agent to dish } }
   define near(s, m) = sum(case d.mol is m { yes: 1, no: 0 } + case d.held is m { yes: 1, no: 0 } over dish as d in disc(1, centre) of s)
   define room(s, m, n) = m is none or near(s, m) > n  define later(r) = case r { x3: iy, y3: ix, z3: food2, otherwise: empty }
   define can(s, r, m, n) = near(s, case m is takes1[r] { yes: takes2[r], no: takes1[r] }) > 0 and room(s, takes3[r], n)
-  define weight(s)       = case s.plan in { cx, cy, xy, px, py } { yes: s.ticket + 60000, no: s.ticket }
-  define best(s)         = max(weight(d) over dish as d in diamond(2) of s where d.plan is not idle otherwise 0)
-  phase start { each agent { send agent to dish } }  phase walk { move each agent }
-  schedule light -> choose_one -> settle -> spread -> react -> digest -> swap -> turn -> walk -> tick
+  define weight(s) = case s.plan in { cx, cy, xy, px, py } { yes: s.ticket + 60000, no: s.ticket }  map "maps/chemistry_three.txt"
+  define best(s) = max(weight(d) over dish as d in diamond(2) of s where d.plan is not idle otherwise 0)
+  schedule light -> choose_one -> settle -> spread -> react -> digest -> swap -> turn -> walk -> tick  phase walk { move each agent }
   phase light {
     each dish { draw n from 1 .. 60000  set dish.ticket = n }
     each dish as d where d.fresh <= 1 { chance ground[class(d.mol)] { set d.lit = yes  tally lit[class(d.mol)] } }
@@ -92,8 +88,7 @@ game chemistry "Chemistry" {
       when p.mol is empty { when p.lit is yes { set p.next = new } } otherwise when p.lit is yes or eaten { set p.next = empty }
     }
     each agent as v on dish as u where v.next is none and u.spark is yes and u.top == 0 and v.mol in { food1, food2, food3, energy, lure } {
-      set v.next = case v.mol { lure: lure, otherwise: empty }
-      set v.due = case v.mol { food1: 1, food2: 1, food3: 10, lure: 0.1, otherwise: 0 }
+      set v.next = case v.mol { lure: lure, otherwise: empty }  set v.due = case v.mol { food3: 10, lure: 0.1, energy: 0, otherwise: 1 }
     }
   }
   phase swap {
@@ -113,7 +108,12 @@ game chemistry "Chemistry" {
   }
   observe { show agent.mol  show other.mol  hide dish.next  hide dish.held  hide dish.plan  hide dish.site  hide dish.lit  hide dish.spark }
   metrics { event lit by { background, low, medium, high }  mean energy_left = count(dish where dish.mol is energy) }
-  checks { symmetric agents }
+  checks { symmetric agents  always count(dish as d where d.plan is not idle or d.site is not idle or d.lit is yes or d.spark is yes) == 0 }
+  define joins(a, m) = a.mol is empty and m is x or a.mol is x and m is y
+  define above(a, m) = a.mol is empty and count(agent as b on dish as d where b is a and d.mol is m) > 0
+  define fed(a)      = above(a, food1) or above(a, food2) or above(a, food3)
+  policy cooperator "carries one waste to the other" { when above(agent, x) choose exchange  seek dish where joins(agent, dish.mol) }
+  policy defector "eats" { when fed(agent) choose exchange  seek dish where agent.mol is empty and dish.mol in { food1, food2, food3 } }
   variant two "two rings" { map "maps/chemistry_two.txt" }
   variant two_distractors "two rings, and molecules that pay a little to who carries them" { map "maps/chemistry_two_distractors.txt" }
   variant distractors "three rings, and many molecules that pay a little to who carries them" { map "maps/chemistry_three_distractors.txt" }

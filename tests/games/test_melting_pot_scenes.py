@@ -13,6 +13,11 @@ RIVER = Stage("clean_up", ("HHHHH", "HHHHH", "HHHHH", "SSSSS", "BPPPP"), 2, vari
 MINE = Stage("coop_mining", ("OOOOOO", "PPPPPP"), 2, variant="meltingpot", looks={"i": "rock ore=iron"})
 FOREST = Stage("mushrooms", ("........", "........", "........"), 3, variant="meltingpot", interpreted=True)
 NEVER = dict.fromkeys(("red", "green", "blue", "orange"), 0)
+FIELDS = [
+    Stage(f"harvest_{form}", ("AAAA.", "QQPPP"), 2, variant="meltingpot", interpreted=True) for form in ("open", "closed", "partnership")
+]
+ORCHARD = Stage("clean_up", ("HHHHS", "BPPPP"), 2, variant="meltingpot", interpreted=True)
+COINS = Stage("coins", ("PCCCC", "CCCCP"), 2, variant="meltingpot", interpreted=True)
 GIFT = Stage("gift_refinement", ("TTTTTTT", "PPPPPPP"), 3, variant="meltingpot")
 
 
@@ -62,6 +67,17 @@ def test_a_lane_cleans_the_first_dirt_only() -> None:
     scene = RIVER.put("HHHHF", "HHFFH", "FHHFH", "S^SSS", "BPP>P").step("clean")
     scene.shows("HHHHF", "HHHFH", "HHHFH", "S^SSS", "BPP>P")
     scene.has({"event cleaned": [2, 0]})
+
+
+def test_what_grows_under_a_player_is_taken_at_once() -> None:
+    """An apple in the field and beside the river, and a coin. Source: a change of state on a player's cell calls `onEnter`, as in the engine's code."""
+    for stage in FIELDS:
+        field = stage.put("^AAA.", "QQPP^", params={"regrow_2": 1.0}, fields={"soil.fruit": {(0, 0): "none"}}, under={0: "A"})
+        field.step().has({"reward": [1, 0], "soil.fruit": {(0, 0): "none"}})
+    ORCHARD.put("HHHHS", "^PPP^", params={"best_rate": 1.0, "pollution": 0.0}).step().has({"reward": [1, 0], "orchard.fruit": "none"})
+    coins = COINS.put("P^CCC", "CCC^P", params={"spawn": 0.5}, fields={"tile.coin": "none"}).step()
+    taken = [sum(coins.value(f"event {whose}_coins")) for whose in ("own", "other")]
+    assert sum(taken) == 2 and coins.value("tile.coin").count("none") == 2
 
 
 def test_pauses_of_the_two_beams() -> None:
