@@ -82,7 +82,7 @@ def test_the_vector_has_an_entry_for_each_agent(crowd: Environment, world: World
 
 def test_pictures_show_how_many_are_in_a_set(crowd: Environment, world: World) -> None:
     """A bar of eighths: of 64 agents one for each eight, rounded up."""
-    (look,) = (kind for kind in make_look(crowd).kinds if kind.name == "grass")
+    (look,) = (kind for kind in make_look(crowd.game).kinds if kind.name == "grass")
     visitors = world.cells["grass", "visitors"]
     values = {name: np.asarray(array) for name, array in vars(compiled_state(crowd, crowd.module.initial_state(), world)).items()}
     keys, number = cell_keys(look, values)

@@ -12,6 +12,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.emit.module import render
+from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower import lower
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, World, default_params
@@ -164,9 +165,11 @@ def run(env: OnNumPy, play: Play, history: History) -> tuple[Report, list[Any]]:
 
 def plain(env: Environment, state: Any) -> dict[str, Any]:
     """Returns a state by name, with places as rows and columns: the numbers of cells depend on how far the shapes that are used reach."""
-    values = {n: v for n, v in vars(state).items() if n != "position" and not n.startswith("mark_")}
-    here = np.asarray(state.position) != 0
-    return {**values, "place": np.where(here, np.asarray(env.cells(state)), -1)}
+    (_, cols), pad = env.module.FRAME, env.module.PAD
+    positions = ["position", *(attribute_of("position", sort.name) for sort in env.game.movers)]
+    values = {n: v for n, v in vars(state).items() if n not in positions and not n.startswith("mark_")}
+    places = {n: np.asarray(getattr(state, n)) for n in positions if hasattr(state, n)}
+    return values | {n: np.where(at != 0, np.stack([at // cols - pad, at % cols - pad]), -1) for n, at in places.items()}
 
 
 def moments(env: OnNumPy, play: Play, steps: int) -> Iterator[Any]:
