@@ -87,11 +87,11 @@ VALUES = {
 # Types of fields: `field happy : bool`.
 _WORDS = "a field of two words is `field {name} : {{ false, true }} = false`, and is asked for with `is true`"
 _WHOLE = "a field of whole numbers is written with its range: `field {name} : 0 .. 100 = 0`"
-_REAL = "a field of real numbers is `field {name} : reward = 0`"
+REAL_FIELD = "a field of real numbers is `field {name} : reward = 0`"
 TYPES = {
     **dict.fromkeys(("bool", "boolean", "flag", "yes", "no", "condition"), _WORDS),
     **dict.fromkeys(("int", "integer", "number", "num", "count", "steps", "cells", "natural"), _WHOLE),
-    **dict.fromkeys(("float", "real", "double", "probability", "fraction"), _REAL),
+    **dict.fromkeys(("float", "real", "double", "probability", "fraction"), REAL_FIELD),
     **dict.fromkeys(("word", "enum", "string", "str", "text"), "a field of words lists them: `field {name} : {{ red, blue }} = red`"),
     **dict.fromkeys(
         ("agents", "player", "players"), "a field that holds an agent is `field {name} : agent`, one that holds several `set of agent`"
@@ -112,6 +112,18 @@ MOVES = {
         ("diagonal", "diagonally", "eight", "any", "free", "all", "king"),
         "agents step to one of the four cells beside them: `moves relative` (as they face) or `moves compass` (as the map lies)",
     ),
+}
+
+# Actions that nothing looks at: `acts up, down, left, right`.
+_STEPS = "{way} is built in as `{action}` with `moves compass`; with `moves relative` the steps go as the agent faces"
+ACTIONS = {
+    **dict.fromkeys(("up", "north", "move_up", "move_north"), _STEPS.format(way="a step north", action="forward")),
+    **dict.fromkeys(("down", "south", "move_down", "move_south"), _STEPS.format(way="a step south", action="backward")),
+    **dict.fromkeys(("left", "west", "move_left", "move_west"), _STEPS.format(way="a step west", action="step_left")),
+    **dict.fromkeys(("right", "east", "move_right", "move_east"), _STEPS.format(way="a step east", action="step_right")),
+    **dict.fromkeys(("rotate_left", "turn_l"), "a quarter turn is built in as `turn_left`"),
+    **dict.fromkeys(("rotate_right", "turn_r"), "a quarter turn is built in as `turn_right`"),
+    **dict.fromkeys(("noop", "no_op", "nothing", "wait", "idle", "none_"), "to do nothing is built in as `stay`, which every game has"),
 }
 
 # Conditions as values: `when agent.moved is true`.

@@ -84,7 +84,8 @@ def is_share(left: ir.Expr, right: ir.Expr) -> bool:
 def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
     """Returns `left < right` and its like."""
     if not (is_number(left.type) and is_number(right.type)):
-        help_ = "words and agents are compared with `is`" if {left.type.kind, right.type.kind} & {"word", "agent"} else ""
+        named = {left.type.kind, right.type.kind} & {"word", "agent", "cell", "member"}
+        help_ = "words, agents and cells are compared with `is` and `is not`" if named else ""
         raise mismatch(scope, e.span, "compare", left.type, right.type, help_)
     if join_units(left.type.unit, right.type.unit) is None:
         raise mismatch(scope, e.span, "compare", left.type, right.type)

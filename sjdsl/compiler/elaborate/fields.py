@@ -79,8 +79,9 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
         problem = f"an end of this range is {max(values, key=abs):.15g}"
         raise scope.problems.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
     if any(v != int(v) for v in values) or values[0] > values[1]:
+        help_ = "" if values[0] > values[1] else guesses.REAL_FIELD.format(name="NAME")
         raise scope.problems.fail(
-            errors.WrongType(declared.span, wanted="a range of whole numbers, the smaller first", given="another one")
+            errors.WrongType(declared.span, wanted="a range of whole numbers, the smaller first", given="another one", help=help_)
         )
     unit = join_units(low.type.unit, high.type.unit)
     return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=values[0], high=values[1])
@@ -113,12 +114,23 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
                 raise not_a_word(tree.span, value.value, name, type_.words, scope)
             return value.value
         case ir.Number() if type_.kind in ("int", "real"):
-            if type_.kind == "int" and (value.value != int(value.value) or not type_.low <= value.value <= type_.high):
+            if type_.kind == "int" and value.value != int(value.value):
+                help_ = guesses.REAL_FIELD.format(name=name)
+                raise scope.problems.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_))
+            if type_.kind == "int" and not type_.low <= value.value <= type_.high:
                 raise scope.problems.fail(
                     errors.FieldRange(
-                        tree.span, name=name, declared=name, low=type_.low, high=type_.high, reached=interval_text(value.type)
+                        tree.span,
+                        name=name,
+                        declared=name,
+                        low=type_.low,
+                        high=type_.high,
+                        reached=interval_text(value.type),
+                        help="begin with a number of the range, or widen the range",
                     )
                 )
             return int(value.value) if type_.kind == "int" else float(value.value)
         case _:
-            raise wrong_type(scope, tree, f"a starting value ({describe(type_)})", value.type)
+            nobody = {"agent": "nobody", "agents": "nobody", "cell": "nowhere"}.get(type_.kind)
+            help_ = "" if nobody is None else f"leave the starting value out: the field begins as `{nobody}`"
+            raise wrong_type(scope, tree, f"a starting value ({describe(type_)})", value.type, help_)

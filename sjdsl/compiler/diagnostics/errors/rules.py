@@ -90,7 +90,7 @@ class TickTwice(Diagnostic, code="SJ502", title="The schedule and its timers"):
 
 class NoTick(TickTwice):
     says = "{what}, but no `tick` in the schedule"
-    hints = ("write `tick` where they fall",)
+    hints = ("write `tick` among the phases, where their time runs: `schedule tick -> …`",)
     what: str
 
 

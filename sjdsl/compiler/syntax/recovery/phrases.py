@@ -86,6 +86,8 @@ def _places() -> Iterator[tuple[str, ...]]:
         for where in ("at", "on", "in", "to", "onto"):
             if (word, where) != ("send", "to"):
                 yield f"{word} PATH {where} DOMAIN", "send {1} to {2}"
+    certain = "say which cell: `send {1} to KIND where KIND.row == {2} and KIND.col == {3}`, with a kind of cell for KIND"
+    yield "send PATH to ( EXPR , EXPR )", "send {1} to grass", certain
     for word in ("kill", "delete", "destroy", "eliminate"):
         yield f"{word} PATH", "remove {1}"
     for word in ("for each", "for all", "for every", "forall"):
@@ -146,6 +148,7 @@ def _declarations() -> Iterator[tuple[str, ...]]:
     for word in ("episode", "episodes", "horizon", "max_steps", "episode_length"):
         for sign in (" =", " :", *[""] * (word != "episode")):
             yield f"{word}{sign} EXPR", "episode {1}"
+    yield "episode EXPR steps", "episode {1}"
     for number in (4, 3, 2, 1):
         sides = ", ".join(f"{{{2 * i + 2}}} {{{2 * i + 1}}}" for i in range(number))
         yield "window " + " , ".join(["INT NAME"] * number), f"window {sides}"
@@ -233,6 +236,7 @@ def _policies() -> Iterator[tuple[str, ...]]:
         yield f"{word} NAME", "when step >= 0 choose {1}", always
         for at in ("at", "to"):
             yield f"{word} NAME {at} DOMAIN", "aim line(1) at {2} choose {1}", "say in which shape: `aim line(3) at {2} choose {1}`"
+    yield "when EXPR { NAME }", "when {1} choose {2}"
     yield "aim NAME at DOMAIN with NAME", "aim {1} at {2} choose {3}"
     yield "aim at DOMAIN with NAME", "aim line(3) at {1} choose {2}", "say in which shape: `aim line(3) at {1} choose {2}`"
     yield "aim at DOMAIN choose NAME", "aim line(3) at {1} choose {2}", "say in which shape: `aim line(3) at {1} choose {2}`"
