@@ -71,11 +71,10 @@ def check_line(check: ir.Check, v: Vocabulary) -> Line:
             return Line(f"where {what} is larger, {of} is {grows}")
         case "symmetric":
             (what,) = check.words
-            return Line(
-                "numbering the agents in another order changes nothing but their numbers"
-                if what == "agents"
-                else "on the mirrored map everything happens mirrored"
-            )
+            if what == "mirror":
+                return Line("on the mirrored map everything happens mirrored")
+            whom = "the agents" if what == "agents" else f"the movers {code(what)}"
+            return Line(f"numbering {whom} in another order changes nothing but their numbers")
         case "expect":
             who = joined(policy(p, v) for p in check.policies)
             turn = ", in turn" if len(check.policies) > 1 else ""

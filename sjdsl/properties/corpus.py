@@ -102,12 +102,17 @@ def _state_features(trajectory: Trajectory, at: int, numbers: Sequence[int]) -> 
     """Yields features of a state: counts of field values, kinds stood on, values that checks read; and all pairs of them."""
     world, board = trajectory.worlds[at], board_of(trajectory.game)
     fields = [*world.cells.items(), *world.agents.items(), *((name, [value]) for name, value in world.fields.items())]
+    fields += [((sort, name), values) for sort, herd in world.movers.items() for name, values in herd.fields.items()]
     single: list[Feature] = []
     for name, values in fields:
         single += [("so", name, value, min(n, 2)) for value, n in Counter(map(bucket, values)).items()]
     standing = Counter(board.kind_of[cell] for cell in world.position if cell is not None)
     single += [("on", kind, min(n, 2)) for kind, n in standing.items()]
     single += [("away", min(2, sum(a is not None for a in world.away)))]
+    for sort, herd in world.movers.items():
+        under = Counter(board.kind_of[cell] for cell in herd.position if cell is not None)
+        single += [("on", sort, kind, min(n, 2)) for kind, n in under.items()]
+        single += [("away", sort, min(2, sum(a is not None for a in herd.away)))]
     for number in numbers:
         check = trajectory.game.checks[number]
         ends = zip(trajectory.values(check)[0], trajectory.values(check)[at], strict=True)

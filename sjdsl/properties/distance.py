@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from itertools import combinations, product
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.board import board_of, cells_of
+from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.properties.effects import reads
 from sjdsl.properties.multiplicity import most
-from sjdsl.properties.preconditions import Bound, Precondition, can_make, is_timed
+from sjdsl.properties.preconditions import Bound, Precondition, can_be, can_make, is_timed, place_of
 from sjdsl.properties.reachability import can_go, closed_to, moves_until, node_of, others_of, stands
 from sjdsl.properties.shortest_paths import FAR
 
@@ -136,7 +136,7 @@ class Distances:
 
     def _look(self, precondition: Precondition, bound: Bound) -> Requirements:
         needs = Requirements()
-        names = [*precondition.agents, *precondition.cells]
+        names = [*precondition.agents, *precondition.cells, *precondition.movers]
         tests: dict[str, list[tuple[frozenset[str], ir.Expr]]] = {name: [] for name in names}
         for named, test in precondition.tests:
             owner = next((name for name in names if name in named), None)
@@ -158,7 +158,7 @@ class Distances:
                 for v in values
             ]
             found = list(zip(paths, unmet, strict=True))
-            if name in precondition.cells:
+            if name not in precondition.agents:
                 found = sorted(found, key=lambda choice: sum(condition.gap for condition in choice[1]))[:NEAREST]
             needs.choices.append(found)
             needs.agents += name in precondition.agents
@@ -174,7 +174,7 @@ class Distances:
         board, node = board_of(self._game), node_of(agent, self._world, board_of(self._game))
         total = 0.0
         for shape, member in wanted:
-            cells, before = self._values(precondition, member, bound), total
+            cells, before = self._places(precondition, member, bound), total
             closed = self._closed(agent)
             total += math.inf
             for price, around in ((0.0, closed | others_of(agent, self._world)), (PAST_AGENTS, closed), (PAST_CLOSED, frozenset[Cell]())):
@@ -208,13 +208,14 @@ class Distances:
                 (w, w.joins, o)
                 for w in joined
                 if w.joins
-                for o in ([(w.owner, c) for c in cells] if w.owner is not None and w.owner in w.cells else [None])
+                for o in ([(w.owner, c) for c in cells if can_be(w, w.owner, c)] if w.owner and w.owner not in w.agents else [None])
             ]
         return self._joins[key]
 
     def _wanted(self, precondition: Precondition, name: str) -> list[tuple[str | None, str]]:
-        """Returns the cells that an agent must have in a shape, or, for None, be on."""
-        reached = [(shape, member) for anchor, shape, member in precondition.reaches if anchor == name and member in precondition.cells]
+        """Returns the cells and movers that an agent must have in a shape, or, for None, the cells it must be on."""
+        things = {*precondition.cells, *precondition.movers}
+        reached = [(shape, member) for anchor, shape, member in precondition.reaches if anchor == name and member in things]
         return [*reached, *((None, member) for member, kinds in precondition.cells.items() if kinds == precondition.on.get(name))]
 
     def _stands(self, precondition: Precondition, name: str, agent: Value, bound: Bound) -> frozenset[Cell] | None:
@@ -223,22 +224,25 @@ class Distances:
         asked = [(precondition, name, bound)]
         for _, gathered in (pair for pair in precondition.gathers if pair[0] == name):
             asked += self._joining(precondition, gathered, bound)
-        wanted = [(shape, cell) for r, n, b in asked for shape, member in self._wanted(r, n) for cell in self._values(r, member, b)]
+        wanted = [(shape, cell) for r, n, b in asked for shape, member in self._wanted(r, n) for cell in self._places(r, member, b)]
         found = {(shape, cell, at) for shape, cell in wanted for at in stands(board, cell, shape)}
         return frozenset(at for shape, cell, at in found if can_go(node, board, cell, shape, at)) if wanted else None
 
     def _values(self, precondition: Precondition, name: str, bound: Bound) -> Sequence[Value]:
-        if bound is not None and bound[0] == name:  # a cell of a group may be of a kind of which this statement does not speak
-            fits = name not in precondition.cells or board_of(self._game).kind_of[bound[1]] in precondition.cells[name]
-            return [bound[1]] if fits else []
-        return cells_of(board_of(self._game), precondition.cells[name]) if name in precondition.cells else self._agents
+        return precondition.values(name, self._game, self._world, bound)
+
+    def _places(self, precondition: Precondition, name: str, bound: Bound) -> Sequence[Cell]:
+        """Returns the cells that a variable can stand for, or on which the movers are that it can stand for."""
+        cells = (place_of(value, self._world) for value in self._values(precondition, name, bound))
+        return [cell for cell in cells if cell is not None]
 
     def _least(
         self, precondition: Precondition, named: frozenset[str], test: ir.Expr, name: str, value: Value, bound: Bound
     ) -> UnmetCondition | None:
         """Returns what a condition unmet with one variable chosen and the others at their best; None if it holds or cannot be judged."""
         others = [n for n in named if n != name]
-        if len(others) > 1 or any(n not in precondition.cells and n not in precondition.agents for n in others):
+        known = {*precondition.cells, *precondition.agents, *precondition.movers}
+        if len(others) > 1 or not known.issuperset(others):
             return None
         best: UnmetCondition | None = None
         for rest in product(*(self._values(precondition, n, bound) for n in others)):
@@ -276,6 +280,7 @@ def _needs_of(precondition: Precondition) -> tuple[object, ...]:
     parts = (precondition.agents, tuple(precondition.cells.items()), tuple(precondition.on.items()), precondition.reaches)
     return (
         *parts,
+        *precondition.movers.items(),
         *map(id, precondition.quantifiers),
         *((name, id(test)) for name, test in precondition.gathers),
         *(id(test) for _, test in precondition.tests),
@@ -296,10 +301,10 @@ def _stand_apart(places: Sequence[frozenset[Cell] | None]) -> bool:
 
 
 def _whose(writer: Precondition, values: Collection[Value]) -> Bound:
-    """Returns the agent or cell for which a statement has to write, given those that a condition reads."""
+    """Returns the agent, mover or cell for which a statement has to write, given those that a condition reads."""
     if writer.owner is None:
         return None
-    fitting = [v for v in values if isinstance(v, int) == (writer.owner in writer.agents)]
+    fitting = [v for v in values if can_be(writer, writer.owner, v)]
     return (writer.owner, fitting[0]) if len(fitting) == 1 else None
 
 

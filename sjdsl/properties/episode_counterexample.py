@@ -93,8 +93,8 @@ def _part(effect: Effect, board: Board) -> Part:
     match effect.sort:
         case "field" if isinstance(effect.owner, Cell):
             return ("cell", board.kind_of[effect.owner], name)
-        case "field" if isinstance(effect.owner, Mover):
-            return ("mover", effect.owner.sort, name)
+        case "field" | "heading" | "moved" | "away" if isinstance(effect.owner, Mover):
+            return ("mover", effect.owner.sort, name if effect.sort == "field" else effect.sort)
         case "field":
             return ("world" if effect.owner is None else "agent", name)
         case "event":

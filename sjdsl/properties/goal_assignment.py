@@ -8,9 +8,10 @@ from random import Random
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.board import Board, board_of, cells_of
-from sjdsl.interpreter.state import Cell, World
-from sjdsl.properties.preconditions import Goal, Precondition, Role, choose_precondition, roles_towards
+from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.bodies import where_is
+from sjdsl.interpreter.state import Cell, Mover, Value, World
+from sjdsl.properties.preconditions import Goal, Precondition, Role, choose_precondition, place_of, roles_towards
 from sjdsl.properties.reachability import can_go, closed_to, moves_until, node_of, others_of, stands
 from sjdsl.properties.shortest_paths import FAR
 from sjdsl.properties.statements import StatementId
@@ -29,7 +30,10 @@ MOVES = {*STEPS, *TURNS, "stay"}
 
 @dataclass
 class AgentGoal:
-    """Where an agent goes: to stand on `stand`, or anywhere, with `target` in a shape, or on it. Which action it takes then, and how often."""
+    """Where an agent goes: to stand on `stand`, or anywhere, with `target` in a shape, or on it. Which action it takes then, and how often.
+
+    mover: the one that is on `target`, which is where it is now.
+    """
 
     board: Board
     target: Cell
@@ -37,6 +41,13 @@ class AgentGoal:
     stand: Cell | None
     action: int
     times: int
+    mover: Mover | None = None
+
+    def follow(self, world: World) -> None:
+        """Goes after the mover, to stand anywhere, if it is elsewhere now; to where it was if it is away."""
+        cell = None if self.mover is None else where_is(self.mover, world)
+        if cell is not None and cell != self.target:
+            self.target, self.stand = cell, None
 
     @property
     def distance(self) -> np.ndarray:
@@ -80,13 +91,13 @@ def assign_goals(
 
 @dataclass
 class GoalAssigner:
-    """What is assigned in one state. cast: who has which role; shared: cells that several agents share; taken: where others will stand."""
+    """What is assigned in one state. cast: who has which role; shared: cells and movers that several agents share; taken: where others will stand."""
 
     game: ir.Game
     world: World
     random: Random
     cast: dict[str, int] = field(default_factory=dict)
-    shared: dict[str, Cell] = field(default_factory=dict)
+    shared: dict[str, Value] = field(default_factory=dict)
     taken: set[Cell] = field(default_factory=set)
 
     def node(self, agent: int) -> int | None:
@@ -114,7 +125,7 @@ class GoalAssigner:
         random, board, precondition = self.random, board_of(self.game), role.precondition
         action, times = random.choice(precondition.actions.get(name) or ordinary(self.game)), random.randint(1, 2)
         shape: str | None = None
-        target: Cell | None = None
+        target: Value = None
         reaching = [(shape, member) for anchor, shape, member in precondition.reaches if anchor == name]
         if reaching:
             shape, member = random.choice(reaching)
@@ -122,9 +133,11 @@ class GoalAssigner:
         elif name in precondition.on or precondition.cells:
             standing = [cell for cell, kinds in precondition.cells.items() if kinds == precondition.on.get(name)]
             target = self._target(role, random.choice(standing or list(precondition.cells) or [""]), name, agent, None)
-        if target is None:  # it only needs to act: where it is, or anywhere
-            shape, target = None, self.world.position[agent] if random.random() < STILL else random.choice(tuple(board.kind_of))
-        return None if target is None else AgentGoal(board, target, shape, self._stand(agent, target, shape), action, times)
+        cell = None if target is None else place_of(target, self.world)
+        if cell is None:  # it only needs to act: where it is, or anywhere
+            shape, cell = None, self.world.position[agent] if random.random() < STILL else random.choice(tuple(board.kind_of))
+        mover = target if isinstance(target, Mover) else None
+        return None if cell is None else AgentGoal(board, cell, shape, self._stand(agent, cell, shape), action, times, mover)
 
     def _stand(self, agent: int, target: Cell, shape: str | None) -> Cell | None:
         """Returns where an agent is to stand, apart from the others; None for anywhere, if there is no such cell."""
@@ -149,19 +162,20 @@ class GoalAssigner:
                 return room
         return []
 
-    def _target(self, role: Role, member: str, name: str, agent: int, shape: str | None) -> Cell | None:
-        """Returns the cell that an agent has to be on, or reach: of the agent that has that role, or a fitting one."""
-        random, board = self.random, board_of(self.game)
-        if member not in role.precondition.cells:
+    def _target(self, role: Role, member: str, name: str, agent: int, shape: str | None) -> Cell | Mover | None:
+        """Returns the cell that an agent has to be on, or reach: of the agent that has that role, or a fitting one; or the mover it reaches."""
+        random, precondition = self.random, role.precondition
+        if member not in precondition.cells and member not in precondition.movers:
             others = [cell for other, cell in enumerate(self.world.position) if cell is not None and other != agent]
             known = self.world.position[self.cast[member]] if member in self.cast and self.cast[member] != agent else None
             return known or (random.choice(others) if others else None)
-        fitting = role.precondition.fitting_cells(member, self.game, self.world, {name: agent}, role.bound)
-        fitting = [cell for cell in fitting if self._room(agent, cell, shape)] or fitting
-        if self.shared.get(member) in fitting and random.random() < SAME:
-            return self.shared[member]
-        of_kind = cells_of(board, role.precondition.cells[member])
-        if not of_kind:
-            return None
-        self.shared[member] = random.choice(fitting if fitting and random.random() < FITTING else of_kind)
-        return self.shared[member]
+        fitting = precondition.fitting_members(member, self.game, self.world, {name: agent}, role.bound)
+        places = {one: place_of(one, self.world) for one in fitting}
+        fitting = [one for one, cell in places.items() if cell is not None and self._room(agent, cell, shape)] or fitting
+        if self.shared.get(member) not in fitting or random.random() >= SAME:
+            every = precondition.values(member, self.game, self.world, None)
+            if not every:
+                return None
+            self.shared[member] = random.choice(fitting if fitting and random.random() < FITTING else every)
+        found: Cell | Mover = self.shared[member]
+        return found

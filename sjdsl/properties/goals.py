@@ -60,6 +60,8 @@ class GuidedDriver:
                 assignment.together,
                 self._taken + assignment.longest + WAITS,
             )
+        for agent_goal in self.agent_goals.values():
+            agent_goal.follow(world)
         self._taken += 1
         self._shortest_paths = {}
         arrived = {agent: self._has_arrived(agent, world) for agent in self.agent_goals}

@@ -7,6 +7,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.interpreter import shapes
 from sjdsl.interpreter.board import Board, cells_of
+from sjdsl.interpreter.members import everybody
 
 Quantifier = ir.Each | ir.Pick | ir.First | ir.Match
 
@@ -28,7 +29,8 @@ def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, i
                 found[domain.var.name] = min(lanes, _members(domain, board))
             case ir.Match(left=left, right=right):
                 pairs = min(_members(left, board), _members(right, board))
-                found[left.var.name] = min(pairs, board.agents // 2) if left.var.who == right.var.who == "agent" else pairs
+                alike = left.var.who == right.var.who != "cell" and left.var.kinds == right.var.kinds
+                found[left.var.name] = min(pairs, everybody(left, board) // 2) if alike else pairs
                 found[right.var.name] = 1
             case _:
                 assert_never(quantifier)
@@ -42,7 +44,7 @@ def is_always_once(quantifiers: Sequence[Quantifier]) -> bool:
 
 def _members(domain: ir.Domain, board: Board) -> int:
     """Returns how many members a domain can have at once, its condition aside."""
-    among = board.agents if domain.var.who == "agent" else len(cells_of(board, domain.var.kinds))
+    among = everybody(domain, board)
     if domain.on is not None:
         among = min(among, len(cells_of(board, domain.on.kinds)))
     match domain.restriction:

@@ -10,11 +10,12 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named, all_fields, contains, written_field
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import board_of, cells_of
+from sjdsl.interpreter.bodies import where_is
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.evaluation_parts import arguments_of
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import Cell, Value, World
-from sjdsl.properties.effects import AWAY, STEP, reads, written_by
+from sjdsl.interpreter.state import Cell, Mover, Value, World
+from sjdsl.properties.effects import STEP, field_part, part_of, reads, written_by
 from sjdsl.properties.effects import Part as Written
 from sjdsl.properties.multiplicity import Quantifier
 from sjdsl.properties.statements import LeafStatement, StatementId
@@ -25,15 +26,16 @@ MOST = 4  # statements that are worked towards at once
 NEVER = 4.0  # how much more often a statement that never ran is chosen than one that ran once
 
 
-Bound = tuple[str, Value] | None  # a variable and its value: a cell or an agent
+Bound = tuple[str, Value] | None  # a variable and its value: a cell, an agent or a mover
 
 
 @dataclass(frozen=True)
 class Precondition:
     """What a statement needs to run, and what it writes.
 
-    agents, cells: the variables of its domains and guards; cells with the kinds they can be of. actions: what an agent must choose;
-    on: kinds of cells on which it must stand. reaches: (agent, shape, agent or cell that must be in it). tests: conditions, with the
+    agents, cells, movers: the variables of its domains and guards; cells with the kinds they can be of, movers with their sort. actions:
+    what an agent must choose; on: kinds of cells on which it must stand. reaches: (agent, shape, whoever or whatever must be in it, or
+    around which the shape reaches the agent as well). tests: conditions, with the
     variables they name. writes: what the statement changes; sets, adds: the value it sets, or adds; owner: whose field that is; joins:
     which agent it adds to a set. gathers: agents that must be in a set, each with the condition that the set is not empty.
     quantifiers: those around it; block: other statements under the same conditions, which run when it does.
@@ -48,6 +50,7 @@ class Precondition:
     gathers: tuple[tuple[str, ir.Expr], ...]
     agents: tuple[str, ...]
     cells: Mapping[str, tuple[str, ...]]
+    movers: Mapping[str, str]
     actions: Mapping[str, tuple[int, ...]]
     on: Mapping[str, tuple[str, ...]]
     reaches: tuple[tuple[str, str, str], ...]
@@ -58,12 +61,12 @@ class Precondition:
     def fitting_agents(self, name: str, game: ir.Game, world: World) -> list[int]:
         """Returns the agents for which all conditions hold, except on their action and on where they stand.
 
-        They have a cell to reach for which the rest holds.
+        They have a cell or a mover to reach for which the rest holds.
         """
         here = [agent for agent, cell in enumerate(world.position) if cell is not None]
         fitting = [agent for agent in here if self._holds({name: agent}, game, world)]
-        wanted = [member for anchor, _, member in self.reaches if anchor == name and member in self.cells]
-        return [a for a in fitting if not wanted or any(self.fitting_cells(member, game, world, {name: a}) for member in wanted)]
+        wanted = [member for anchor, _, member in self.reaches if anchor == name and (member in self.cells or member in self.movers)]
+        return [a for a in fitting if not wanted or any(self.fitting_members(member, game, world, {name: a}) for member in wanted)]
 
     def unmet(self, game: ir.Game, world: World, many: int, bound: Bound = None) -> list[ir.Expr]:
         """Returns the unmet conditions: those that hold for no agent and no cell, or not together, or for fewer than `many` agents.
@@ -75,15 +78,14 @@ class Precondition:
         for name in self.agents:
             if len(self.fitting_agents(name, game, world)) < wanted:
                 unmet += [test for named, test in self.tests if name in named]
-        for name in self.cells:
-            if not unmet and not self.fitting_cells(name, game, world, {}, bound):
+        for name in (*self.cells, *self.movers):
+            if not unmet and not self.fitting_members(name, game, world, {}, bound):
                 unmet += [test for named, test in self.tests if named == {name}]
         return list({id(test): test for test in unmet}.values())
 
     def _is_met(self, named: frozenset[str], test: ir.Expr, game: ir.Game, world: World, bound: Bound) -> bool:
         """Returns whether a condition holds for any choice of its variables; with more than two of them it is taken to hold."""
-        here = [agent for agent, cell in enumerate(world.position) if cell is not None]
-        choices: list[list[Value]] = [self._cells(n, game, bound) if n in self.cells else list(here) for n in named]
+        choices = [self.values(n, game, world, bound) for n in named]
         if len(named) > 2:
             return True
         for values in product(*choices):
@@ -95,27 +97,34 @@ class Precondition:
                 continue
         return False
 
-    def _cells(self, name: str, game: ir.Game, bound: Bound) -> list[Value]:
+    def values(self, name: str, game: ir.Game, world: World, bound: Bound) -> Sequence[Value]:
+        """Returns what a variable can stand for now: cells of its kinds, and movers of its sort or agents that are not away."""
         if bound is not None and bound[0] == name:  # of a group, a cell may be of a kind of which this statement does not speak
-            return [bound[1]] if board_of(game).kind_of[bound[1]] in self.cells[name] else []
-        return list(cells_of(board_of(game), self.cells[name]))
+            fits = name not in self.cells or board_of(game).kind_of[bound[1]] in self.cells[name]
+            return [bound[1]] if fits else []
+        if name in self.cells:
+            return cells_of(board_of(game), self.cells[name])
+        if name in self.movers:
+            sort = self.movers[name]
+            return [Mover(sort, number) for number, cell in enumerate(world.movers[sort].position) if cell is not None]
+        return [agent for agent, cell in enumerate(world.position) if cell is not None]
 
     def cells_for(self, test: ir.Expr, game: ir.Game, world: World, bound: Bound) -> list[Value]:
-        """Returns the cells for which a condition is best made true: most of their other conditions hold; [] if it names no cell."""
+        """Returns the cells or movers for which a condition is best made true: most of their other conditions hold; [] if it names none."""
         named = next(named for named, known in self.tests if known is test)
-        name = next((n for n in self.cells if n in named), None)
+        name = next((n for n in (*self.cells, *self.movers) if n in named), None)
         if name is None:
             return []
         others = [t for n, t in self.tests if n == {name}]
         failing = {
-            c: sum(not self._is_met(frozenset({name}), t, game, world, (name, c)) for t in others) for c in self._cells(name, game, bound)
+            c: sum(not self._is_met(frozenset({name}), t, game, world, (name, c)) for t in others)
+            for c in self.values(name, game, world, bound)
         }
         return [cell for cell, number in failing.items() if number == min(failing.values())]
 
-    def fitting_cells(self, name: str, game: ir.Game, world: World, agent: Mapping[str, int], bound: Bound = None) -> list[Cell]:
-        """Returns the cells for which every condition on them, and on them and an agent, holds."""
-        candidates = self._cells(name, game, bound)
-        return [cell for cell in candidates if self._holds({**agent, name: cell}, game, world)]
+    def fitting_members(self, name: str, game: ir.Game, world: World, agent: Mapping[str, int], bound: Bound = None) -> list[Value]:
+        """Returns the cells, or movers, for which every condition on them, and on them and an agent, holds."""
+        return [value for value in self.values(name, game, world, bound) if self._holds({**agent, name: value}, game, world)]
 
     def _holds(self, names: Mapping[str, Value], game: ir.Game, world: World) -> bool:
         here = Instance(board_of(game), world, names=names)
@@ -128,7 +137,7 @@ class Precondition:
 def preconditions_of(leaves: Iterable[LeafStatement], game: ir.Game) -> tuple[Precondition, ...]:
     """Returns the preconditions of statements, without those that need nothing of agents."""
     gathering: dict[int, ir.Expr] = {}
-    return tuple(r for r in (_precondition(leaf, gathering, game) for leaf in leaves) if r.agents or r.cells)
+    return tuple(r for r in (_precondition(leaf, gathering, game) for leaf in leaves) if r.agents or r.cells or r.movers)
 
 
 def choose_precondition(preconditions: Collection[Precondition], ran: Counter[StatementId], random: Random) -> Precondition:
@@ -182,7 +191,8 @@ def roles_towards(
         chosen = random.choice(writers)
         writer = preconditions[chosen]
         wanted = tuple(agent for agents in gathered for agent in agents)
-        cells = focus.cells_for(test, game, world, bound) if writer.owner in writer.cells else []
+        cells = focus.cells_for(test, game, world, bound) if writer.owner in writer.cells or writer.owner in writer.movers else []
+        cells = [c for c in cells if can_be(writer, writer.owner, c)]
         given = (writer.owner, random.choice(cells)) if writer.owner is not None and cells else None
         for part in roles_towards(Goal(chosen, 1), preconditions, game, world, random, seen, given):
             joining = part.precondition is writer and part.name == writer.joins
@@ -207,6 +217,18 @@ def can_make(precondition: Precondition, test: ir.Expr) -> bool:
             return True
 
 
+def can_be(precondition: Precondition, name: str | None, value: Value) -> bool:
+    """Returns whether a variable of a statement can stand for an agent, a mover or a cell."""
+    if isinstance(value, Mover):
+        return name is not None and precondition.movers.get(name) == value.sort
+    return name in (precondition.agents if isinstance(value, int) else precondition.cells)
+
+
+def place_of(member: Value, world: World) -> Cell | None:
+    """Returns a cell itself, or the cell of an agent or a mover."""
+    return member if isinstance(member, Cell) else where_is(member, world)
+
+
 def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr], game: ir.Game) -> Precondition:
     """Returns what a statement needs. gathering: by the identity of a set, the condition that it is not empty, shared by all under it."""
     nodes = [n for node in (*leaf.around, leaf.statement) for n in ir.walk(node)]
@@ -220,6 +242,7 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr], game: ir.G
     actions: dict[str, tuple[int, ...]] = {}
     on: dict[str, tuple[str, ...]] = {d.var.name: d.on.kinds for d in domains if d.on is not None}
     cells = {d.var.name: d.var.kinds for d in domains if d.var.who == "cell"} | {d.on.name: d.on.kinds for d in domains if d.on is not None}
+    movers = {d.var.name: d.var.kinds[0] for d in domains if d.var.who == "mover"}
     tests = []
     for e in conditions:
         match e:
@@ -233,10 +256,17 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr], game: ir.G
                 tests.append((frozenset(n.name for n in ir.walk(e) if isinstance(n, ir.Member)) - _bound(e), e))
             case _:
                 pass
+    directed = {shape.name for shape in game.shapes if shape.directed}
     reaches = [
         (d.restriction.anchor.name, d.restriction.shape, d.var.name)
         for d in domains
         if isinstance(d.restriction, ir.Near) and d.restriction.anchor.who == "agent"
+    ]
+    reaches += [
+        (d.var.name, d.restriction.shape, d.restriction.anchor.name)
+        for d in domains
+        if isinstance(d.restriction, ir.Near) and d.var.who == "agent" and d.restriction.anchor.who == "mover"
+        if d.restriction.shape not in directed
     ]
     agents = tuple(dict.fromkeys(d.var.name for d in domains if d.var.who == "agent"))
     joins = leaf.statement.value.name if isinstance(leaf.statement, ir.Add) and isinstance(leaf.statement.value, ir.Member) else None
@@ -250,6 +280,7 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr], game: ir.G
         tuple(gathers),
         agents,
         cells,
+        movers,
         actions,
         on,
         tuple(reaches),
@@ -280,10 +311,9 @@ def _owner(statement: ir.Stmt) -> str | None:
 
 def is_timed(test: ir.Expr, game: ir.Game) -> bool:
     """Returns whether a condition may come to hold by waiting: it reads a timer, who is away, or the number of the step."""
-    timers = {(f.held_by, f.kind, f.name) for f in all_fields(game) if f.timer}
-    read = set(reads(test))
-    parts = {(owner, kind, name) if owner == "cell" else (owner, name) for owner, kind, name in timers}
-    return bool(read & (parts | {STEP, AWAY}))
+    timers = {field_part(f.held_by, f.kind, f.name) for f in all_fields(game) if f.timer}
+    away = {part_of("away", sort) for sort in ("", *(movers.name for movers in game.movers))}
+    return bool(set(reads(test)) & (timers | away | {STEP}))
 
 
 def _parts(e: ir.Node) -> Iterator[ir.Node]:

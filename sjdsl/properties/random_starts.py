@@ -39,18 +39,19 @@ def own_start(family: GameFamily, random: Random) -> Scenario:
 
 
 def random_map(family: GameFamily, agents: int, random: Random) -> tuple[str, ...]:
-    """Returns a small map: any glyphs of the game, with enough cells for all agents wherever they are sent."""
-    needed = agents * len(family.destinations) + random.randrange(2 * len(family.glyphs))
+    """Returns a small map: any glyphs of the game, with enough cells for all agents and movers wherever they are sent."""
+    needed = sum(family.needed(sort, agents) for sort, _ in family.destinations) + random.randrange(2 * len(family.glyphs))
     width = random.randint(2, MOST_COLUMNS)
     least = max(2, -(-needed // width))
     height = random.randint(least, max(MOST_ROWS, least))
     often = (*family.glyphs, *[random.choice(family.open_glyphs or family.glyphs)] * random.choice(PLAIN))
     cells = [random.choice(often) for _ in range(width * height)]
     kept: set[int] = set()
-    for _, glyphs in family.destinations:
-        here = [i for i, glyph in enumerate(cells) if glyph in glyphs and i not in kept][:agents]
+    for sort, glyphs in family.destinations:
+        many = family.needed(sort, agents)
+        here = [i for i, glyph in enumerate(cells) if glyph in glyphs and i not in kept][:many]
         free = [i for i in range(len(cells)) if i not in kept and i not in here]
-        more = random.sample(free, agents - len(here))
+        more = random.sample(free, many - len(here))
         for i in more:
             cells[i] = glyphs[0]
         kept.update(here, more)

@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from sjdsl.interpreter.board import Board
+from sjdsl.interpreter.bodies import occupied
 from sjdsl.interpreter.evaluate import is_blocked
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import cell_at
@@ -19,8 +20,8 @@ def node_of(agent: int, world: World, board: Board) -> int | None:
 
 
 def others_of(agent: int, world: World) -> frozenset[Cell]:
-    """Returns the cells on which other agents are."""
-    return frozenset(cell for other, cell in enumerate(world.position) if cell is not None and other != agent)
+    """Returns the cells on which other agents, or movers, are."""
+    return frozenset(occupied(world, (agent,)))
 
 
 def closed_to(agent: int, world: World, board: Board) -> frozenset[Cell]:

@@ -1,8 +1,9 @@
-"""Symmetry of the rules under renumbered agents or a mirrored map: equal rules are symmetric, others are compared by play.
+"""Symmetry of the rules under renumbered agents or movers or a mirrored map: equal rules are symmetric, others are compared by play.
 
 Instead of renumbering the agents, the rules are changed. Everything but `agent.index` and a number for an argument of an action
 (`vote(3)`) refers to agents and cells, never to numbers. So a game whose agents swap numbers goes as the game in which these are
-the swapped numbers. In the same way a mirrored map under the rules is the map under mirrored rules.
+the swapped numbers. With movers of one sort it is the same. In the same way a mirrored map under the rules is the map under mirrored
+rules. What is drawn stays what it is: a mover that goes one of several ways, all equally likely, goes that one under both.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import mover_sort, movers_named
 from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer, words
@@ -34,9 +36,10 @@ class TransformedGame:
 
 def transformed_games(check: ir.Check, game: ir.Game) -> list[TransformedGame]:
     """Returns the games that must play as this one does for it to be symmetric; none if its rules stay equal."""
-    if check.words[0] == "mirror":
+    (what,) = check.words
+    if what == "mirror":
         return list(_mirrored(game))
-    return list(_renumbered(game))
+    return list(_renumbered(game) if what == "agents" else _renumbered_movers(game, what))
 
 
 def one_sided_action(check: ir.Check, game: ir.Game) -> str:
@@ -48,11 +51,15 @@ def one_sided_action(check: ir.Check, game: ir.Game) -> str:
 
 def why_symmetric(check: ir.Check, game: ir.Game) -> str:
     """Returns why a game is symmetric for which `transformed_games` gives nothing."""
-    if check.words[0] == "mirror":
+    (what,) = check.words
+    if what == "mirror":
         return "no rule tells left from right"
+    sort = "" if what == "agents" else what
     sends = [n for turn in game.schedule for n in ir.walk(turn) if isinstance(n, ir.Send) and n.stay and n.origin is not None]
+    sends = [n for n in sends if mover_sort(n.who) == sort]
     but = f" (should free cells run out in line {sends[0].origin.line}, lower numbers come first)" if sends and sends[0].origin else ""
-    return f"no rule reads an agent's number{but}"
+    number = f"the number of a `{sort}`" if sort else "an agent's number"
+    return f"no rule reads {number}{but}"
 
 
 def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
@@ -91,6 +98,20 @@ def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
             yield TransformedGame(changed, f"if agents {first} and {first + 1} swapped numbers")
 
 
+def _renumbered_movers(game: ir.Game, sort: str) -> Iterator[TransformedGame]:
+    """Yields the game with two neighbouring numbers of movers of a sort swapped."""
+    own, number = _of_rules(game, lambda node: node), movers_named(game, sort).number
+    for first in range(number - 1):
+        order = [*range(first), first + 1, first, *range(first + 2, number)]
+
+        def rule(node: Any, order: list[int] = order) -> Any:
+            return _numbered(node, order) if isinstance(node, ir.Attribute) and _reads_number(node, sort) else node
+
+        changed = _of_rules(game, rule)
+        if changed != own:
+            yield TransformedGame(changed, f"if {sort} {first} and {first + 1} swapped numbers")
+
+
 def _may_name_agents(node: ir.Node) -> bool:
     """Returns whether a node can name an agent by a number that is written: `vote(0)`."""
     return isinstance(node, ir.Forbid) or (isinstance(node, ir.Given) and node.type.kind == "agent" and isinstance(node.value, ir.Number))
@@ -108,11 +129,12 @@ def _renumbered_actions(game: ir.Game, order: Sequence[int]) -> dict[int, int]:
     return found
 
 
-def _reads_number(node: Any) -> bool:
-    """Returns whether a value depends on the number of an agent: `index`, or an entry of a param by agent."""
+def _reads_number(node: Any, sort: str = "") -> bool:
+    """Returns whether a value depends on the number of an agent: `index`, or an entry of a param by agent; or on that of a mover of a sort."""
     if isinstance(node, ir.At):
-        return isinstance(node.row, ir.ParamRef) and sort_of(node.row.type.by[0]) == "agent" and not isinstance(node.key, ir.Word)
-    return isinstance(node, ir.Attribute) and node.name == "index"
+        by_agent = isinstance(node.row, ir.ParamRef) and sort_of(node.row.type.by[0]) == "agent" and not isinstance(node.key, ir.Word)
+        return by_agent and not sort
+    return isinstance(node, ir.Attribute) and node.name == "index" and mover_sort(node.owner) == sort
 
 
 def _numbered(node: ir.Attribute | ir.At, order: list[int]) -> ir.Case:
@@ -143,9 +165,12 @@ def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
             case ir.Attribute(name="col"):
                 last = ir.Number(type=node.type, value=width - 1)
                 return ir.Arithmetic(type=node.type, fn="-", args=(last, node), origin=node.origin)
-            case ir.Attribute(name="heading"):
-                arms = [ir.Arm(words=(w,), value=ir.Word(type=node.type, value=MIRRORED.get(w, w))) for w in HEADINGS]
-                return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
+            case ir.Attribute(name="heading") | ir.FieldRead(held_by="mover", name="heading"):
+                return mirrored_heading(node)
+            case ir.Set(target=ir.Case(subject=heading)):  # of a mover: that it is written is no reading of it
+                return node.model_copy(update={"target": heading, "value": mirrored_heading(node.value)})
+            case ir.Along():
+                return node.model_copy(update={"heading": mirrored_heading(node.heading)})
             case ir.Chose(action=action) if action in other:
                 return node.model_copy(update={"action": other[action]})
             case ir.Forbid() if {other.get(a, a) for a in node.actions} != set(node.actions):
@@ -154,8 +179,8 @@ def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
                 return node.model_copy(update={"facing": MIRRORED[facing]})
             case ir.Shift():
                 look = node.facing and MIRRORED.get(node.facing, node.facing)
-                heading = None if node.heading is None else mirrored_heading(node.heading)
-                return node.model_copy(update={"facing": look, "heading": heading, "quarters": -node.quarters % 4})
+                way = None if node.heading is None else mirrored_heading(node.heading)
+                return node.model_copy(update={"facing": look, "heading": way, "quarters": -node.quarters % 4})
             case _:
                 return node
 
@@ -165,8 +190,10 @@ def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
 
 
 def mirrored_heading(e: ir.Expr) -> ir.Expr:
-    """Returns a direction with east for west."""
+    """Returns a direction with east for west; of one that is mirrored already, the direction itself."""
     type_ = words(HEADINGS)
+    if isinstance(e, ir.Case) and e.subject.type.kind == "word" and e == mirrored_heading(e.subject):
+        return e.subject
     arms = [ir.Arm(words=(w,), value=ir.Word(type=type_, value=MIRRORED.get(w, w))) for w in e.type.words]
     return ir.Case(type=type_, subject=e, arms=tuple(arms), origin=e.origin)
 
@@ -208,6 +235,10 @@ def differences(mine: tuple[World, Outcome], theirs: tuple[World, Outcome]) -> l
     fields = {**{".".join(k): (v, b.cells[k]) for k, v in a.cells.items()}, **{f"agent.{k}": (v, b.agents[k]) for k, v in a.agents.items()}}
     fields |= {k: (v, b.fields[k]) for k, v in a.fields.items()}
     fields |= {"where the agents are": (a.position, b.position), "their headings": (a.heading, b.heading), "who is away": (a.away, b.away)}
+    for sort, mine_now in a.movers.items():
+        herd = b.movers[sort]
+        fields |= {f"{sort}.{k}": (v, herd.fields[k]) for k, v in mine_now.fields.items()}
+        fields |= {f"where each {sort} is": (mine_now.position, herd.position), f"which {sort} is away": (mine_now.away, herd.away)}
     found += [f"{name}: {_few(x)}, and {_few(y)}" for name, (x, y) in fields.items() if x != y]
     if outcome.terminated != other.terminated:
         found.append("whether the episode ends")

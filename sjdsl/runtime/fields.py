@@ -9,12 +9,12 @@ class StateField:
     """One attribute of a generated module's State: a variable of agents, of cells of one kind, or of the world.
 
     encoding `word`: the number of one of `size` words; `agent`: the number of an agent, -1 for nobody; `agents`: bit i for agent i, of more
-    than 32 agents bit i % 32 of number i // 32 along the last axis; `cell`: 256 times the row and the column, -1 for nowhere;
-    `condition`: bool; `number`: from `low` to `high`, None where it has no limits.
+    than 32 agents bit i % 32 of number i // 32 along the last axis; `cell`: 256 times the row and the column, -1 for nowhere; `place`:
+    the cell of a mover in the padded frame, 0 for nowhere; `condition`: bool; `number`: from `low` to `high`, None where it has no limits.
     """
 
     attribute: str
-    encoding: Literal["word", "agent", "agents", "cell", "condition", "number"]
+    encoding: Literal["word", "agent", "agents", "cell", "place", "condition", "number"]
     size: int = 0
     low: float | None = None
     high: float | None = None

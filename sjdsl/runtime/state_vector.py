@@ -16,12 +16,13 @@ def state_vector(module: GameModule, state: Any, row: Array, col: Array, length:
     """Returns the state as one vector, its entries from -1 to 1.
 
     The order is: the share of the episode that is over; for each agent its row and column as shares of the map, whether it is on the
-    map, and its heading; then every declared variable, those of cells, of agents and of the world. A word is one-hot. A number with
-    limits is scaled to 0 .. 1, and one without, such as a timer x, to x / (1 + |x|). A set of agents has one entry for each agent, and
-    so has a variable that names one agent. Marks, which last one step, are left out.
+    map, and its heading; then every declared variable, those of cells, of agents, of movers and of the world. A word is one-hot. A number
+    with limits is scaled to 0 .. 1, and one without, such as a timer x, to x / (1 + |x|). A set of agents has one entry for each agent,
+    and so has a variable that names one agent. Where the movers of a sort are stands before their variables: whether each is on the map,
+    its row and its column as shares of the map. Marks, which last one step, are left out.
 
     Args:
-      module: the generated code, of which MAP, FIELDS and NUM_AGENTS are read.
+      module: the generated code, of which MAP, PAD, FRAME, FIELDS and NUM_AGENTS are read.
       state: of one environment.
       row, col: `[N]` int32 on the map, negative for agents who are away.
       length: steps of the episode.
@@ -37,12 +38,13 @@ def state_vector(module: GameModule, state: Any, row: Array, col: Array, length:
         here.astype(jnp.float32),
         jax.nn.one_hot(state.heading, len(HEADINGS), dtype=jnp.float32),
     ]
-    parts += [_numbers(getattr(state, field.attribute), field, module.NUM_AGENTS) for field in module.FIELDS]
+    parts += [_numbers(getattr(state, field.attribute), field, module) for field in module.FIELDS]
     return jnp.concatenate([part.ravel() for part in parts])
 
 
-def _numbers(stored: Array, field: StateField, num_agents: int) -> Array:
+def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
     """Returns the entries of one variable, float32."""
+    num_agents = module.NUM_AGENTS
     match field.encoding:
         case "word":
             return jax.nn.one_hot(stored, field.size, dtype=jnp.float32)
@@ -58,6 +60,11 @@ def _numbers(stored: Array, field: StateField, num_agents: int) -> Array:
             somewhere = stored >= 0
             parts = (somewhere, (stored >> 8) / 255 * somewhere, (stored & 255) / 255 * somewhere)
             return jnp.stack([part.astype(jnp.float32) for part in parts], axis=-1)
+        case "place":
+            here, (_, cols) = stored > 0, module.FRAME
+            row, col = stored // cols - module.PAD, stored % cols - module.PAD
+            shares = (row / max(len(module.MAP) - 1, 1), col / max(len(module.MAP[0]) - 1, 1))
+            return jnp.stack([here.astype(jnp.float32), *(jnp.where(here, share, 0).astype(jnp.float32) for share in shares)], axis=-1)
         case "condition":
             return stored.astype(jnp.float32)
         case "number":

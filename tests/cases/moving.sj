@@ -44,6 +44,7 @@ game moving "Movers: deer flee and are caught, a ball rolls, a cart rides a belt
   }
   phase stop { each ball where ball.rolls is yes and not ball.moved { set ball.rolls = no } }
   observe { window ahead 2, behind 1, left 1, right 1  show deer.heading  show ball.rolls  hide cart }
+  checks { conserved count(ball)  symmetric deer }
   look deer                     as brown animal
   look deer where deer.rest > 0 with pot
 }

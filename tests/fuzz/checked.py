@@ -39,7 +39,7 @@ def checks(w: World) -> list[Lines]:
     if numbers and w.is_now(0.5):
         lines.append(f"monotone {numbers[0]} {w.random.choice(('falling', 'rising'))} in {numbers[-1]}")
     if w.is_now(0.2):
-        lines.append(f"symmetric {w.random.choice(('agents', 'mirror'))}")
+        lines.append(f"symmetric {w.random.choice(('agents', 'mirror', *w.movers))}")
     if w.is_now(0.3):
         event = w.random.choice(w.events)
         name = f"{event.name}[{event.by[0]}]" if event.by and sort_of(event.by) != "agent" else event.name

@@ -1,5 +1,6 @@
 """A batch equals a loop: a `vmap` of a step, compiled, gives each environment what it gets alone, also where one of them begins anew."""
 
+from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -7,8 +8,9 @@ import jax
 import numpy as np
 import pytest
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import build, ir
 from sjdsl.compiler.optimise import optimise
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.testing.engines import QUICK
 from tests.fuzz.judge import on_jax
 from tests.fuzz.together import module_text, on_numpy
@@ -69,6 +71,12 @@ def _differing(wanted: Any, got: Any) -> str:
 def test_games(name: str) -> None:
     """Some stand for the nine: `tests/games/test_contract.py` plays them all in batches; the campaign tries this law on each."""
     assert not parts(game_of(name), Random(name))
+
+
+@pytest.mark.thorough
+def test_movers() -> None:
+    game = build(read_source(Path(__file__).parents[1] / "cases" / "moving.sj")).game
+    assert not parts(game, Random(7))
 
 
 def test_random_programs() -> None:

@@ -14,7 +14,7 @@ from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import renamed
 
-LOTS = Path(__file__).parents[1] / "differential" / "on_numpy" / "lots.sj"
+GAMES = Path(__file__).parents[1] / "differential"
 
 
 @pytest.mark.parametrize("name", NINE)
@@ -33,7 +33,15 @@ def test_random_programs() -> None:
 
 def test_lots() -> None:
     """Who of several wins a lot depends on what they drew, not on their numbers."""
-    game = build(read_source(LOTS)).game
+    game = build(read_source(GAMES / "on_numpy" / "lots.sj")).game
     tried = trials([(number, game) for number in range(8)], renamed, steps=5, compiled=True)
     assert not tried.fault
     assert tried.steps >= 30
+
+
+def test_movers() -> None:
+    """Agents and movers of each sort with other numbers: which deer is caught, and by whom, is the same."""
+    game = build(read_source(GAMES / "games" / "movers.sj")).game
+    tried = trials([(number, game) for number in range(2)], renamed, steps=5, compiled=True)
+    assert not tried.fault
+    assert tried.steps >= 7

@@ -43,6 +43,14 @@ def test_random_programs() -> None:
     assert tried.drawn > 40 * FEW
 
 
+def test_movers() -> None:
+    """Movers that flee, hunt, roll, ride and drift do so to the other side; what they draw among cells beside them turns with the map."""
+    game = build(read_source(SENDS / "movers.sj")).game
+    tried = trials([(name, game) for name in range(2)], any_turn, steps=6, compiled=True)
+    assert not tried.fault
+    assert tried.steps >= 10
+
+
 @pytest.mark.parametrize("name", ["pushing", "own_destinations", "cells"])
 def test_sends(name: str) -> None:
     """Pushes turn with the map, also where two directions are equally far; so do destinations that depend on who is sent."""

@@ -1,4 +1,4 @@
-"""Ten small games, each with a fault that only several agents together bring about, and each without it (`planted/`).
+"""Twelve small games, each with a fault that only several agents or movers together bring about, and each without it (`planted/`).
 
 With a fixed seed and few trajectories; how often other seeds find each fault is in docs/proof.md: `python -m tests.properties.planted_faults`.
 """
@@ -16,6 +16,8 @@ FOUND = {  # seed, and trajectories within which it finds the fault
     "deer": (2, 6),
     "freeze": (2, 16),
     "gate": (3, 4),
+    "herd": (8, 10),
+    "lock": (7, 10),
     "market": (0, 8),
     "raft": (1, 5),
     "safe": (0, 10),
@@ -23,8 +25,8 @@ FOUND = {  # seed, and trajectories within which it finds the fault
 }
 
 
-def test_there_are_ten() -> None:
-    assert len(GAMES) == 10
+def test_there_are_twelve() -> None:
+    assert len(GAMES) == 12
     assert set(FOUND) == set(GAMES)
 
 

@@ -78,6 +78,38 @@ def test_every_part_of_a_state_counts(orchard: Environment) -> None:
         assert (np.asarray(orchard.state_vector(changed)) != before).any(), field
 
 
+MOVERS = """sj 1
+game pond "A pond with ducks" {
+  episode 6
+  kind water "~"
+  kind grass "."
+  map { "~~~" "..." }
+  agents 1 { acts turn_left, turn_right, forward, stay  moves relative }
+  movers duck 2 "d" { field tame : { no, yes } = no }
+  phase start { each agent { send agent to grass }  each duck { send duck to water facing east } }
+  schedule walk -> swim
+  phase walk { move each agent }
+  phase swim { move each duck at random avoiding grass }
+}
+"""
+
+
+def test_movers_are_in_it(tmp_path: Path) -> None:
+    """For each duck: whether it is there, its row and column, its heading, and its field, in this order, behind the agents."""
+    file = tmp_path / "pond.sj"
+    file.write_text(MOVERS)
+    env = sjdsl.make(file)
+    _, state = env.reset(jax.random.key(2))
+    vector = np.asarray(env.state_vector(state))
+    assert vector.shape == (1 + 3 + 4 + 2 * 3 + 2 * 4 + 2 * 2,)
+    cols = np.asarray(state.duck_position) % env.module.FRAME[1] - env.module.PAD
+    np.testing.assert_allclose(vector[8:14].reshape(2, 3), [[1, 0, col / 2] for col in cols])
+    np.testing.assert_array_equal(vector[14:22].reshape(2, 4), [[0, 1, 0, 0]] * 2)
+    np.testing.assert_array_equal(vector[22:].reshape(2, 2), [[1, 0]] * 2)
+    gone = state.replace(duck_position=state.duck_position.at[0].set(0))
+    np.testing.assert_array_equal(np.asarray(env.state_vector(gone))[8:14], [0, 0, 0, *vector[11:14]])
+
+
 def test_the_state_an_episode_ended_in(orchard: Environment) -> None:
     _, state = orchard.reset(jax.random.key(0))
     stay = jnp.full(2, 3)

@@ -105,8 +105,9 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
         case ast.Monotone():
             return _monotone(check, scope)
         case ast.Symmetric():
-            if check.what.text not in ("agents", "mirror"):
-                raise scope.problems.unknown(check.what, ("agents", "mirror"), "the symmetries")
+            known = ("agents", "mirror", *scope.static.movers)
+            if check.what.text not in known:
+                raise scope.problems.unknown(check.what, known, "the symmetries")
             return ir.Check(sort="symmetric", words=(check.what.text,), origin=check.span)
         case ast.Expect():
             return _expect(check, game, scope)

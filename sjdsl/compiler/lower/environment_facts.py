@@ -3,7 +3,7 @@
 from math import isfinite
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.names import attribute_name, param_attribute
+from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import all_fields, counts_of, written_field
 from sjdsl.runtime.fields import StateField
 
@@ -20,8 +20,13 @@ def events(game: ir.Game) -> tuple[tuple[str, str, int | None], ...]:
 
 
 def state_fields(game: ir.Game) -> tuple[StateField, ...]:
-    """Returns every declared variable: those of cells, of agents and of the world."""
-    return tuple(_state_field(attribute_name(field), field.type) for field in all_fields(game))
+    """Returns every declared variable: those of cells, of agents, of movers, each sort after where its members are, and of the world."""
+    found: list[StateField] = []
+    for field in all_fields(game):
+        if (field.held_by, field.name) == ("mover", "heading"):
+            found.append(StateField(attribute_of("position", field.kind), "place"))
+        found.append(_state_field(attribute_name(field), field.type))
+    return tuple(found)
 
 
 def _state_field(attribute: str, type_: ir.Type) -> StateField:
