@@ -10,6 +10,7 @@ from typing import NoReturn
 import click
 
 from sjdsl.cache import keep_programs
+from sjdsl.cli.examples import below
 from sjdsl.cli.faults import report_fault
 from sjdsl.cli.pointer import pointed
 from sjdsl.cli.terminal import leave_at_once_if_compiling
@@ -56,7 +57,11 @@ class Commands(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         del ctx
-        return import_module(f"sjdsl.cli.{cmd_name}").command if cmd_name in COMMANDS else None
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"sjdsl.cli.{cmd_name}").command
+        command.epilog = below(cmd_name)
+        return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Lists the commands without importing them."""

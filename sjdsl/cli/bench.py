@@ -34,19 +34,26 @@ SWEPT = (16,)  # of each value
     help="Numbers of environments at once: 1,128,1024,4096; in a sweep, of each value: 16; in training: 16, of vdn 32.",
 )
 @click.option(
-    "--observation", "observations", type=Words(OBSERVATIONS), multiple=True, help="tokens (the default), onehot or tokens,onehot."
+    "--observation",
+    "observations",
+    type=Words(OBSERVATIONS),
+    multiple=True,
+    help="Forms of observations: tokens (the default), onehot, or tokens,onehot.",
 )
 @click.option("--agents", type=Agents(), default="own", show_default=True, help="Numbers of agents, such as own,20.")
-@click.option("--repeats", type=click.IntRange(min=1), default=5, show_default=True, help="Rounds of timings.")
+@click.option("--repeats", type=click.IntRange(min=1), metavar="N", default=5, show_default=True, help="Rounds of timings.")
 @click.option(
     "--steps",
     type=click.IntRange(min=1),
-    help="Steps of one timing; by default about 40,000 environment steps; of a rollout in training: 128, of vdn 1.",
+    metavar="N",
+    help="Steps of one timing; by default about 40,000 environment steps in all. In training: steps of a rollout; 128, of vdn 1.",
 )
 @click.option(
     "--sweep", metavar="PARAM", help="Instead: a sweep over a parameter of one GAME, in one program and in one program for each value."
 )
-@click.option("--values", type=click.IntRange(min=2), default=64, show_default=True, help="Number of values.")
+@click.option(
+    "--values", type=click.IntRange(min=2), metavar="N", default=64, show_default=True, help="Values of the parameter in a --sweep."
+)
 @training_options
 @click.option(
     "--everything",
@@ -54,10 +61,17 @@ SWEPT = (16,)  # of each value
     metavar="FOLDER",
     help="Instead: speeds, kernels, resuming and training, as JSON files in FOLDER; within --minutes.",
 )
-@click.option("--minutes", type=click.FloatRange(min=0, min_open=True), default=9.0, show_default=True, help="Time for --everything.")
+@click.option(
+    "--minutes",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="N",
+    default=9.0,
+    show_default=True,
+    help="Minutes that --everything may take.",
+)
 @click.option("--from", "stored", metavar="PATH", help="Instead of measuring: the figures of a --json file or an --everything folder.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well.")
-@click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or between the marks of one there is.")
+@click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or one that has marks for them.")
 @click.option("--plots", metavar="FOLDER", help="Draw speed over numbers of environments, as PNGs.")
 @variant_option
 @click.pass_context

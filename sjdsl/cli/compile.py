@@ -35,10 +35,10 @@ class Module:
 
 @click.command("compile")
 @click.argument("files", nargs=-1, metavar="FILE...")
-@click.option("--all", "everything", is_flag=True, help="The games of games/ itself, without those of its folders.")
+@click.option("--all", "everything", is_flag=True, help="Compile the games of games/ itself, without those of its folders.")
 @click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date.")
-@click.option("--standalone", "alone", is_flag=True, help="One file that needs only jax and numpy: NAME_standalone.py.")
+@click.option("--standalone", "alone", is_flag=True, help="One file that needs only jax and numpy: NAME_standalone.py, in this folder.")
 @variant_option
 @map_option
 def command(

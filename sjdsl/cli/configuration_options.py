@@ -20,14 +20,18 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 def configuration_options(command: Command) -> Command:
     """Adds --algorithm, --reward, --preset, --set, --seed, --init-from and --partners; `--set` arrives as `changes`."""
     options = (
-        click.option("--algorithm", type=click.Choice(ALGORITHMS), help="ippo unless the preset has another."),
+        click.option("--algorithm", type=click.Choice(ALGORITHMS), help="How to learn: ippo unless the preset has another."),
         click.option(
             "--reward",
             metavar="R",
-            help=f"Reward to learn from: {', '.join(REWARDS)}, or FILE.py:FUNCTION; its own reward (individual) unless the preset has another, "
-            "and common with vdn.",
+            help=f"Reward to learn from: {', '.join(REWARDS)}, or FILE.py:FUNCTION. Unless the preset has another, each agent learns from its "
+            "own (individual), and with vdn all from the common one.",
         ),
-        click.option("--preset", metavar="P", help="paper, released, two_cores, quick, or a .toml file, which may name the game."),
+        click.option(
+            "--preset",
+            metavar="P",
+            help="Values to begin with: paper, released, two_cores, quick, or a .toml file, which may name the game.",
+        ),
         click.option(
             "--set",
             "changes",
@@ -35,7 +39,7 @@ def configuration_options(command: Command) -> Command:
             metavar="NAME=VALUE",
             help="A value of the configuration, such as total_timesteps=1e6; `sjdsl train --keys` lists them.",
         ),
-        click.option("--seed", type=SEED, help="0 unless the preset has another."),
+        click.option("--seed", type=SEED, metavar="N", help="Seed of the run, of several the first: 0 unless the preset has another."),
         click.option(
             "--init-from",
             metavar="POLICY",

@@ -37,7 +37,7 @@ class SeveralPolicies(click.Command):
     "--mix",
     type=click.Choice(["all", "pairs"]),
     default=None,
-    help="all, the default: every mixture over the slots. pairs: one agent of a policy among others of another, and a matrix.",
+    help="Which mixtures: all (the default), every one over the slots; or pairs, one agent of a policy among others of another, with a matrix.",
 )
 @experiment_options
 def command(

@@ -20,9 +20,11 @@ from sjdsl.doc import read_written, rule_sheet
     "-o",
     "output",
     metavar="FILE",
-    help="Where to write, instead of printing; with --all, instead of docs/games.md and docs/meltingpot.md: the page of the games alone.",
+    help="Write to this file instead of printing. With --all: write the page of the games here, and no other page.",
 )
-@click.option("--all", "everything", is_flag=True, help="The pages of all bundled games, with pictures and figures.")
+@click.option(
+    "--all", "everything", is_flag=True, help="Write docs/games.md and docs/meltingpot.md: all bundled games, with pictures and figures."
+)
 @click.option("--fresh", is_flag=True, help="With --all: measure and draw again, also if the rules have not changed.")
 @click.option("--check", "only_check", is_flag=True, help="With --all: write nothing; exit with 1 if the page is not up to date.")
 def command(game: str | None, variant: str | None, output: str | None, everything: bool, fresh: bool, only_check: bool) -> int:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 @click.command("evaluate")
 @click.argument("run", metavar="RUN")
-@click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True)
-@click.option("--seed", type=SEED, default=0, show_default=True)
+@click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes to play.")
+@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
 @click.option(
     "--greedy/--drawn",
     default=None,

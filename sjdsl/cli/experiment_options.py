@@ -23,13 +23,16 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 Command = Callable[..., Any]
+FOLDER = "The folder of the results; by default GAME_crossplay or GAME_schelling, after the command. The same command goes on with a stopped one."
 
 
 def experiment_options(command: Command) -> Command:
     """Adds --episodes, --seed and -o, besides those of an environment; they arrive as `episodes`, `seed`, `output`."""
-    output = click.option("-o", "output", metavar="DIR", help="The folder of the results; the same command goes on with a stopped one.")
-    seed = click.option("--seed", type=SEED, default=0, show_default=True, help="Of the episodes.")
-    episodes = click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True, help="Of each line-up.")
+    output = click.option("-o", "output", metavar="DIR", help=FOLDER)
+    seed = click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
+    episodes = click.option(
+        "--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each line-up."
+    )
     return episodes(seed(output(environment_options(command))))
 
 

@@ -36,12 +36,14 @@ NO_TERMINAL = (
 
 @click.command("play")
 @click.argument("game")
-@click.option("--agent", type=click.IntRange(min=0), default=0, show_default=True, help="The agent to control.")
+@click.option("--agent", type=click.IntRange(min=0), metavar="N", default=0, show_default=True, help="The agent to control.")
 @click.option("--watch", is_flag=True, help="Control no agent: all agents follow the policy.")
 @click.option("--others", default="random", show_default=True, metavar="P", help=f"What the others do: {NAMES}")
-@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the episode.")
-@click.option("--steps", type=click.IntRange(min=1), help="Most steps to play; by default the whole episode.")
-@click.option("--speed", type=click.FloatRange(min=0.5, max=1000), default=8.0, show_default=True, help="Steps a second, with --watch.")
+@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
+@click.option("--steps", type=click.IntRange(min=1), metavar="N", help="Most steps to play; by default the whole episode.")
+@click.option(
+    "--speed", type=click.FloatRange(min=0.5, max=1000), metavar="N", default=8.0, show_default=True, help="Steps a second, with --watch."
+)
 @click.option("--record", metavar="FILE", help="Store the episode for `sjdsl replay`.")
 @environment_options
 def command(

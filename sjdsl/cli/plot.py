@@ -9,7 +9,7 @@ from sjdsl.cli.folders import require_folder_of
 
 @click.command("plot")
 @click.argument("runs", nargs=-1, required=True, metavar="RUN...")
-@click.option("-o", "output", default="curves.png", show_default=True, metavar="FILE", help="A .png, .svg or .pdf.")
+@click.option("-o", "output", default="curves.png", show_default=True, metavar="FILE", help="The picture to write: a .png, .svg or .pdf.")
 @click.option(
     "--metric",
     default="collective_return",

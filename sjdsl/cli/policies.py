@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION."
-policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=NAMES)
+policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=f"What the agents do: {NAMES}")
 
 
 def check_policy(name: str, game: "ir.Game") -> None:

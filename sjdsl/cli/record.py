@@ -30,10 +30,12 @@ SAID = 100  # after so many episodes it is said how far they are
 
 @click.command("record")
 @click.argument("game")
-@click.option("-o", "output", metavar="FILE", help="A .npz; by default GAME.npz.")
+@click.option("-o", "output", metavar="FILE", help="The .npz file to write; by default GAME.npz.")
 @policy_option
-@click.option("--episodes", type=click.IntRange(min=1), default=10, show_default=True, help="Number of episodes.")
-@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the first episode; the next ones have the next numbers.")
+@click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=10, show_default=True, help="Episodes to play.")
+@click.option(
+    "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; the next ones have the next numbers."
+)
 @click.option(
     "--observation",
     type=click.Choice(["tokens", "onehot", "none"]),

@@ -25,13 +25,15 @@ from sjdsl.cli.stages import LOADING, stages
     "-o",
     "output",
     metavar="FILE",
-    help="A .gif or .mp4, an .html page that plays in a browser, or a .png of the last step; by default GAME.gif.",
+    help="The file to write: a .gif or .mp4, an .html page that plays in a browser, or a .png of the last step; by default GAME.gif.",
 )
-@click.option("--steps", type=click.IntRange(min=0), default=100, show_default=True, help="Steps to play.")
-@click.option("--every", type=click.IntRange(min=1), default=1, show_default=True, help="Draw one step of every N; a page has them all.")
+@click.option("--steps", type=click.IntRange(min=0), metavar="N", default=100, show_default=True, help="Steps to play.")
+@click.option(
+    "--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N; a page has them all."
+)
 @policy_option
-@click.option("--seed", type=SEED, default=0, show_default=True)
-@click.option("--speed", type=click.FloatRange(min=0.5, max=50), default=8.0, show_default=True, help="Frames a second.")
+@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
+@click.option("--speed", type=click.FloatRange(min=0.5, max=50), metavar="N", default=8.0, show_default=True, help="Frames a second.")
 @environment_options
 def command(game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, **described: Any) -> None:
     """Plays GAME, a bundled one or a `.sj` file, and draws what happens."""

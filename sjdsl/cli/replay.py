@@ -23,9 +23,11 @@ if TYPE_CHECKING:
 
 @click.command("replay")
 @click.argument("file")
-@click.option("--episode", type=int, default=0, show_default=True, help="The episode to show, in a file of many; -1 is the last.")
+@click.option(
+    "--episode", type=int, metavar="N", default=0, show_default=True, help="The episode to show, in a file of many; -1 is the last."
+)
 @click.option("-o", "output", metavar="FILE", help="Write a .gif, .mp4 or .html instead of showing it here.")
-@click.option("--speed", type=click.FloatRange(min=0.5, max=1000), default=SPEED, show_default=True, help="Steps a second.")
+@click.option("--speed", type=click.FloatRange(min=0.5, max=1000), metavar="N", default=SPEED, show_default=True, help="Steps a second.")
 def command(file: str, episode: int, output: str | None, speed: float) -> int:
     """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if its rules are still the same."""
     if output is not None:

@@ -12,7 +12,12 @@ from sjdsl.cli.stages import stages
 @click.command("report")
 @click.argument("sources", nargs=-1, required=True, metavar="DIR...")
 @click.option(
-    "-o", "output", default="report", show_default=True, metavar="OUT", help="A folder, or a page NAME.md with its files in a folder NAME."
+    "-o",
+    "output",
+    default="report",
+    show_default=True,
+    metavar="OUT",
+    help="Where to write: a folder, or a page NAME.md with its files in a folder NAME.",
 )
 @click.option("--json", "nested", is_flag=True, help="Also write marl_eval.json, the results as the library marl-eval reads them.")
 @click.option("--suite", is_flag=True, help="Show all nine games of the suite's paper, also those of which nothing is known yet.")

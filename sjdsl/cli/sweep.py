@@ -42,9 +42,21 @@ if TYPE_CHECKING:
 )
 @configuration_options
 @click.option("--seeds", type=click.IntRange(min=1), default=3, show_default=True, metavar="K", help="Seeds of each cell, side by side.")
-@click.option("--episodes", type=click.IntRange(min=1), default=30, show_default=True, help="Of the evaluation of each seed's last policy.")
+@click.option(
+    "--episodes",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=30,
+    show_default=True,
+    help="Episodes to evaluate the last policy of each seed.",
+)
 @click.option("--engine", default="local", show_default=True, metavar="E", help="Who runs the cells: local, ray or slurm.")
-@click.option("--workers", type=click.IntRange(min=1), metavar="K", help="Processes, tasks or jobs at once.  [default: 1; as many as fit]")
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    metavar="K",
+    help="Processes, tasks or jobs at once.  [default: 1 process; as many tasks or jobs as fit]",
+)
 @click.option(
     "--engine-set",
     "engine_options",

@@ -23,7 +23,9 @@ STATUS = {"passed": "passed", "untested": "untested", "failed": "FAILED", "not d
 @click.option(
     "--examples", type=click.IntRange(min=1), default=400, show_default=True, metavar="N", help="Random trajectories on small maps."
 )
-@click.option("--seed", type=click.IntRange(min=0, max=2**32 - 1), default=0, show_default=True, help="The same seed plays the same.")
+@click.option(
+    "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the trajectories."
+)
 @variant_option
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")

@@ -25,10 +25,21 @@ STEPS = 10
 @click.command("trace")
 @click.argument("game")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; {STEPS}, or as many as the actions say.")
-@click.option("--seed", type=SEED, default=0, show_default=True, help="With random actions the episode that `sjdsl render` shows.")
+@click.option(
+    "--seed",
+    type=SEED,
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Seed of the episode; with random actions it is the one that `sjdsl render` shows.",
+)
 @click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`; may be given several times.")
 @click.option(
-    "--actions", default="random", show_default=True, metavar="A", help="random, a file, or the actions: 'forward, stay; zap, stay'."
+    "--actions",
+    default="random",
+    show_default=True,
+    metavar="A",
+    help="What agents do: random, a file, or the actions: 'forward, stay; zap, stay'.",
 )
 @click.option("--all", "everything", is_flag=True, help="Also print failed draws and rules that did not happen.")
 @click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")

@@ -40,6 +40,7 @@ EPISODES = 30  # of the evaluation at the end
 @click.option(
     "--episodes",
     type=click.IntRange(min=0),
+    metavar="N",
     help="Episodes of the evaluation at the end; 0 for none.  [default: 30, or as the run that is resumed was started]",
 )
 @log_option

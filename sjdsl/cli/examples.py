@@ -1,0 +1,50 @@
+"""The examples under the help of each command: lines to copy, each of which is a call that can be made."""
+
+EXAMPLES = {
+    "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --sweep payoff"),
+    "check": ("sjdsl check my_game.sj", "sjdsl check coins --variant socialjax --strict"),
+    "compile": ("sjdsl compile my_game.sj", "sjdsl compile my_game.sj --standalone", "sjdsl compile --all --check"),
+    "crossplay": (
+        "sjdsl crossplay coins --policies runs/common runs/individual random",
+        "sjdsl crossplay coins --slots runs/common,stay --episodes 100 -o runs/with_a_rock",
+    ),
+    "diff": ("sjdsl diff pd_arena --variants default socialjax", "sjdsl diff my_game.sj other.sj"),
+    "doc": ("sjdsl doc clean_up", "sjdsl doc my_game.sj --variant lush -o my_game.md"),
+    "dump": ("sjdsl dump my_game.sj --after ir", "sjdsl dump my_game.sj --after python --no-positions"),
+    "evaluate": (
+        "sjdsl evaluate runs/coins --which best --film coins.gif",
+        "sjdsl evaluate runs/coins --scenario all --episodes 100",
+        "sjdsl evaluate cooperator --scenario all --game coins",
+    ),
+    "explain": ("sjdsl explain SJ401",),
+    "fmt": ("sjdsl fmt my_game.sj", "sjdsl fmt --check games"),
+    "list": ("sjdsl list", "sjdsl list clean_up my_game.sj"),
+    "lsp": ("sjdsl lsp",),
+    "new": ("sjdsl new my_game", "sjdsl new my_game -o games"),
+    "play": ("sjdsl play clean_up --agent 2", "sjdsl play my_game.sj --watch --others runs/mine --record first.json"),
+    "plot": ("sjdsl plot runs/coins", "sjdsl plot common=runs/a individual=runs/b -o curves.png --metric equality"),
+    "record": ("sjdsl record clean_up --policy runs/clean_up --episodes 100",),
+    "render": ("sjdsl render clean_up -o clean_up.gif", "sjdsl render my_game.sj --policy runs/mine@best --steps 200 -o mine.html"),
+    "replay": ("sjdsl replay first.json", "sjdsl replay clean_up.npz --episode 7 -o seventh.gif"),
+    "report": ("sjdsl report runs -o report", "sjdsl report runs -o report --check"),
+    "schelling": (
+        "sjdsl schelling coins --cooperators cooperator --defectors defector",
+        "sjdsl schelling coins --cooperators runs/common --defectors runs/individual -o runs/diagram",
+    ),
+    "sweep": (
+        "sjdsl sweep coins --axis reward=individual,common --preset two_cores --run runs/rewards",
+        "sjdsl sweep coins --protocol exchange --preset two_cores --run runs/exchange --dry-run",
+    ),
+    "test": ("sjdsl test my_game.sj", "sjdsl test clean_up --examples 1000 --strict"),
+    "trace": ("sjdsl trace clean_up --steps 3", "sjdsl trace my_game.sj --actions 'forward, stay; zap, stay' --phase shoot"),
+    "train": (
+        "sjdsl train coins --preset two_cores --run runs/coins",
+        "sjdsl train coins --reward svo --set svo_angle=45 --seeds 3",
+        "sjdsl train --resume runs/coins",
+    ),
+}
+
+
+def below(command: str) -> str:
+    """Returns what stands under the options of a command: click keeps the lines of a paragraph that begins so."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in EXAMPLES[command])
