@@ -26,7 +26,7 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
     timer young
     blocks seeds                             # Melting Pot: they fall on the first bush
   }
-  map "maps/allelopathic_harvest_open.txt"  # Melting Pot
+  map wraps "maps/allelopathic_harvest_open.txt"  # Melting Pot
 
   agents players {
     acts stay, forward, backward, step_left, step_right, turn_left, turn_right, zap, sow_red, sow_green, sow_blue  # Melting Pot

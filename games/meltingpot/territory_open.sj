@@ -105,7 +105,7 @@ game territory_open "Territory: Open" {
     always count(brick where brick.damage == strikes and brick.owner is not nobody) == 0
     symmetric agents  expect blows == 0 and gone == 0 with never(zap) over 10 episodes
   }
-  variant rooms "Everybody begins in a room of bricks" { map "maps/territory_rooms.txt" }  # Melting Pot
+  variant rooms "Everybody begins in a room of bricks" { map wraps "maps/territory_rooms.txt" }  # Melting Pot
   variant inside_out "Five players around a maze of bricks that differs from episode to episode" {
     set players = 5  map "maps/territory_inside_out.txt"  # Melting Pot
     param beside : probability = 0.22222  # Melting Pot: 16 of the places are there in one of 7 cases, beside 8 that always are

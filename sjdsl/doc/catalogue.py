@@ -71,7 +71,7 @@ def _facts(e: Entry) -> list[str]:
     game = e.written.game
     rows = [
         ("agents", str(game.agents.number)),
-        ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells"),
+        ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells" + (", edges joined" if game.wraps else "")),
         ("actions", codes(action_names(game.agents))),
         ("window", _window(game.window)),
         *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),

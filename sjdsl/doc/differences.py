@@ -101,6 +101,7 @@ def _map(old: ir.Game, new: ir.Game) -> list[Change]:
     sizes = [f"{len(g.rows)} rows of {len(g.rows[0])} cells" for g in (old, new)]
     cells = [_cells(g) for g in (old, new)]
     found = by_name({"size": size} for size in sizes)
+    found += by_name({"edges": "joined" if g.wraps else "walls nobody passes"} for g in (old, new))
     counts = [Counter(kind for row in rows for kind in row) for rows in cells]
     found += by_name({f"cells of {what}": number for what, number in count.items()} for count in counts)
     if sizes[0] == sizes[1]:

@@ -91,7 +91,8 @@ def _reads_agent(test: ir.Expr) -> bool:
 def world_map(game: ir.Game) -> list[str]:
     """Returns the map with its size."""
     size = f"{counted(len(game.rows), 'row')} of {counted(len(game.rows[0]), 'cell')}; the first row is north, row 0; the first column is column 0."
-    return [size, "", *fenced(game.rows), ""]
+    edges = ["", "Its edges are joined: what leaves it on one side comes in at the opposite side."] if game.wraps else []
+    return [size, *edges, "", *fenced(game.rows), ""]
 
 
 def field_line(field: ir.VarField) -> Line:

@@ -39,6 +39,29 @@ class Board:
     def agents(self) -> int:
         return self.game.agents.number
 
+    def at(self, row: int, col: int) -> Cell | None:
+        """Returns the cell of the map at a place, which may lie beyond the edges; None if there is none."""
+        if self.game.wraps:
+            row, col = row % len(self.game.rows), col % len(self.game.rows[0])
+        cell = Cell(row, col)
+        return cell if cell in self.kind_of else None
+
+    def apart(self, a: Cell, b: Cell) -> tuple[int, int]:
+        """Returns how many rows down and columns to the right b is from a: the shorter way round, the positive one of two equal ways."""
+        rows, cols = b.row - a.row, b.col - a.col
+        if not self.game.wraps:
+            return rows, cols
+        return _round(rows, len(self.game.rows)), _round(cols, len(self.game.rows[0]))
+
+    def steps(self, a: Cell, b: Cell) -> int:
+        """Returns the steps between two cells along rows and columns."""
+        return sum(map(abs, self.apart(a, b)))
+
+
+def _round(way: int, length: int) -> int:
+    onward = way % length
+    return onward if 2 * onward <= length else onward - length
+
 
 @lru_cache(maxsize=256)
 def cells_of(board: Board, kinds: tuple[str, ...]) -> tuple[Cell, ...]:

@@ -122,7 +122,7 @@ def _field(e: ir.FieldRead, here: Instance) -> Value:
 def _distance(e: ir.Distance, here: Instance) -> int:
     a, b = cell_of(e.left, here), cell_of(e.right, here)
     assert a is not None and b is not None, f"the place of somebody who is away, or nowhere: {e}"
-    return abs(a.row - b.row) + abs(a.col - b.col)
+    return here.board.steps(a, b)
 
 
 def cell_of(e: ir.Expr, here: Instance) -> Cell | None:
@@ -205,7 +205,7 @@ def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
     body = None if near.anchor.who == "cell" else anchor
     place = anchor if body is None else where_is(body, here.world)
     heading = heading_of(body, here.world) if shape.directed and body is not None else 0
-    return lanes_from(shape, place, heading, here.board.kind_of.__contains__, lambda cell: is_blocked(cell, shape.name, body, here))
+    return lanes_from(shape, place, heading, here.board.at, lambda cell: is_blocked(cell, shape.name, body, here))
 
 
 def cells_in(near: ir.Near, here: Instance) -> dict[Cell, int]:

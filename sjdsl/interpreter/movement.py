@@ -43,8 +43,9 @@ def course_of(course: ir.Course, mover: Mover, here: Instance) -> int | None:
     if course.goal is not None:
         place = where_is(mover, here.world)
         assert place is not None
-        now = min((_steps(place, cell) for cell in goals), default=0)
-        gained = {way: min((_steps(_beside(place, way), cell) for cell in goals), default=0) - now for way in open_}
+        now = min((here.board.steps(place, cell) for cell in goals), default=0)
+        there = {way: _target(mover, way, here) or place for way in open_}
+        gained = {way: min((here.board.steps(there[way], cell) for cell in goals), default=0) - now for way in open_}
         open_ = [way for way in open_ if (gained[way] > 0 if course.away else gained[way] < 0)]
     return here.take(course.stream, mover.number, open_)[0] if open_ else None
 
@@ -52,10 +53,6 @@ def course_of(course: ir.Course, mover: Mover, here: Instance) -> int | None:
 def _cells_of(domain: ir.Domain, here: Instance) -> list[Cell | None]:
     """Returns the cells of a domain, or those on which its members stand."""
     return [m.member if isinstance(m.member, Cell) else where_is(m.member, here.world) for m in members_of(domain, here)]
-
-
-def _steps(a: Cell, b: Cell) -> int:
-    return abs(a.row - b.row) + abs(a.col - b.col)
 
 
 def _is_open(mover: Mover, way: int, course: ir.Wander, here: Instance) -> bool:
@@ -78,17 +75,13 @@ def _chosen_way(agent: int, here: Instance) -> int | None:
     return direction
 
 
-def _beside(place: Cell, way: int) -> Cell:
-    return Cell(place.row + FORWARD[way][0], place.col + FORWARD[way][1])
-
-
 def _target(body: Body, way: int | None, here: Instance) -> Cell | None:
     """Returns the cell that an agent or a mover wants to enter, None if it does not want to or can not."""
     place = where_is(body, here.world)
     if place is None or way is None:
         return None
-    target = _beside(place, way)
-    if target not in here.board.kind_of or is_blocked(target, body.sort if isinstance(body, Mover) else "agents", body, here):
+    target = here.board.at(place.row + FORWARD[way][0], place.col + FORWARD[way][1])
+    if target is None or is_blocked(target, body.sort if isinstance(body, Mover) else "agents", body, here):
         return None
     return target
 

@@ -13,7 +13,7 @@ from sjdsl.interpreter.bodies import heading_of
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import agent_on, is_here
-from sjdsl.interpreter.shapes import cell_at
+from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import Cell, Mover, World
 
 _OTHER_HIDDEN = 6
@@ -39,8 +39,8 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
             for row in range(rows):
                 for column in range(columns):
                     ahead, right = window.ahead - row, column - window.left
-                    cell = cell_at(place, world.heading[agent], ahead, right) if _is_in(view, ahead, right) else _NOWHERE
-                    picture[agent, number, row, column] = _value(plane, cell, agent, here)
+                    cell = board.at(*place_at(place, world.heading[agent], ahead, right)) if _is_in(view, ahead, right) else None
+                    picture[agent, number, row, column] = _value(plane, cell or _NOWHERE, agent, here)
     return picture
 
 

@@ -4,7 +4,7 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, occupied, turn, where_is
 from sjdsl.interpreter.evaluate import cell_of, evaluate, is_blocked
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.shapes import cell_at
+from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import HEADINGS, Mover, World
 from sjdsl.interpreter.writes import Shifting
 
@@ -20,9 +20,9 @@ def shifting(agent: Body, statement: ir.Shift, here: Instance) -> Shifting:
     target = place
     if place is not None and heading is not None and steps > 0:
         what = agent.sort if isinstance(agent, Mover) else "agents"
-        way = [cell_at(place, heading, ahead, 0) for ahead in range(1, steps + 1)]
-        free = all(cell in here.board.kind_of and not is_blocked(cell, what, agent, here) for cell in way)
-        if free and all(is_free(cell, here.world) for cell in way[:-1]):
+        way = [here.board.at(*place_at(place, heading, ahead, 0)) for ahead in range(1, steps + 1)]
+        free = all(cell is not None and not is_blocked(cell, what, agent, here) for cell in way)
+        if free and all(cell is not None and is_free(cell, here.world) for cell in way[:-1]):
             target = way[-1]
     return Shifting(agent, statement, target)
 
@@ -35,9 +35,14 @@ def _heading(agent: Body, statement: ir.Shift, here: Instance) -> int | None:
     place, other = where_is(agent, here.world), cell_of(statement.other, here)
     if place is None or other is None or place == other:
         return None
-    rows, cols = other.row - place.row, other.col - place.col
-    upright = heading_of(agent, here.world) in (0, 2) if abs(rows) == abs(cols) else abs(rows) > abs(cols)
+    rows, cols = here.board.apart(place, other)
+    looks = heading_of(agent, here.world)
+    upright = looks in (0, 2) if abs(rows) == abs(cols) else abs(rows) > abs(cols)
     toward = (0 if rows < 0 else 2) if upright else (3 if cols < 0 else 1)
+    if here.board.game.wraps and 2 * (rows if upright else cols) == len(here.board.game.rows if upright else here.board.game.rows[0]):
+        if looks % 2 != toward % 2:  # both ways round are equally long, and it looks across them
+            return None
+        toward = looks
     return (toward + statement.quarters) % 4
 
 

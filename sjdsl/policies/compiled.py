@@ -13,7 +13,7 @@ from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
 from sjdsl.policies.poses import visible_from
 from sjdsl.runtime.env import Environment
-from sjdsl.runtime.path_search import board, contains, destination, first_moves, moves_of, shifted
+from sjdsl.runtime.path_search import board, contains, destination, first_moves, moves_of, shifted, wrapped
 from sjdsl.runtime.policy import MemoryPolicy
 from sjdsl.runtime.random_bits import below, key_words, random_bits_at
 
@@ -50,7 +50,7 @@ class Chooser:
         lowered = lower_policy(policy, self._game)
         self._rules, self._pad = lowered.rules, lowered.pad
         self._stay = self._game.agents.actions.index("stay")
-        self._moves = moves_of(self._game.agents.actions, self._game.agents.relative, open_cells(self._game))
+        self._moves = moves_of(self._game.agents.actions, self._game.agents.relative, open_cells(self._game), self._game.wraps)
         self._shape = self._moves.open.shape
 
     def __call__(self, state: Any, bits: Array) -> Array:
@@ -162,12 +162,13 @@ class Chooser:
         """Returns where, and with which heading, an agent has a member in the shape: `[K, P, H, L]` boards."""
         game = self._game
         shape = shape_named(game.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}), rule.shape)
+        moved = wrapped if game.wraps else shifted
         planes = 4 if shape.directed or self._moves.turns_matter else 1
         found = []
         for heading in range(planes):
             poses = jnp.zeros_like(members)
             for (rows, cols), seen in visible_from(game, shape, heading):
-                poses = poses | (shifted(members, -rows, -cols, self._shape[1]) & board(jnp.asarray(seen))[None])
+                poses = poses | (moved(members, -rows, -cols, self._shape[1]) & board(jnp.asarray(seen))[None])
             found.append(poses)
         return jnp.stack(found, axis=1)
 

@@ -42,7 +42,8 @@ class Ground:
             return Pose(pose.cell, (pose.heading + TURNED[move]) % 4)
         turned = pose.heading if self.board.game.agents.relative else 0
         rows, cols = FORWARD[(turned + STEPPED[move]) % 4]
-        return Pose(Cell(pose.cell.row + rows, pose.cell.col + cols), pose.heading)
+        row, col = pose.cell.row + rows, pose.cell.col + cols
+        return Pose(self.board.at(row, col) or Cell(row, col), pose.heading)
 
 
 @lru_cache(maxsize=16)
@@ -135,7 +136,7 @@ def _reached(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
 
     found = {}
     for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
-        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.kind_of.__contains__, stops)
+        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.at, stops)
         found[pose] = frozenset(seen.cell for lane in lanes for seen in lane)
     return found
 

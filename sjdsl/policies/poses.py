@@ -19,17 +19,24 @@ def visible_from(game: ir.Game, shape: ir.Shape, heading: int) -> Iterator[tuple
     stops = {kind.name for kind in game.kinds if blocks_always(kind, shape.name)}
     blocking = np.array([[kinds[glyph] in stops for glyph in row] for row in game.rows])
     (down, right), (down_beside, right_beside) = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
+    met = {(0, 0)}
     for lane in shape.lanes:
         free = np.ones(blocking.shape, bool)
         for ahead, beside in lane:
             offset = (ahead * down + beside * down_beside, ahead * right + beside * right_beside)
+            place = (offset[0] % blocking.shape[0], offset[1] % blocking.shape[1])
+            if game.wraps and place in met and offset != (0, 0):  # a cell of the shape already
+                continue
+            met.add(place)
             yield offset, free
             if not shape.see_through:
-                free = free & ~_found_at(blocking, *offset)
+                free = free & ~_found_at(blocking, *offset, game.wraps)
 
 
-def _found_at(cells: np.ndarray, rows: int, cols: int) -> np.ndarray:
+def _found_at(cells: np.ndarray, rows: int, cols: int, wraps: bool) -> np.ndarray:
     """Returns for each cell of the map whether the cell so many rows down and columns to the right of it is one of `cells`."""
+    if wraps:
+        return np.roll(cells, (-rows, -cols), (0, 1))
     height, width = cells.shape
     found = np.zeros_like(cells)
     for row in range(max(0, -rows), min(height, height - rows)):

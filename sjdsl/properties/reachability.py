@@ -8,7 +8,7 @@ from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import occupied
 from sjdsl.interpreter.evaluate import is_blocked
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.shapes import cell_at
+from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.properties.shortest_paths import FAR, moves_of, moves_to
 
@@ -100,7 +100,7 @@ def _nodes_around(target: Cell, shape: str, board: Board) -> list[int]:
         for ahead, right in lane:
             for heading in range(4):
                 turned = heading if declared.directed else 0
-                origin = cell_at(target, turned, -ahead, -right)
-                if origin in board.kind_of and origin != target:
+                origin = board.at(*place_at(target, turned, -ahead, -right))
+                if origin is not None and origin != target:
                     found.append(_number(origin, board) * 4 + heading)
     return found

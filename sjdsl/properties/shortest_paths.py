@@ -41,27 +41,29 @@ class ShortestPaths:
 
 
 @lru_cache(maxsize=64)
-def _shortest_paths(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool) -> ShortestPaths:
+def _shortest_paths(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool, wraps: bool) -> ShortestPaths:
     height, width = len(rows), len(rows[0])
     moves = tuple(i for i, a in enumerate(actions) if a in STEPS or a in TURNS)
     headed = relative and not set(STEPS) <= set(actions)
     cells = height * width
     if cells * cells * (4 if headed else 1) > MOST:
         raise TooLarge(f"`seek` on a map of {cells} cells")
-    after = _after(rows, blocking, actions, moves, relative)
+    after = _after(rows, blocking, actions, moves, relative, wraps)
     steps = after if headed else after[::4] // 4  # facing north: all four directions are among the moves
     return ShortestPaths(width, moves, after, _distances(steps, cells, headed), headed)
 
 
 @lru_cache(maxsize=64)
-def _moves(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool) -> tuple[tuple[int, ...], np.ndarray]:
+def _moves(
+    rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool, wraps: bool
+) -> tuple[tuple[int, ...], np.ndarray]:
     moves = tuple(i for i, a in enumerate(actions) if a in STEPS or a in TURNS)
-    return moves, _after(rows, blocking, actions, moves, relative)
+    return moves, _after(rows, blocking, actions, moves, relative, wraps)
 
 
 def moves_of(game: ir.Game) -> tuple[tuple[int, ...], np.ndarray]:
     """Returns the numbers of the moves and where they lead, `ShortestPaths.moves` and `ShortestPaths.after`, for a map of any size."""
-    return _moves(game.rows, _blocking(game), game.agents.actions, game.agents.relative)
+    return _moves(game.rows, _blocking(game), game.agents.actions, game.agents.relative, game.wraps)
 
 
 def moves_to(goals: Collection[int], after: np.ndarray) -> np.ndarray:
@@ -78,7 +80,7 @@ def moves_to(goals: Collection[int], after: np.ndarray) -> np.ndarray:
 
 def shortest_paths_of(game: ir.Game) -> ShortestPaths:
     """Returns the shortest paths over a game's map. Raises TooLarge."""
-    return _shortest_paths(game.rows, _blocking(game), game.agents.actions, game.agents.relative)
+    return _shortest_paths(game.rows, _blocking(game), game.agents.actions, game.agents.relative, game.wraps)
 
 
 def _blocking(game: ir.Game) -> str:
@@ -86,7 +88,9 @@ def _blocking(game: ir.Game) -> str:
     return glyphs_of(game, tuple(kind.name for kind in game.kinds if blocks_always(kind)))
 
 
-def _after(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], moves: tuple[int, ...], relative: bool) -> np.ndarray:
+def _after(
+    rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], moves: tuple[int, ...], relative: bool, wraps: bool
+) -> np.ndarray:
     height, width = len(rows), len(rows[0])
     open_ = np.array([[glyph not in blocking for glyph in row] for row in rows])
     row, col, heading = np.meshgrid(np.arange(height), np.arange(width), np.arange(4), indexing="ij")
@@ -100,6 +104,7 @@ def _after(rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], moves
         direction = (heading * relative + STEPS[name]) % 4
         r = row + np.array([d[0] for d in DIRECTIONS])[direction]
         c = col + np.array([d[1] for d in DIRECTIONS])[direction]
+        r, c = (r % height, c % width) if wraps else (r, c)
         inside = (r >= 0) & (r < height) & (c >= 0) & (c < width)
         free = inside & open_[np.clip(r, 0, height - 1), np.clip(c, 0, width - 1)]
         columns.append((np.where(free, r, row) * width + np.where(free, c, col)) * 4 + turned)

@@ -70,6 +70,18 @@ def blocking(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     return frame
 
 
+def around_edges(rows: Rows, pad: int) -> np.ndarray:
+    """Returns, for a map that wraps, the cell of the map that each cell of the frame is: `[2 * cells]` int32.
+
+    The second half is nowhere, cell 0: there lie the cells that `shape_offsets` leaves out.
+    """
+    height, width = frame_size(rows, pad)
+    row = (np.arange(height) - pad) % len(rows) + pad
+    col = (np.arange(width) - pad) % len(rows[0]) + pad
+    cells = (row[:, None] * width + col[None]).reshape(-1)
+    return np.concatenate([cells, np.zeros_like(cells)]).astype(np.int32)
+
+
 def site_numbers(rows: Rows, pad: int, cells: np.ndarray) -> np.ndarray:
     """Returns each cell's number among `cells`, past their end for all others: `[cells of the frame]` int32."""
     height, width = frame_size(rows, pad)
@@ -78,10 +90,10 @@ def site_numbers(rows: Rows, pad: int, cells: np.ndarray) -> np.ndarray:
     return table
 
 
-def next_cells(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
+def next_cells(rows: Rows, pad: int, glyphs: str, wraps: bool = False) -> np.ndarray:
     """Returns where a step leads, `[cells * 4]` int32 by cell and direction.
 
-    The cell itself where the step leaves the map or enters a cell with one of the glyphs.
+    The cell itself where the step leaves the map (if it does not wrap) or enters a cell with one of the glyphs.
     """
     _, width = frame_size(rows, pad)
     open_ = inside(rows, pad) & ~blocking(rows, pad, glyphs)
@@ -90,21 +102,36 @@ def next_cells(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     here = np.flatnonzero(inside(rows, pad))
     for direction, (dr, dc) in enumerate(DIRECTIONS):
         target = here + dr * width + dc
+        target = around_edges(rows, pad)[target] if wraps else target
         table[here, direction] = np.where(open_[target], target, here)
     return table.reshape(-1).astype(np.int32)
 
 
-def shape_offsets(rows: Rows, pad: int, cells: Sequence[tuple[int, int]]) -> np.ndarray:
-    """Returns what to add to an agent's cell for each heading and (ahead, right) of a shape: `[4, K]` int32."""
-    _, width = frame_size(rows, pad)
-    table = []
+def shape_offsets(rows: Rows, pad: int, cells: Sequence[tuple[int, int]], wraps: bool = False) -> np.ndarray:
+    """Returns what to add to an agent's cell for each heading and (ahead, right) of a shape: `[4, K]` int32.
+
+    wraps: of cells of the shape that are one cell of such a map all but the first are left out, and so is the agent's own cell but for
+    (0, 0). What is added there leads to nowhere in `around_edges`.
+    """
+    height, width = frame_size(rows, pad)
+    table = np.zeros((4, len(cells)), np.int32)
     for heading in range(4):
-        ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
-        table.append([(a * ahead[0] + c * right[0]) * width + a * ahead[1] + c * right[1] for a, c in cells])
-    return np.array(table, np.int32)
+        met = {(0, 0)}
+        for number, (down, right) in enumerate(_turned(cells, heading)):
+            place = (down % len(rows), right % len(rows[0]))
+            again = wraps and place in met and (down, right) != (0, 0)
+            table[heading, number] = height * width if again else down * width + right
+            met.add(place)
+    return table
 
 
-def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], glyphs: str) -> np.ndarray:
+def _turned(cells: Sequence[tuple[int, int]], heading: int) -> list[tuple[int, int]]:
+    """Returns how many rows down and columns to the right each (ahead, right) is for one who faces a heading."""
+    ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
+    return [(a * ahead[0] + c * right[0], a * ahead[1] + c * right[1]) for a, c in cells]
+
+
+def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], glyphs: str, wraps: bool = False) -> np.ndarray:
     """Returns which shape cells are on the map and not behind a cell with one of the glyphs, which ends its lane.
 
     Args:
@@ -115,6 +142,8 @@ def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], 
     blocked, on_map = blocking(rows, pad, glyphs), inside(rows, pad)
     here = np.flatnonzero(on_map)
     bits = np.zeros((on_map.size, 4), np.uint64)
+    if wraps:
+        blocked, on_map = (cells[around_edges(rows, pad)] for cells in (blocked, on_map))
     for heading in range(4):
         number = 0
         for length in lanes:
@@ -128,7 +157,11 @@ def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], 
 
 
 def neighbours(cells: np.ndarray, numbers: np.ndarray, offsets: np.ndarray) -> np.ndarray:
-    """Returns, for each cell, the numbers of the cells of an undirected shape around it: `[S, K]` int32."""
+    """Returns, for each cell, the numbers of the cells of an undirected shape around it: `[S, K]` int32.
+
+    Args:
+      numbers: of `site_numbers`; where the map wraps, its entries for the cells of `around_edges`.
+    """
     result: np.ndarray = numbers[cells[:, None] + offsets[0][None]]
     return result
 
@@ -157,6 +190,13 @@ def view_steps(ahead: int, behind: int, left: int, right: int) -> np.ndarray:
     return np.array([abs(a) + abs(c) for a, c in _view(ahead, behind, left, right)], np.int32)
 
 
+def view_steps_around(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
+    """Returns how many steps each cell of a window is from the agent on a map that wraps, for each heading: `[4, V]` int32."""
+    height, width = len(rows), len(rows[0])
+    turned = [_turned(_view(ahead, behind, left, right), heading) for heading in range(4)]
+    return np.array([[min(r % height, -r % height) + min(c % width, -c % width) for r, c in cells] for cells in turned], np.int32)
+
+
 def view_cells(ahead: int, behind: int, left: int, right: int, *own: int) -> np.ndarray:
     """Returns which cells of a window are in one with other sides (`own`: ahead, behind, left, right): `[V]` bool."""
     view = _view(ahead, behind, left, right)
@@ -166,6 +206,12 @@ def view_cells(ahead: int, behind: int, left: int, right: int, *own: int) -> np.
 def _view(ahead: int, behind: int, left: int, right: int) -> list[tuple[int, int]]:
     """Returns (ahead, right) of each cell of a window, row by row."""
     return [(a, c) for a in range(ahead, -behind - 1, -1) for c in range(-left, right + 1)]
+
+
+def own_cells(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
+    """Returns which cells of a window show the observer's own on a map that wraps, for each heading: `[4, V]` bool."""
+    own: np.ndarray = view_steps_around(rows, ahead, behind, left, right) == 0
+    return own
 
 
 def own_cell(rows: int, columns: int, row: int, column: int) -> np.ndarray:

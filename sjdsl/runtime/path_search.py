@@ -20,7 +20,7 @@ class Moves:
     """The moves of a game, in the order of its actions; `stay` is none of them.
 
     actions: their numbers; turns: quarter turns to the right of each; steps: the direction of each from the heading, or of the compass if
-    `relative` is false; None for a turn. open: `[H, W]` bool, cells that agents can ever enter.
+    `relative` is false; None for a turn. open: `[H, W]` bool, cells that agents can ever enter. wraps: whether the map's edges are joined.
     """
 
     actions: tuple[int, ...]
@@ -28,6 +28,7 @@ class Moves:
     steps: tuple[int | None, ...]
     relative: bool
     open: np.ndarray
+    wraps: bool = False
 
     @property
     def turns_matter(self) -> bool:
@@ -35,7 +36,7 @@ class Moves:
         return self.relative and len({step for step in self.steps if step is not None}) < len(DIRECTIONS)
 
 
-def moves_of(actions: Sequence[str], relative: bool, open_cells: np.ndarray) -> Moves:
+def moves_of(actions: Sequence[str], relative: bool, open_cells: np.ndarray, wraps: bool = False) -> Moves:
     """Returns the moves among the actions of a game. `open_cells`: `[H, W]` bool, cells that agents can ever enter."""
     moves = [(number, name) for number, name in enumerate(actions) if name in STEPS or name in TURNS]
     return Moves(
@@ -44,6 +45,7 @@ def moves_of(actions: Sequence[str], relative: bool, open_cells: np.ndarray) -> 
         steps=tuple(STEPS.get(name) for _, name in moves),
         relative=relative,
         open=open_cells,
+        wraps=wraps,
     )
 
 
@@ -73,6 +75,15 @@ def shifted(boards: Array, rows: int, cols: int, width: int) -> Array:
             last[-1] = (1 << width % WIDTH) - 1
             boards = boards & jnp.asarray(last).reshape((1,) * (boards.ndim - 1) + (-1,))
     return boards
+
+
+def wrapped(boards: Array, rows: int, cols: int, width: int) -> Array:
+    """Returns boards as `shifted` does, on a map that wraps: members that leave it come back at the other side."""
+    height = boards.shape[-2]
+    rows, cols = rows % height, cols % width
+    if rows:
+        boards = shifted(boards, rows, 0, width) | shifted(boards, rows - height, 0, width)
+    return shifted(boards, 0, cols, width) | shifted(boards, 0, cols - width, width) if cols else boards
 
 
 def _moved(boards: Array, axis: int, by: int) -> Array:
@@ -151,7 +162,8 @@ def destination(moves: Moves, step: int, heading: Array, row: Array, col: Array)
     """Returns the row and column that a step leads to, open or not."""
     facing = (heading * int(moves.relative) + step) % 4
     by = jnp.asarray(DIRECTIONS, jnp.int32)
-    return row + by[facing, 0], col + by[facing, 1]
+    row, col = row + by[facing, 0], col + by[facing, 1]
+    return (row % moves.open.shape[0], col % moves.open.shape[1]) if moves.wraps else (row, col)
 
 
 def _expanded(moves: Moves, reached: Array, enterable: Array) -> Array:
@@ -162,7 +174,7 @@ def _expanded(moves: Moves, reached: Array, enterable: Array) -> Array:
 
     def before(plane: int, direction: int) -> Array:
         rows, cols = DIRECTIONS[direction]
-        return shifted(entered[:, plane], -rows, -cols, width)
+        return (wrapped if moves.wraps else shifted)(entered[:, plane], -rows, -cols, width)
 
     found = []
     for plane in range(planes):

@@ -174,10 +174,11 @@ def _groups(w: World) -> Lines:
 
 
 def _map(w: World, files: dict[str, str]) -> Lines:
+    wraps = " wraps" if w.is_now(0.3) else ""
     if w.is_now(0.1):
         files["map.txt"] = "\n".join(w.rows) + "\n"
-        return ['map "map.txt"']
-    return ["map {", *(f'  "{row}"' for row in w.rows), "}"]
+        return [f'map{wraps} "map.txt"']
+    return [f"map{wraps} {{", *(f'  "{row}"' for row in w.rows), "}"]
 
 
 def agents(w: World) -> Lines:
@@ -353,7 +354,7 @@ def _other_param(w: World) -> Lines:
 def _new_map(w: World) -> Lines:
     rows = list(w.rows)
     w.random.shuffle(rows)
-    return ["map {", *(f'  "{row}"' for row in rows), "}"]
+    return ["map wraps {" if w.is_now(0.3) else "map {", *(f'  "{row}"' for row in rows), "}"]
 
 
 def _dropped(w: World) -> Lines:

@@ -121,6 +121,11 @@ def _start(phase: ir.Phase, s: Symmetry, game: ir.Game) -> ir.Phase:
 
 def _coordinate(node: ir.Attribute, s: Symmetry) -> Any:
     """Returns the row or column that the owner's cell had before, from the one it has now."""
+    if s.down or s.right:
+        length, by = (s.height, s.down) if node.name == "row" else (s.width, s.right)
+        back, whole = (ir.Number(type=ir.Type(kind="int", unit="cells", low=n, high=n), value=n) for n in (-by % length, length))
+        on = ir.Arithmetic(type=ir.Type(kind="int", unit="cells", low=0, high=2 * length), fn="+", args=(node, back))
+        return ir.Arithmetic(type=node.type, fn="%", args=(on, whole), origin=node.origin)
     before = [(r, c) for r in range(s.height) for c in range(s.width)]
     wanted = [cell[0 if node.name == "row" else 1] for cell in before]
     last = (s.height if node.name == "row" else s.width) - 1

@@ -1,4 +1,4 @@
-"""Agents with other numbers and a map that is mirrored and turned: where a cell, a direction, an action and an agent go."""
+"""Agents with other numbers and a map that is mirrored, turned or moved on: where a cell, a direction, an action and an agent go."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class Symmetry:
     """One way to look at a game differently.
 
     height, width: of the map before. order: the new number of each agent. mirror: left and right are swapped first; quarters: then
-    everything is turned so many times by 90 degrees, clockwise.
+    everything is turned so many times by 90 degrees, clockwise. down, right: how far everything moves, instead, on a map that wraps.
     """
 
     height: int
@@ -27,6 +27,8 @@ class Symmetry:
     order: tuple[int, ...]
     mirror: bool = False
     quarters: int = 0
+    down: int = 0
+    right: int = 0
 
     def cell(self, place: tuple[int, int]) -> Cell:
         """Returns where a cell of the map goes."""
@@ -35,7 +37,7 @@ class Symmetry:
             col = width - 1 - col
         for _ in range(self.quarters):
             row, col, height, width = col, height - 1 - row, width, height
-        return Cell(row, col)
+        return Cell((row + self.down) % height, (col + self.right) % width)
 
     def vector(self, rows: int, cols: int) -> tuple[int, int]:
         """Returns where a difference of two cells goes."""
@@ -89,6 +91,13 @@ def renamed(game: ir.Game, random: Random) -> Symmetry:
     while number > 1 and any(i == n for i, n in enumerate(order)):
         random.shuffle(order)
     return Symmetry(len(game.rows), len(game.rows[0]), tuple(order))
+
+
+def moved_on(game: ir.Game, random: Random) -> Symmetry:
+    """Returns a map that wraps moved down and to the right."""
+    assert game.wraps
+    size = (len(game.rows), len(game.rows[0]))
+    return Symmetry(*size, tuple(range(game.agents.number)), down=random.randrange(size[0]), right=random.randrange(1, 1 + size[1]))
 
 
 def turns(game: ir.Game) -> Iterator[Symmetry]:

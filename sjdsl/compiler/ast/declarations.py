@@ -1,5 +1,7 @@
 """The abstract syntax tree: declarations, and the file they make up."""
 
+from typing import Literal
+
 from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Path, String, Table, Type
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.policies import Scenario, ScriptedPolicy
@@ -81,11 +83,12 @@ class Group(Node):
 
 
 class Map(Node):
-    """rows for an inline map, file for `map "maps/x.txt"`."""
+    """rows for an inline map, file for `map "maps/x.txt"`; edges: `joined` for `map wraps …`."""
 
     span: Span
     file: String | None
     rows: tuple[String, ...]
+    edges: Literal["joined"] | None = None
 
 
 class Argument(Node):

@@ -47,6 +47,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
 
 def _read_map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
     glyphs = glyph_table(static, problems)
+    static.wraps = game.map is not None and game.map.edges == "joined"
     if game.map is None and overrides.rows is None:
         problems.add(errors.MissingPart(game.span, what="map", how='`map "maps/name.txt"` or `map { "…" }`'))
         return ()
@@ -107,6 +108,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         kinds=kinds,
         groups=tuple(static.groups.items()),
         rows=rows,
+        edges="joined" if static.wraps else "",
         glyphs=tuple(glyph for _, glyph in static.glyphs),
         fields=tuple(static.fields.values()),
         agents=agents,

@@ -154,8 +154,14 @@ def distance(e: ast.Call, scope: Scope) -> ir.Expr:
     said = f"distance({', '.join(map(_written, e.arguments))})"
     values = scope.expressions(e.arguments)
     left, right = (placed(tree, value, said, scope) for tree, value in zip(e.arguments, values, strict=True))
-    farthest = max(scope.static.map_rows + scope.static.map_cols - 2, 0)
-    return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
+    return ir.Distance(type=integer(0, farthest(scope.static), "cells"), left=left, right=right, origin=e.span)
+
+
+def farthest(static: Static) -> int:
+    """Returns the steps between the two cells of the map that are farthest apart."""
+    if static.wraps:
+        return static.map_rows // 2 + static.map_cols // 2
+    return max(static.map_rows + static.map_cols - 2, 0)
 
 
 def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Expr:

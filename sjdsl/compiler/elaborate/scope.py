@@ -64,6 +64,7 @@ class Static:
     rows: tuple[str, ...] = ()
     map_rows: int = 0
     map_cols: int = 0
+    wraps: bool = False
     used: set[Declared] = field(default_factory=set)
     broken: set[Declared] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0

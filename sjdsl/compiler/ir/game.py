@@ -311,7 +311,7 @@ class Scenario(Node):
 class Game(Node):
     """A whole game, one variant of it: what the passes rewrite, the interpreter runs and the lowering reads.
 
-    `policy_shapes`: those that its policies speak of and no rule does.
+    `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
     """
 
     name: str
@@ -325,6 +325,7 @@ class Game(Node):
     kinds: tuple[Kind, ...]
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     rows: tuple[str, ...]
+    edges: Literal["", "joined"] = ""
     glyphs: tuple[GlyphMeaning, ...]
     fields: tuple[VarField, ...] = ()
     agents: Agents
@@ -342,6 +343,11 @@ class Game(Node):
     policies: tuple[ScriptedPolicy, ...] = ()
     policy_shapes: tuple[Shape, ...] = ()
     scenarios: tuple[Scenario, ...] = ()
+
+    @property
+    def wraps(self) -> bool:
+        """Whether the map goes on at its other side."""
+        return self.edges == "joined"
 
 
 BESIDE_THE_RULES = ("looks", "policies", "policy_shapes", "scenarios")  # parts of a game that no rule reads

@@ -13,6 +13,7 @@ KERNELS = {
     "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "random_bits", "random_bits_at", "threshold", "unit"),
     "sjdsl.runtime.fields": ("StateField",),
     "sjdsl.runtime.geometry": (
+        "around_edges",
         "blocking",
         "cells_of",
         "inside",
@@ -22,9 +23,11 @@ KERNELS = {
         "next_cells",
         "numbers_among",
         "own_cell",
+        "own_cells",
         "view_cells",
         "view_offsets",
         "view_steps",
+        "view_steps_around",
         "painted",
         "reading_order",
         "shape_offsets",
@@ -46,8 +49,9 @@ KERNELS = {
     ),
     "sjdsl.runtime.planes": ("TokenPlane",),
     "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp", "shifted"),
-    "sjdsl.runtime.steering": ("gains", "is_one_of"),
+    "sjdsl.runtime.steering": ("gains", "gains_around", "is_one_of"),
     "sjdsl.runtime.line_of_sight": ("reached",),
+    "sjdsl.runtime.torus": ("cells_on", "joined_edges", "shorter_way"),
     "sjdsl.runtime.egocentric_windows": ("fill", "paint", "planes_of", "windows"),
 }
 RESERVED = {

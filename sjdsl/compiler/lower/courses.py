@@ -109,8 +109,12 @@ def _better(goal: ir.Domain, away: bool, scope: IterationScope, mover: AgentVar,
     if is_empty(goal, w):
         return call("jnp.zeros", Sequence((axis.extent, Literal(4))), Name("bool"))
     cells, member = _members(goal, scope, axis, w)
-    cols = w.module.number("frame_cols", w.module.layout.cols)
-    return Binary(">" if away else "<", call("gains", state_reads.positions(mover.sort), cells, member, cols), Literal(0))
+    layout, given = w.module.layout, (state_reads.positions(mover.sort), cells, member, w.module.number("frame_cols", w.module.layout.cols))
+    if layout.wraps:
+        gained = call("gains_around", *given, Literal(layout.height), Literal(layout.width))
+    else:
+        gained = call("gains", *given)
+    return Binary(">" if away else "<", gained, Literal(0))
 
 
 def _members(d: ir.Domain, scope: IterationScope, axis: Axis, w: Writer) -> tuple[Expression, Expression]:

@@ -192,7 +192,7 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
         step = Value(Index(name, (Literal(0),)), "i32", (axis,))
     else:
         step = Value(Index(name, (facing.node,)), "i32", (*at.axes, axis))
-    cells = w.keep(f"{ident}_cells", _plus(at, step, axis))
+    cells = w.keep(f"{ident}_cells", _plus(at, step, axis, w))
     ok = _reached(shape, ident, at, facing, cells, axis, w)
     if axis in scope.axes:  # the same shape of the same agent once more inside itself
         other = replace(w.axis(ident, axis.size), constant=axis.constant)
@@ -201,12 +201,12 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     return Swept(cells, axis, ok)
 
 
-def _plus(at: Value, step: Value, axis: Axis) -> Value:
+def _plus(at: Value, step: Value, axis: Axis, w: Writer) -> Value:
     """Returns cells with the steps to each cell of a shape added; the shape's axis comes last, whenever it was made."""
     axes = (*at.axes, axis)
     lead = Index(at.node, (*[ALL] * len(at.axes), NEW_AXIS)) if at.axes else at.node
     tail = Index(step.node, (*[NEW_AXIS] * len(at.axes), ALL)) if step.axes != axes else step.node
-    return Value(Binary("+", lead, tail), "i32", axes)
+    return state_reads.on_map(Value(Binary("+", lead, tail), "i32", axes), w)
 
 
 def _shape_axis(w: Writer, ident: str, size: int, anchor: Variable) -> Axis:
@@ -290,7 +290,7 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
         around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
         offsets = w.module.constant(f"{shape.name.split('(')[0]}_around", around, f"cells of {shape.name}")
         axis = w.axis("around", sum(map(len, shape.lanes)))
-        cells, ok = _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis), None
+        cells, ok = _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis, w), None
     else:
         swept = sweep(near, scope, w)
         cells = swept.cells

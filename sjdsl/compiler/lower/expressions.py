@@ -229,8 +229,11 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
     a, b = owner(e.left, scope, w), owner(e.right, scope, w)
     for one, other in ((a, b), (b, a)):
         if isinstance(one, CellVar) and one.seen and isinstance(other, AgentVar) and other.axis == one.seen[0]:
-            return state_reads.seen_steps(w, one.seen[1])
+            return state_reads.seen_steps(w, *one.seen)
     sides = [binary("-", _in_frame(a, side, w), _in_frame(b, side, w), "i32") for side in ("row", "col")]
+    if w.module.layout.wraps:
+        lengths = (w.module.layout.height, w.module.layout.width)
+        sides = [replace(x, node=array.call("shorter_way", x.node, array.Literal(n))) for x, n in zip(sides, lengths, strict=True)]
     rows, cols = (replace(side, node=array.call("jnp.abs", side.node)) for side in sides)
     return w.keep("distance", binary("+", rows, cols, "i32"))
 

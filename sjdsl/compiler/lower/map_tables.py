@@ -5,7 +5,7 @@ from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, glyphs_of
-from sjdsl.compiler.program.expressions import Expression, Literal, Name, call, constant
+from sjdsl.compiler.program.expressions import Expression, Index, Literal, Name, call, constant
 
 MAP = (Name("MAP"), Name("PAD"))
 
@@ -32,6 +32,15 @@ class Layout:
     @property
     def width(self) -> int:
         return len(self.game.rows[0])
+
+    @property
+    def wraps(self) -> bool:
+        return self.game.wraps
+
+    @property
+    def _edges(self) -> dict[str, Expression]:
+        """What tables of a map that wraps are told."""
+        return {"wraps": Literal(True)} if self.wraps else {}
 
     @cached_property
     def pad(self) -> int:
@@ -98,7 +107,7 @@ class Layout:
     @property
     def steps_table(self) -> Expression:
         """The steps from an observer to each cell of its window."""
-        return call("view_steps", *self._view)
+        return call("view_steps_around", MAP[0], *self._view) if self.wraps else call("view_steps", *self._view)
 
     def view_cells_table(self, view: ir.View) -> Expression:
         """Which cells of what an observation covers are in a window."""
@@ -107,6 +116,23 @@ class Layout:
     @property
     def _view(self) -> tuple[Expression, ...]:
         return _sides(self.game.window)
+
+    @property
+    def shows_cells_twice(self) -> bool:
+        """Whether a window can go round the map and show the observer's own cell once more."""
+        view = self.game.window
+        reach = max(view.ahead, view.behind, view.left, view.right)
+        return self.wraps and reach >= min(self.height, self.width)
+
+    @property
+    def own_cells_table(self) -> Expression:
+        """Which cells of a window show the observer's own cell, for each heading."""
+        return call("own_cells", MAP[0], *self._view)
+
+    @property
+    def edges_table(self) -> Expression:
+        """The cell of the map that each cell of the frame is, if the map wraps."""
+        return call("around_edges", *MAP)
 
     @property
     def inside_table(self) -> Expression:
@@ -121,20 +147,22 @@ class Layout:
 
     def next_table(self, what: str = "agents") -> Expression:
         """Where a step from a cell in a direction leads agents, or movers of a sort."""
-        return call("next_cells", *MAP, Literal(self.blocking_glyphs(what)))
+        return call("next_cells", *MAP, Literal(self.blocking_glyphs(what)), **self._edges)
 
     def offsets_table(self, shape: ir.Shape) -> Expression:
         """What to add to a cell for each heading and each cell of a shape, which are numbered lane by lane."""
-        return call("shape_offsets", *MAP, constant(tuple(cell for lane in shape.lanes for cell in lane)))
+        return call("shape_offsets", *MAP, constant(tuple(cell for lane in shape.lanes for cell in lane)), **self._edges)
 
     def reach_table(self, shape: ir.Shape) -> Expression:
         """Which cells of the shape are on the map and not behind what always blocks it: bits by cell and heading."""
         lanes = constant(tuple(map(len, shape.lanes)))
-        return call("lane_reach", *MAP, self.offsets_table(shape), lanes, Literal(self.blocking_glyphs(shape.name)))
+        glyphs = Literal(self.blocking_glyphs(shape.name))
+        return call("lane_reach", *MAP, self.offsets_table(shape), lanes, glyphs, **self._edges)
 
     def neighbours_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Expression:
         """For each cell of the kinds, the numbers (among `others`) of the cells of the shape; past the end: none."""
-        return call("neighbours", self.cells_table(kinds), self.site_table(others), self.offsets_table(shape))
+        numbers = Index(self.site_table(others), (self.edges_table,)) if self.wraps else self.site_table(others)
+        return call("neighbours", self.cells_table(kinds), numbers, self.offsets_table(shape))
 
     def near_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Expression:
         """The neighbours of each cell as bits."""

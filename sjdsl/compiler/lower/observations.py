@@ -59,7 +59,9 @@ def _cut(painted: list[array.Name], w: Writer) -> list[array.Name]:
     cut = tuple((name, w.module.number(name, size, "cells of a window")) for name, size in sides)
     seen = []
     for number, plane in enumerate(painted):
-        frame = array.Call(array.Attribute(plane, "reshape"), (array.Name("FRAME"),))
+        frame: array.Expression = array.Call(array.Attribute(plane, "reshape"), (array.Name("FRAME"),))
+        if w.module.layout.wraps:
+            frame = array.call("joined_edges", frame, array.Name("PAD"))
         seen.append(w.bind(f"seen_{number}", array.Call(array.Name("windows"), (frame, POSITION, HEADING), cut)))
     return seen
 
@@ -84,6 +86,9 @@ def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> l
 def _myself(w: Writer) -> array.Expression:
     """Returns which cell of its window is the observer's own."""
     window = w.module.game.window
+    if w.module.layout.shows_cells_twice:
+        table = w.module.constant("myself", w.module.layout.own_cells_table, "which cells of its window show the observer's own")
+        return array.Index(table, (HEADING,))
     own = array.call("own_cell", *map(array.constant, (*view_size(w.module.game), window.ahead, window.left)))
     myself = w.module.constant("myself", own, "which cell of its window is the observer's own")
     return array.Index(myself, (array.NEW_AXIS,))
@@ -193,6 +198,8 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     agent = w.keep("agent", agent)
     heading = heading_observable(game)
     somebody = binary("!=", agent, literal(0, "u8"), "bool").node
+    if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its own window
+        self_ = array.Binary("&", self_, somebody)
     if not by_id:
         other: array.Expression = array.scalar(array.Literal(OTHER_FACING), "u8")
         if heading is not None:

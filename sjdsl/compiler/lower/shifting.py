@@ -7,7 +7,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import cell_values, state_reads
-from sjdsl.compiler.lower.axes import Value, as_dtype, binary, both, indexed, invert, iota, literal, reduce, select
+from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, binary, both, indexed, invert, iota, literal, reduce, select, union
 from sjdsl.compiler.lower.domains import blocked_by, stand_on
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import owner
@@ -16,6 +16,14 @@ from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.actions import DIRECTIONS, HEADINGS
+
+
+class _Ahead(Record):
+    """From where, which way (0 to 3), and what is added to a cell of the frame for the next one."""
+
+    at: Value
+    heading: Value
+    by: Value
 
 
 class Shifted(Record):
@@ -48,9 +56,19 @@ def _some_cells_on(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope,
         "stride", array.constant([r * w.module.layout.cols + c for r, c in DIRECTIONS]), "to the next cell, by heading", "i32"
     )
     by = w.keep("stride", Value(array.Index(stride, (heading.node,)), "i32", heading.axes))
-    goes = both(binary(">", steps, literal(0, "i32"), "bool"), there, _is_free(s, who, at, by, steps, w))
-    target = w.keep("goal", binary("+", at, binary("*", by, steps, "i32"), "i32"))
-    return w.keep("target", select(goes, target, at))
+    ahead = _Ahead(at, heading, by)
+    goes = both(binary(">", steps, literal(0, "i32"), "bool"), there, _is_free(s, who, ahead, steps, w))
+    return w.keep("target", select(goes, w.keep("goal", _cells_on(ahead, steps, w)), at))
+
+
+def _cells_on(ahead: _Ahead, number: Value, w: Writer) -> Value:
+    """Returns the cells so many cells on; they may lie beyond the map, unless it wraps."""
+    layout = w.module.layout
+    if not layout.wraps:
+        return binary("+", ahead.at, binary("*", ahead.by, number, "i32"), "i32")
+    axes = union(ahead.at.axes, ahead.heading.axes, number.axes)
+    parts = [aligned(x, axes) for x in (ahead.at, replace(ahead.heading, node=array.as_array(ahead.heading.node, "i32")), number)]
+    return Value(array.call("cells_on", *parts, *map(array.Literal, (layout.height, layout.width)), array.Name("PAD")), "i32", axes)
 
 
 def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Writer) -> tuple[Value, Value | None]:
@@ -68,12 +86,38 @@ def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Wr
     other = owner(s.other, scope, w)
     goal = state_reads.position(other, w) if isinstance(other, AgentVar) else state_reads.cell(other, w)
     rows, columns = (w.keep(name, _apart(goal, at, op, w)) for name, op in (("rows", "//"), ("columns", "%")))
+    if w.module.layout.wraps:
+        lengths = (w.module.layout.height, w.module.layout.width)
+        ways = zip((rows, columns), lengths, strict=True)
+        rows, columns = (w.keep("shorter", replace(x, node=array.call("shorter_way", x.node, array.Literal(n)))) for x, n in ways)
     down, across = (replace(x, node=array.call("jnp.abs", x.node)) for x in (rows, columns))
     looks = Value(array.Binary("&", state_reads.heading(who).node, array.Literal(1)), "i32", state_reads.heading(who).axes)
     upright = select(binary("==", down, across, "bool"), binary("==", looks, literal(0, "i32"), "bool"), binary(">", down, across, "bool"))
     vertical = select(binary("<", rows, literal(0, "i32"), "bool"), literal(0, "i32"), literal(2, "i32"))
     level = select(binary("<", columns, literal(0, "i32"), "bool"), literal(3, "i32"), literal(1, "i32"))
-    return _turned(select(upright, vertical, level), s.quarters), binary("!=", goal, at, "bool")
+    toward, apart = select(upright, vertical, level), binary("!=", goal, at, "bool")
+    if w.module.layout.wraps:
+        toward, apart = _as_it_looks(toward, apart, who, (upright, rows, columns), w)
+    return _turned(toward, s.quarters), apart
+
+
+def _as_it_looks(toward: Value, apart: Value, who: AgentVar, ways: tuple[Value, Value, Value], w: Writer) -> tuple[Value, Value]:
+    """Returns the direction, and whether there is one, where both ways round may be equally long: the one in which the agent looks.
+
+    ways: whether it goes along the rows, how many, and how many columns.
+    """
+    upright, rows, columns = ways
+    halves = [
+        binary("==", binary("*", literal(2, "i32"), x, "i32"), literal(length, "i32"), "bool")
+        for x, length in ((rows, w.module.layout.height), (columns, w.module.layout.width))
+    ]
+    either = w.keep("either_way", select(upright, *halves))
+    looks = state_reads.heading(who)
+    line, way = (Value(array.Binary("&", x.node, array.Literal(1)), "i32", x.axes) for x in (looks, toward))
+    across = binary("!=", line, way, "bool")
+    there = both(apart, invert(w.keep("stuck", binary("&", either, across, "bool"))))
+    assert there is not None
+    return select(either, looks, toward), there
 
 
 def _apart(goal: Value, at: Value, op: str, w: Writer) -> Value:
@@ -90,19 +134,19 @@ def _turned(heading: Value, quarters: int) -> Value:
     return replace(more, node=array.Binary("&", more.node, array.Literal(3)))
 
 
-def _is_free(s: ir.Shift, who: AgentVar, at: Value, by: Value, steps: Value, w: Writer) -> Value | None:
+def _is_free(s: ir.Shift, who: AgentVar, ahead: _Ahead, steps: Value, w: Writer) -> Value | None:
     """Returns whether every cell on the way is on the map, open to the agent, and (but for the last one) empty."""
     assert s.steps is not None
     most = int(s.steps.type.high)
     if most == 0:
         return None
     if most == 1:
-        return _is_open(w.keep("ahead", binary("+", at, by, "i32")), who, w)
+        return _is_open(w.keep("ahead", _cells_on(ahead, literal(1, "i32"), w)), who, w)
     everybody = state_reads.all_positions(w)
     assert everybody is not None
     axis = w.axis("way", most)
     number = binary("+", iota(axis), literal(1, "i32"), "i32")
-    cells = w.keep("way", binary("+", at, binary("*", by, number, "i32"), "i32"))
+    cells = w.keep("way", _cells_on(ahead, number, w))
     clear = _is_open(cells, who, w)
     standing = Value(array.Reduce("any", stand_on(cells, everybody), (len(cells.axes),)), "bool", cells.axes)
     last = binary(">=", number, steps, "bool")

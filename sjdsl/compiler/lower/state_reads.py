@@ -156,13 +156,23 @@ def _seen_cell(owner: CellVar, w: Writer) -> Value:
     observer, cells = owner.seen
     table = w.module.constant("view_offsets", w.module.layout.view_table, "cells of a window from the observer's cell, for each heading")
     steps = Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
-    return w.keep("seen_cells", binary("+", Value(path("state.position"), "i32", (observer,)), steps, "i32"))
+    return w.keep("seen_cells", on_map(binary("+", Value(path("state.position"), "i32", (observer,)), steps, "i32"), w))
 
 
-def seen_steps(w: Writer, cells: Axis) -> Value:
+def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
     """Returns how many steps each cell of a window is from the observer."""
     table = w.module.constant("view_steps", w.module.layout.steps_table, "steps from the observer to each cell of its window")
+    if w.module.layout.wraps:  # round a map that is not square the way depends on the heading
+        return Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
     return Value(table, "i32", (cells,))
+
+
+def on_map(cells: Value, w: Writer) -> Value:
+    """Returns cells of the frame as cells of the map, where those beyond an edge are those at the other side if the map wraps."""
+    if not w.module.layout.wraps:
+        return cells
+    table = w.module.constant("around", w.module.layout.edges_table, "the cell of the map that a cell of the frame is; 0: none")
+    return Value(Index(table, (cells.node,)), "i32", cells.axes)
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:

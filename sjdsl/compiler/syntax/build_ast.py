@@ -42,7 +42,7 @@ def _token(token: Token, file: str) -> ast.Name | ast.String | str:
 
 CLAUSES = {
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
-    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none", "by_lot",
+    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none", "by_lot", "wraps",
 }  # fmt: skip
 
 RULES: dict[str, node_builders.Build] = {

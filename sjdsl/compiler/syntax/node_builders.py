@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import fields, replace
 from itertools import zip_longest
-from typing import Any
+from typing import Any, Literal
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.node import Node
@@ -100,8 +100,10 @@ def agent_type(span: Span, *items: Any) -> ast.NamedType:
     return ast.NamedType(span, len(items) == 2, items[-1])
 
 
-def map_(span: Span, content: ast.String | tuple[ast.String, ...]) -> ast.Map:
-    return ast.Map(span, content, ()) if isinstance(content, ast.String) else ast.Map(span, None, content)
+def map_(span: Span, *items: Any) -> ast.Map:
+    *wraps, content = items
+    edges: Literal["joined"] | None = "joined" if wraps else None
+    return ast.Map(span, content, (), edges) if isinstance(content, ast.String) else ast.Map(span, None, content, edges)
 
 
 def agents(span: Span, *items: Any) -> ast.Agents:

@@ -8,8 +8,24 @@ from lark import Token
 from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read, read_as
 
 SOFT = frozenset(
-    {"POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD", "AWAY", "RANDOM", "AHEAD", "ALONG"}
-)  # kinds of tokens, as in the parser's table
+    {
+        "POLICY",
+        "SCENARIO",
+        "CHOOSE",
+        "AVOIDING",
+        "AIM",
+        "AT",
+        "SLOTS",
+        "FOCAL",
+        "MOVERS",
+        "TOWARD",
+        "AWAY",
+        "RANDOM",
+        "AHEAD",
+        "ALONG",
+        "WRAPS",
+    }
+)  # fmt: skip  (kinds of tokens, as in the parser's table)
 
 
 def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:
