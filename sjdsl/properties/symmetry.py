@@ -87,7 +87,8 @@ def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
         def rule(node: Any, order: list[int] = order, actions: dict[int, int] = actions) -> Any:
             match node:
                 case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
-                    return node.model_copy(update={"value": value.model_copy(update={"value": order[number]})})
+                    new = order[number]
+                    return node.model_copy(update={"value": value.model_copy(update={"value": new, "type": integer(new, new, "number")})})
                 case ir.Forbid() if {actions[a] for a in node.actions} != set(node.actions):
                     return node.model_copy(update={"actions": tuple(sorted(actions[a] for a in node.actions))})
                 case _:

@@ -12,7 +12,7 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import mover_sort, shows_attribute
 from sjdsl.compiler.ir.traverse import rewrite
-from sjdsl.compiler.ir.types import words
+from sjdsl.compiler.ir.types import integer, words
 from sjdsl.compiler.ir.verify import verify
 from sjdsl.interpreter.state import HEADINGS
 from tests.laws.symmetry import Symmetry
@@ -76,7 +76,8 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
                 arms = [ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i)) for i, n in enumerate(s.order)]
                 return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
             case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
-                return node.model_copy(update={"value": value.model_copy(update={"value": s.order[number]})})
+                new = s.order[number]
+                return node.model_copy(update={"value": value.model_copy(update={"value": new, "type": integer(new, new, "number")})})
             case ir.Forbid():
                 return node.model_copy(update={"actions": tuple(sorted(s.number(a, game) for a in node.actions))})
             case ir.Send():

@@ -129,3 +129,12 @@ def test_a_group_is_searched_though_a_writer_speaks_of_a_field_of_one_kind_only(
       each bush where bush.sort is dry and bush.fruit is ripe { set bush.fruit = none }"""
     found, _ = search(small_game("always zaps < 99", rule, more), [0], Effort(examples=60, seed=1))
     assert not found
+
+
+def test_agents_named_by_number_in_an_action_are_renumbered() -> None:
+    """`vote(0)` names another agent once two have swapped numbers; all three are treated alike here, and only agent 2 is not."""
+    text = ORCHARD.replace("count = 2", "count = 3").replace("stay, zap", "stay, zap, vote(agent)")
+    alike = "each agent as a where a chose vote(0) or a chose vote(1) or a chose vote(2) { give apple to a }"
+    for rule, passes in ((alike, True), (alike.replace(" or a chose vote(2)", ""), False)):
+        (verdict,) = verify_properties(small_game("symmetric agents", rule, text=text), Effort(examples=20, episodes=0, tries=20)).verdicts
+        assert verdict.passed is passes
