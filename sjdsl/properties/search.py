@@ -37,6 +37,8 @@ NEARER = 0.5  # a trajectory comes nearer to a goal by so much if it did somethi
 STARTS = 4  # random starts, of which the first with a path to the goal is taken
 GOALS = 4  # goals that are tried until one has a path to it
 LONGEST = 64  # steps added to a trajectory while it comes nearer to a goal
+SCRIPTED = 400  # steps of a trajectory by a policy of the file, on the game's own map, while statements are still uncovered
+PART = 50  # of which so many are played before it is looked whether they are covered now
 FLOATS = -1  # stands for the check that every real stays inside float32
 ViolationFinder = Callable[[ir.Check, Trajectory, Scenario, int], Violation | None]  # the last argument: the first new state
 
@@ -91,10 +93,31 @@ class Search:
     def run(self) -> None:
         """Plays as many trajectories as asked for, and up to as many again while statements that checks depend on never ran."""
         while self.record.number < 2 * self.effort.examples:
-            missing = set[StatementId]().union(*self._needed.values()) - set(self.record.ran)
+            missing = self._missing()
             if not missing and (not self.left or self.record.number >= self.effort.examples):
                 break
             self.one(missing if self.record.number >= self.effort.examples else set())
+        for policy in self.family.own.policies:
+            if self._missing():
+                self._by_policy(policy.name)
+
+    def _missing(self) -> set[StatementId]:
+        """Returns the statements that checks depend on and that never ran."""
+        return set[StatementId]().union(*self._needed.values()) - set(self.record.ran)
+
+    def _by_policy(self, name: str) -> None:
+        """Plays one trajectory on the game's own map, in which all agents follow a policy of the file, until nothing needed is uncovered."""
+        own, checks = self.family.own, self._checks(self.family.own)
+        scenario = own_start(self.family, self._random)
+        led = replace(scenario, policies=(ir.Policy(name="scripted", scripted=name),) * scenario.agents)
+        trajectory = play(own, led, 0, checks)
+        self.record.number += 1
+        while trajectory.worlds and not trajectory.is_over and len(trajectory.outcomes) < SCRIPTED:
+            first = len(trajectory.outcomes)
+            trajectory = play(own, led, first + PART, checks, trajectory)
+            self._count(replace(scenario, actions=tuple(trajectory.actions)), trajectory, first)
+            if not self._missing():
+                break
 
     def one(self, missing: Collection[StatementId] = ()) -> None:
         """Plays one new or continued trajectory."""
@@ -199,6 +222,12 @@ class Search:
 
     def _look(self, scenario: Scenario, trajectory: Trajectory, first: int) -> None:
         """Counts the features of the new steps of a trajectory, looks for violations, and keeps it if it has new features."""
+        self._count(scenario, trajectory, first)
+        checks = trajectory.game.checks
+        self.record.corpus.add(scenario, trajectory, first, [n for n in self.left if checks[n].sort in STATES])
+
+    def _count(self, scenario: Scenario, trajectory: Trajectory, first: int) -> None:
+        """Counts the statements that ran in the new steps of a trajectory, and looks for violations in them."""
         self.record.ran.update(s for t in range(first, len(trajectory.features)) for s in statements_run(trajectory.features[t]))
         if not first:
             self.record.ran.update(statements_run(trajectory.start_features))
@@ -213,7 +242,6 @@ class Search:
                 self.found.append(simplest_counterexample(self.family, counterexample, self.find, self.effort.tries))
                 self.left = [left for left in self.left if left != number]
                 self._needed.pop(number, None)
-        self.record.corpus.add(scenario, trajectory, first, [n for n in self.left if checks[n].sort in STATES])
 
 
 def search(

@@ -80,3 +80,13 @@ def test_strict(tmp_path: Path, options: tuple[str, ...], status: int, capsys: p
     shown = capsys.readouterr().out
     assert "1 check, 1 untested" in shown
     assert "depends on a line that never ran in any trajectory:\n                orchard.sj:29  set tree.fruit = ripe" in shown
+
+
+@pytest.mark.parametrize(("policy", "status"), [("when step >= 0 choose zap", "passed"), ("when step > 99 choose zap", "untested")])
+def test_a_line_that_only_a_policy_of_the_file_reaches_is_tested_by_it(policy: str, status: str) -> None:
+    """Twenty steps of the same action in a row: the few trajectories without the policy do not come there."""
+    rule = "each agent { set agent.wealth = case agent chose zap { yes: min(agent.wealth + 1, 20), no: 0 } }"
+    hit = "phase hit {{ each agent where agent.wealth == 20 {{ tally zaps for agent }} }}"
+    text = ORCHARD.replace("  add 1 to agent.wealth", "").replace("-> rule", "-> rule -> hit").replace("  metrics", f"  {hit}\n  metrics")
+    family = small_game("always zaps <= eaten + 9", rule, f'policy hard "hits" {{ {policy} }}', text)
+    assert [verdict.status for verdict in verify_properties(family, Effort(examples=3, episodes=0)).verdicts] == [status]
