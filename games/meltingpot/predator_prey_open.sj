@@ -50,7 +50,7 @@ game predator_prey_open "Predator and Prey: Open" {
     each grass where grass.sort is unsure { chance 1 - maybe { set grass.stands = no_ } }
     each tree where tree.sort is unsure { chance 1 - maybe { set tree.stands = no_  set tree.fruit = none } }
   }
-  schedule tick -> digest -> walk -> gather -> aim -> hunt -> sit -> tire -> leave -> grow  phase walk { move each agent }
+  schedule tick -> digest -> walk -> grow -> gather -> aim -> hunt -> sit -> tire -> leave  phase walk { move each agent }
   phase digest {
     each agent where agent.mouth is eating {
       when agent.chews == third or agent.chews == 2 * third or agent.chews == 3 * third { give nibble to agent }
@@ -58,7 +58,7 @@ game predator_prey_open "Predator and Prey: Open" {
     }
   }
   phase gather {
-    each agent on tree where agent.moved and agent.role is prey and tree.fruit is ripe {
+    each agent on tree where agent.role is prey and tree.fruit is ripe {
       when tree.food is apple { set tree.fruit = none  give snack to agent  tally apples for agent }
       otherwise when agent.mouth is empty { set tree.fruit = none  set agent.mouth = holding }
     }

@@ -84,10 +84,14 @@ def test_an_acorn_is_eaten_in_thirds_by_who_is_rested() -> None:
     scene.has({"agent.mouth": {1: "empty"}, "event acorns": [0, 1, 0]})
 
 
-def test_apples_are_eaten_and_acorns_taken_by_who_enters() -> None:
+def test_apples_are_eaten_and_acorns_taken_by_who_is_there() -> None:
+    """Who enters or stands there, also when it has just grown. Source: a change of state on a player's cell calls `onEnter`."""
     scene = put("XXhhPP", "......", "a>n.gg  1", "<....^  02", params={"quick": {"prey": 0, "predator": 0}})
-    scene.step().has({"reward": 0}).step("stay, forward").has({"agent.mouth": {1: "holding"}, "tree.fruit": ["ripe", "ripe", "none"]})
-    scene.step("stay, backward").has({"reward": [0, 1, 0], "event apples": [0, 1, 0]})
+    scene.step().has({"reward": [0, 1, 0], "tree.fruit": ["ripe", "none", "ripe"]})
+    scene.step("stay, forward").has({"agent.mouth": {1: "holding"}, "tree.fruit": ["ripe", "none", "none"]})
+    grown = {"growth": {"apple": 1, "acorn": 0}}
+    scene = put("XXhhPP", "......", "a>n.gg  1", "<....^  02", fields={"tree.fruit": {(2, 1): "none"}}, params=grown).step()
+    scene.has({"reward": [0, 1, 0], "event apples": [0, 1, 0], "tree.fruit": ["ripe", "none", "ripe"]})
 
 
 def test_grass_keeps_predators_out_where_it_stands() -> None:
