@@ -3,21 +3,22 @@
 Source -> Composition -> ir.Game -> Program -> text
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.placement import check_placement
+from sjdsl.compiler.checks.repairs import REPAIRED, repairs
 from sjdsl.compiler.checks.state_names import check_state_names
 from sjdsl.compiler.checks.timers import check_timers
 from sjdsl.compiler.checks.unused import check_unused
-from sjdsl.compiler.checks.ways_out import CONFLICTS, name_accepted, ways_out
+from sjdsl.compiler.checks.ways_out import CONFLICTS, Way, accepted_ways, ways_out
 from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Tried
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Suggestion, Tried
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
@@ -59,9 +60,9 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
         check_placement(game, composition.sources, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)
-    found = with_declaration_labels(problems.found, composition)
+    found = _with_ways_out(with_declaration_labels(problems.found, composition), composition, overrides)
     if game is None or problems.failed:
-        raise CompileError(_with_ways_out(found, composition, overrides))
+        raise CompileError(found)
     return Build(game, tuple(found), composition.sources)
 
 
@@ -104,11 +105,22 @@ def check_variants(source: Source) -> Iterator[tuple[tuple[str, ...], tuple[Diag
 
 
 def _with_ways_out(found: list[Diagnostic], game: Composition, overrides: Overrides | None) -> list[Diagnostic]:
-    """Returns the diagnostics; conflicts of writes name the small changes that are accepted, which are compiled once somebody asks."""
+    """Returns the diagnostics with the small changes that are accepted, which are compiled once somebody asks.
+
+    Conflicts of writes name theirs in their messages; others suggest theirs by their hints.
+    """
     source = game.sources[game.file]
 
-    def accepted(d: Diagnostic) -> str:
-        tried = ((way, check(replace(source, text=way.text), game.chosen, overrides)) for way in ways_out(d, game))
-        return name_accepted(d, found, tried)
+    def accepted(d: Diagnostic, ways: Callable[[Diagnostic, Composition], Iterable[Way]]) -> list[Suggestion]:
+        tried = ((way, check(replace(source, text=way.text), game.chosen, overrides)) for way in ways(d, game))
+        return accepted_ways(d, found, tried)
 
-    return [replace(d, accepted=Tried(partial(accepted, d))) if isinstance(d, CONFLICTS) else d for d in found]
+    changed: list[Diagnostic] = []
+    for d in found:
+        if isinstance(d, CONFLICTS):
+            changed.append(replace(d, accepted=Tried(partial(accepted, d, ways_out))))
+        elif isinstance(d, REPAIRED) and d.span.file == game.file:
+            changed.append(replace(d, repairs=Tried(partial(accepted, d, repairs))))
+        else:
+            changed.append(d)
+    return changed

@@ -209,6 +209,10 @@ def _questions(server: Server) -> None:
 def _edits(server: Server) -> None:
     """Changes of texts that the client asks for."""
 
+    @server.feature(types.TEXT_DOCUMENT_CODE_ACTION, types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]))
+    def fixes(ls: Server, params: types.CodeActionParams) -> list[types.CodeAction]:
+        return ls.session.quick_fixes(params.text_document.uri, params.range)
+
     @server.feature(types.TEXT_DOCUMENT_FORMATTING)
     def format(ls: Server, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
         return ls.session.formatting(params.text_document.uri)

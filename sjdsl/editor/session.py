@@ -12,6 +12,7 @@ from sjdsl.editor.completion import completion
 from sjdsl.editor.diagnostics import diagnostics, explanation_file
 from sjdsl.editor.documents import Document, Documents, path_of
 from sjdsl.editor.family import all_texts
+from sjdsl.editor.fixes import quick_fixes
 from sjdsl.editor.formatting import formatting
 from sjdsl.editor.hover import hover
 from sjdsl.editor.lenses import code_lenses
@@ -106,6 +107,10 @@ class Session:
     def rename(self, uri: str, position: types.Position, new: str) -> types.WorkspaceEdit:
         """Raises Refused with the reason why not."""
         return rename(uri, position, new, self.analyses, self.folders)
+
+    def quick_fixes(self, uri: str, range_: types.Range) -> list[types.CodeAction]:
+        analysis = self.analyses.of(uri)
+        return [] if analysis is None else quick_fixes(analysis, range_, self.documents)
 
     def formatting(self, uri: str) -> list[types.TextEdit]:
         analysis = self.analyses.of(uri)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from sjdsl.compiler import ast
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Suggestion
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source, Span
 
@@ -20,9 +20,9 @@ Chain = list[tuple[ast.Block, int]]  # the blocks around a statement, outermost 
 
 
 class Way(Record):
-    """A changed text, and how the change is named."""
+    """A change and the text that it makes."""
 
-    says: str
+    suggestion: Suggestion
     text: str
 
 
@@ -30,24 +30,29 @@ def ways_out(d: Diagnostic, game: Composition) -> Iterator[Way]:
     """Yields small changes of the text that could make the two writes of a conflict acceptable, the smallest first."""
     source = game.sources[game.file]
     for says, edits in _ways(d, source, game):
-        yield Way(says, _edited(source.text, edits))
+        yield way(says, edits, source)
 
 
-def name_accepted(d: Diagnostic, found: Sequence[Diagnostic], tried: Iterable[tuple[Way, Sequence[Diagnostic]]]) -> str:
-    """Returns how the first few changes are named that leave nothing wrong but what was found beside this conflict.
+def way(says: str, edits: tuple[Edit, ...], source: Source) -> Way:
+    """Returns a change of a text. An edit: from, to, the text in its place."""
+    return Way(Suggestion(says, tuple(Fix(source.span(start, end), new) for start, end, new in edits)), _edited(source.text, edits))
+
+
+def accepted_ways(d: Diagnostic, found: Sequence[Diagnostic], tried: Iterable[tuple[Way, Sequence[Diagnostic]]]) -> list[Suggestion]:
+    """Returns the first few changes that leave nothing wrong but what was found beside this message.
 
     `tried`: each change with what is wrong with its text; read only as far as needed.
     """
-    before = Counter((e.code, e.message) for e in found if e.severity == "error")
+    before = Counter((e.code, e.message) for e in found if e.severity == "error" or e.code == d.code)
     before[d.code, d.message] -= 1
-    named: list[str] = []
-    for way, wrong in tried:
-        left = Counter((e.code, e.message) for e in wrong if e.severity == "error")
-        if left <= before and way.says not in named:
-            named.append(way.says)
+    named: list[Suggestion] = []
+    for made, wrong in tried:
+        left = Counter((e.code, e.message) for e in wrong if e.severity == "error" or e.code == d.code)
+        if left <= before and all(made.suggestion.says != other.says for other in named):
+            named.append(made.suggestion)
         if len(named) == MOST_NAMED:
             break
-    return "; or ".join(named)
+    return named
 
 
 def _edited(text: str, edits: tuple[Edit, ...]) -> str:

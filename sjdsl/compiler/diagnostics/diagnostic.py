@@ -29,6 +29,13 @@ class Fix(Record):
     text: str
 
 
+class Suggestion(Record):
+    """A change that a message suggests: how it is named, and the edits it takes."""
+
+    says: str
+    edits: tuple[Fix, ...]
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
 class Facts(Frozen):
     """A subclass declares its fields, and is a dataclass once there is one of it: in most processes nothing is wrong."""
@@ -56,6 +63,7 @@ class Diagnostic(Facts):
 
     `says` and `hints` are templates over fields and properties: `{near.nearest}` is text, `{cells:cell}` is "1 cell" or "3 cells",
     floats have no needless digits. Of several hints the first is given that tells no empty fact; `help`, if given, goes before all.
+    `instead` has for each hint the text that it proposes in place of the span, a template too, empty for none.
     A subclass of a subclass is another message of the same code.
     """
 
@@ -64,11 +72,13 @@ class Diagnostic(Facts):
     severity: ClassVar[Severity] = "error"
     says: ClassVar[str]
     hints: ClassVar[tuple[str, ...]] = ()
+    instead: ClassVar[tuple[str, ...]] = ()
 
     span: Span = field(kw_only=False)
     labels: tuple[Label, ...] = ()
     fix: Fix | None = None
     help: str = ""
+    repairs: "Tried | tuple[()]" = ()
 
     def __init_subclass__(cls, code: str = "", title: str = "", severity: Severity = "error") -> None:
         if code:
@@ -81,7 +91,24 @@ class Diagnostic(Facts):
     @property
     def hint(self) -> str:
         """The help line, empty if there is none."""
-        return self.help or next(("".join(parts) for parts in map(self._parts, self.hints) if all(parts)), "")
+        return self.help or self._chosen()[0]
+
+    def _chosen(self) -> tuple[str, str]:
+        """Returns the hint that is given, and what it proposes in place of the span."""
+        for number, hint in enumerate(self.hints):
+            parts = self._parts(hint)
+            if all(parts):
+                return "".join(parts), "".join(self._parts(self.instead[number])) if number < len(self.instead) else ""
+        return "", ""
+
+    @property
+    def suggestions(self) -> tuple[Suggestion, ...]:
+        """The changes that the message suggests, as edits; those of `repairs` are tried when they are first asked for."""
+        hint, instead = ("", "") if self.help else self._chosen()
+        found = [Suggestion(_named(self.fix), (self.fix,))] if self.fix is not None else []
+        found += [Suggestion(f"write `{instead}`", (Fix(self.span, instead),))] if instead and hint else []
+        tried = [t for t in (self.repairs, getattr(self, "accepted", ())) if isinstance(t, Tried)]
+        return (*found, *(suggestion for one in tried for suggestion in one.suggestions))
 
     def _parts(self, template: str) -> list[str]:
         """Returns a template in parts: each of its texts, and each fact as it is shown."""
@@ -95,15 +122,25 @@ class Diagnostic(Facts):
         return parts
 
 
-class Tried:
-    """A text that is found when it is first shown: whoever only counts errors does not wait."""
+def _named(fix: Fix) -> str:
+    """Returns what an edit does."""
+    text = " ".join(fix.text.split())
+    return f"write `{text}`" if text else "put a space" if fix.text else "delete it"
 
-    def __init__(self, find: Callable[[], str]):
+
+class Tried:
+    """Changes that are tried when they are first asked for: whoever only counts errors does not wait. As text, how they are named."""
+
+    def __init__(self, find: Callable[[], Iterable[Suggestion]]):
         self._find = find
 
     @cached_property
+    def suggestions(self) -> tuple[Suggestion, ...]:
+        return tuple(self._find())
+
+    @property
     def text(self) -> str:
-        return self._find()
+        return "; or ".join(suggestion.says for suggestion in self.suggestions)
 
     def __format__(self, spec: str) -> str:
         return self.text

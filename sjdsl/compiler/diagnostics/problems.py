@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, near
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, near
 from sjdsl.compiler.diagnostics.source import Span
 
 K = TypeVar("K", bound=Hashable)
@@ -51,8 +51,10 @@ class Problems:
 
     def unknown(self, name: Named, candidates: Iterable[str], what: str, instead: Mapping[str, str] | None = None) -> Poisoned:
         """Records that a name is none of the candidates (`what` says what they are); `instead`: what to write for names often tried."""
+        known = list(candidates)
         help_ = (instead or {}).get(name.text, "")
-        return self.fail(errors.UnknownName(name.span, name=name.text, help=help_, near=near(name.text, candidates, what)))
+        fix = named_first(help_, name.span, known)
+        return self.fail(errors.UnknownName(name.span, name=name.text, help=help_, fix=fix, near=near(name.text, known, what)))
 
     @contextmanager
     def survive(self, broken: set[K] | None = None, key: K | None = None) -> Iterator[None]:
@@ -62,3 +64,9 @@ class Problems:
         except Poisoned:
             if broken is not None and key is not None:
                 broken.add(key)
+
+
+def named_first(help_: str, span: Span, known: Iterable[str]) -> Fix | None:
+    """Returns the edit that a help line stands for which begins with the name to write: "`col` is the column". None for another one."""
+    word = help_.split("`")[1] if help_.startswith("`") else ""
+    return Fix(span, word) if word in set(known) else None

@@ -2,7 +2,7 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import near
+from sjdsl.compiler.diagnostics.diagnostic import Fix, near
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.domains import domain, only_one_who, without
@@ -97,7 +97,11 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     held = _cell(s.domain, around)
     look = facing(s.facing, scope)
     if s.stay is not None and s.stay.text != "stay":
-        raise scope.problems.fail(errors.UnknownName(s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays"))
+        raise scope.problems.fail(
+            errors.UnknownName(
+                s.stay.span, name=s.stay.text, help="write `otherwise stay`: who finds no cell stays", fix=Fix(s.stay.span, "stay")
+            )
+        )
     if held is not None and s.stay is None:
         raise scope.problems.fail(errors.TakenOrNowhere(s.span, place=text(held)))
     place = use.streams.header(s.domain.span, s.domain.span.end)

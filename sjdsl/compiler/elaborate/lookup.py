@@ -7,7 +7,7 @@ from math import inf
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Near, near
-from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems, named_first
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
 from sjdsl.compiler.ir.implications import is_known
@@ -182,8 +182,10 @@ def _owned(name: str, near: str, static: Static) -> str:
 
 def no_field(name: ast.Name, owner: str, fields: Iterable[str], instead: Mapping[str, str], problems: Problems) -> Poisoned:
     """Reports a field that `owner` does not have; `instead`: what to write for names that are often tried."""
-    meant = near(name.text, fields, "the fields")
-    return problems.fail(errors.NoField(name.span, owner=owner, name=name.text, help=instead.get(name.text, ""), near=meant))
+    known = list(fields)
+    help_, meant = instead.get(name.text, ""), near(name.text, known, "the fields")
+    fix = named_first(help_, name.span, known)
+    return problems.fail(errors.NoField(name.span, owner=owner, name=name.text, help=help_, fix=fix, near=meant))
 
 
 def interval_text(type_: ir.Type) -> str:

@@ -6,6 +6,7 @@ from typing import Literal
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics.diagnostic import Fix
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.hidden import hides_others, is_of_a_plane
@@ -222,21 +223,25 @@ def _whose(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
 def _check_plain(show: ast.Show, what: What, type_: ir.Type, problems: Problems) -> None:
     """Reports a field that cannot be shown as it is."""
     told = f"`show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
+    fix = Fix(show.span, told.strip("`"))
     if type_.kind in ("agent", "agents"):
         wrong = errors.WrongType(
             show.span,
             wanted="a field with labels",
             given="a field that holds agents, whose numbers mean nothing to an observer",
             help=f"write {told}",
+            fix=fix,
         )
         raise problems.fail(wrong)
     if type_.kind == "cell":
-        raise problems.fail(errors.Unsupported(show.span, what="showing a field that holds a cell without labels", help=f"write {told}"))
+        raise problems.fail(
+            errors.Unsupported(show.span, what="showing a field that holds a cell without labels", help=f"write {told}", fix=fix)
+        )
     if type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
         problem = "showing a number that is not a count from 0 to 255"
-        raise problems.fail(errors.Unsupported(show.span, what=problem, help=f"show it with labels, {told}"))
+        raise problems.fail(errors.Unsupported(show.span, what=problem, help=f"show it with labels, {told}", fix=fix))
     if what == "cell" and type_.kind != "word":
-        raise problems.fail(errors.Unsupported(show.span, what="showing a number of a cell without labels", help=f"write {told}"))
+        raise problems.fail(errors.Unsupported(show.span, what="showing a number of a cell without labels", help=f"write {told}", fix=fix))
 
 
 def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Observable:

@@ -4,6 +4,7 @@ from typing import Any
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.diagnostic import Fix
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.effects import body, facing
 from sjdsl.compiler.elaborate.lookup import check_placed
@@ -27,7 +28,9 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
         raise scope.problems.fail(errors.NoWayFree(s.span))
     if s.stay.text != "stay":
         raise scope.problems.fail(
-            errors.UnknownName(s.stay.span, name=s.stay.text, help="write `otherwise stay`: who cannot go there stays")
+            errors.UnknownName(
+                s.stay.span, name=s.stay.text, help="write `otherwise stay`: who cannot go there stays", fix=Fix(s.stay.span, "stay")
+            )
         )
     stream = use.streams.of_statement(use.streams.header(s.span, s.span.end))
     return ir.Shift(who=who, steps=_steps(s.steps, scope), **way, facing=look or "same", stream=stream, origin=s.span)  # type: ignore[arg-type]

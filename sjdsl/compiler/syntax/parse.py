@@ -6,7 +6,7 @@ Source -> ast.File
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -15,7 +15,7 @@ from lark import Lark, Token, Tree, UnexpectedCharacters, UnexpectedToken
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text, check_tree
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.build_ast import build_ast
@@ -112,7 +112,8 @@ def _check_version(source: Source) -> list[Diagnostic]:
         return []
     word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
     span = source.span(start, start + len(word))
-    return [errors.NoVersion(span, known=VERSION, but=f": it begins with `{word}`")]
+    fix = Fix(source.span(start, start), f"sj {VERSION}\n") if word in ("game", "agents", "kind") else None
+    return [errors.NoVersion(span, known=VERSION, but=f": it begins with `{word}`", fix=fix)]
 
 
 def _skip_to_game(found: Scan) -> bool:
@@ -185,7 +186,9 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idio
     if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
         problem = word_error(trouble, repair, found.tokens, found.source)
         problem = problem if idiom is None else idiom_error(idiom, problem, found.tokens, found.source)
-        search.problems.setdefault(_identity(problem), problem)
+        known = search.problems.setdefault(_identity(problem), problem)
+        if isinstance(known, errors.ReservedWord) and known is not problem:
+            search.problems[_identity(problem)] = replace(known, places=(*known.places, problem.span))
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
 
 

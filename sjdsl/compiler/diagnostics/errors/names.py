@@ -1,5 +1,7 @@
 """SJ1xx: names that are unknown, taken or misused."""
 
+from typing import ClassVar
+
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near
 
 
@@ -7,6 +9,7 @@ class NotKnown(Diagnostic):
     """A name of nothing, or of something of another sort."""
 
     hints = ("did you mean `{near.nearest}`?", "{near.listed}")
+    instead: ClassVar[tuple[str, ...]] = ("{near.nearest}",)
     name: str
     near: Near = Near()
 
@@ -51,12 +54,14 @@ class PhaseNotScheduled(StartScheduled):
 class PhaseNotWritten(StartScheduled):
     says = "phase `{name}` is scheduled but not written"
     hints = ("did you mean `{nearest}`?",)
+    instead = ("{nearest}",)
     nearest: str
 
 
 class NoEvent(NotKnown, code="SJ107", title="Event not declared"):
     says = "event `{name}` is not declared in `metrics`"
     hints = ("write `event {name}` in `metrics`, or did you mean `{near.nearest}`?", "write `event {name}` in `metrics`")
+    instead = ("{near.nearest}",)
 
 
 class ChangeUnknown(NotKnown, code="SJ108", title="A change to what is not there"):
@@ -79,6 +84,7 @@ class ExtendsCycle(Diagnostic, code="SJ110", title="A game that extends itself")
 
 class NoFile(NotKnown, code="SJ111", title="Missing file"):
     says = "there is no file `{name}` beside this game"
+    instead = ('"{near.nearest}"',)
 
 
 class FileOutside(Diagnostic, code="SJ112", title="A path that leaves the folder"):
@@ -108,6 +114,7 @@ class WrittenTwice(Diagnostic, code="SJ115", title="Said twice"):
 
 class NoVariant(NotKnown, code="SJ116", title="No such variant"):
     says = "the game has no variant `{name}`"
+    instead = ()
 
 
 class BadName(Diagnostic, code="SJ117", title="A name that cannot be used"):
@@ -137,6 +144,7 @@ class NoPaint(Diagnostic, code="SJ120", title="No such sprite or colour"):
         'did you mean `{nearest}`? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
         'the sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
     )
+    instead = ("{nearest}",)
     name: str
     nearest: str
     sprites: str

@@ -1,12 +1,14 @@
 """SJ0xx: syntax errors, and files that cannot be read."""
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Suggestion
 from sjdsl.compiler.diagnostics.errors.names import NotKnown
+from sjdsl.compiler.diagnostics.source import Span
 
 
 class NewerLanguage(Diagnostic, code="SJ001", title="A file for another version of the language"):
     says = "this file is for `sj {version}`, and this compiler reads `sj {known}`"
     hints = ("get a newer compiler, or write the file for `sj {known}`",)
+    instead = ("sj {known}",)
     version: str
     known: str
 
@@ -22,6 +24,11 @@ class ReservedWord(Diagnostic, code="SJ003", title="A word of the language used 
     hints = ("choose another name, such as `{other}`",)
     word: str
     other: str
+    places: tuple[Span, ...] = ()
+
+    @property
+    def suggestions(self) -> tuple[Suggestion, ...]:
+        return (Suggestion(f"write `{self.other}`", tuple(Fix(span, self.other) for span in (self.span, *self.places))),)
 
 
 class BadCharacter(Diagnostic, code="SJ004", title="Not a character of the language"):

@@ -107,6 +107,7 @@ class WordOutside(Diagnostic, code="SJ205", title="Not one of the words"):
 
     says = "`{word}` is not one of the words of {owner}"
     hints = ("did you mean `{nearest}`? the words are {listed}", "its words are {listed}")
+    instead = ("{nearest}",)
     word: str
     owner: str
     declared: str = ""

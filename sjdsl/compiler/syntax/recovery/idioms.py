@@ -200,7 +200,7 @@ def bracketed(condition: str) -> str:
 def idiom_error(idiom: Idiom, diagnostic: Diagnostic, tokens: Sequence[Token], source: Source) -> Diagnostic:
     """Returns a diagnostic that says how the phrase is written here."""
     begin, end = tokens[idiom.start].start_pos or 0, tokens[idiom.end - 1].end_pos or 0
-    fix = None if idiom.phrase.explanation else Fix(source.span(begin, end), idiom.instead)
+    fix = Fix(source.span(begin, end), idiom.instead)
     last = tokens[idiom.end - 1]
     behind = (last.line or 0) < diagnostic.span.line
     labels = (Label(source.span(last.start_pos or 0, end), "after this"),) if behind else ()

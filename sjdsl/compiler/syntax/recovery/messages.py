@@ -70,14 +70,19 @@ def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], sourc
     if repair.times > 1:
         help_ += f"; {repair.times} are missing in all"
     labels: tuple[Label, ...] = ()
+    fix: Fix | None = None
     left = _left_of(opener, tokens[: trouble.at + 1], source)
     if left is not None and left != closer:
         labels = (Label(_behind(tokens[left - 1], source), "`}` seems to be missing here"),)
+        fix = Fix(_behind(tokens[left - 1], source), " }" * repair.times)
     elif closer is not None:
         labels = (Label(token_span(tokens[closer], source), "this `}` seems to close a block around it"),)
     elif trouble.at < len(tokens):
         labels = (Label(_here(trouble, tokens, source), f"`{tokens[trouble.at]}` cannot stand inside it"),)
-    return errors.OpenBlock(token_span(tokens[opener], source), help=help_, labels=labels)
+        fix = Fix(_behind(tokens[trouble.at - 1], source), " }" * repair.times)
+    else:
+        fix = Fix(_behind(tokens[-1], source), "\n}" * repair.times)
+    return errors.OpenBlock(token_span(tokens[opener], source), help=help_, labels=labels, fix=fix)
 
 
 def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> bool:
@@ -161,7 +166,7 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
                 gap = _behind(tokens[trouble.at - 1], source)
                 expected, fix = f"`{word}`", Fix(gap, word if word in ")],:." else f" {word}")
             case "insert" if word:
-                help_ = help_ or f"write `{word}` before it"
+                help_, fix = help_ or f"write `{word}` before it", Fix(source.span(here.start, here.start), f"{word} ")
             case "insert":
                 expected = PHRASES.get(repair.kind, expected)
             case "unclose":
