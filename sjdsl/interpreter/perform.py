@@ -16,7 +16,7 @@ from sjdsl.interpreter.movement import course_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.shifting import shifting
 from sjdsl.interpreter.state import Cell, Mover
-from sjdsl.interpreter.writes import Counted, Sending, Writes, slots
+from sjdsl.interpreter.writes import Counted, Lot, Sending, Writes, slots
 
 
 def perform(body: tuple[ir.Stmt, ...], here: Instance, writes: Writes) -> None:
@@ -69,9 +69,8 @@ def _statement(
             body = statement.otherwise if drawn.result is None else statement.branches[drawn.result].body
             perform(body, here.because(drawn), writes)
         case ir.Set(lot=int(stream)):
-            rank = here.word(stream, here.number) >> 1
-            for slot, value in slots(statement.target, evaluate(statement.value, here), here):
-                writes.lots.setdefault(slot, []).append((-rank, here.number, value))
+            rank, place = here.word(stream, here.number) >> 1, (statement.origin.start if statement.origin else 0, here.number)
+            writes.lots += [Lot(*pair, rank, place) for pair in slots(statement.target, evaluate(statement.value, here), here)]
         case ir.Set():
             writes.sets += slots(statement.target, evaluate(statement.value, here), here)
         case ir.Add():

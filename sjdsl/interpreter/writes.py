@@ -1,6 +1,6 @@
 """The writes of a phase: collected while it runs, applied together at its end, with write conflicts asserted to be absent."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -54,7 +54,29 @@ class Counted(NamedTuple):
     amount: int
 
 
-_LISTS = ("sets", "adds", "gives", "tallies", "sends", "shifts")
+class Lot(NamedTuple):
+    """Who would write an entry of a field `by lot`: the greatest rank does; of equal ones the statement written first, then by number.
+
+    place: where the statement is written, and the number of the instance.
+    """
+
+    slot: Slot
+    value: Value
+    rank: int
+    place: tuple[int, int]
+
+
+def winners(lots: Iterable[Lot]) -> dict[Slot, Lot]:
+    """Returns for each entry of a field who of those that would write it does."""
+    found: dict[Slot, Lot] = {}
+    for lot in lots:
+        best = found.get(lot.slot)
+        if best is None or (-lot.rank, lot.place) < (-best.rank, best.place):
+            found[lot.slot] = lot
+    return found
+
+
+_LISTS = ("sets", "adds", "lots", "gives", "tallies", "sends", "shifts")
 _WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Shift, ir.Remove, ir.Move, ir.Mark, ir.End)
 
 
@@ -70,7 +92,7 @@ class Writes:
 
     sets: list[tuple[Slot, Value]] = field(default_factory=list)
     adds: list[tuple[Slot, Value]] = field(default_factory=list)
-    lots: dict[Slot, list[tuple[int, int, Value]]] = field(default_factory=dict)
+    lots: list[Lot] = field(default_factory=list)
     gives: list[tuple[int, np.float32]] = field(default_factory=list)
     tallies: list[Counted] = field(default_factory=list)
     sends: list[Sending] = field(default_factory=list)
@@ -139,7 +161,7 @@ def _spread(slot: Slot, value: Value, levels: tuple[tuple[str, ...], ...]) -> li
 def write_fields(writes: Writes, board: Board, world: World) -> None:
     """Changes the fields of `world`, which holds the snapshot's values: what is set, then all that is added, summed."""
     sets: dict[Slot, Value] = {}
-    drawn = [(slot, min(writers, key=lambda w: w[:2])[2]) for slot, writers in writes.lots.items()]
+    drawn = [(slot, lot.value) for slot, lot in winners(writes.lots).items()]
     for slot, value in (*writes.sets, *drawn):
         value = _fitting(declaration(slot, board), value)
         assert sets.setdefault(slot, value) == value, f"{slot} is set to {sets[slot]} and to {value}"

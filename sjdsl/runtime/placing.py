@@ -240,6 +240,20 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
     return lax.while_loop(more, take, (ranks, jnp.full(left, right, jnp.int32)))[1]
 
 
+def outranking(place: Array, rank: Array, best: Array) -> Array:
+    """Returns the ranks of those that are greater than any that another statement has drawn for their place, and 0 for the others.
+
+    Args:
+      place: `[M]` int32. rank: `[M]` uint32. best: `[size]` uint32, see `best_ranks`.
+    """
+    return jnp.where(rank > best[place], rank, jnp.uint32(0))
+
+
+def best_ranks(place: Array, rank: Array, best: Array) -> Array:
+    """Returns the greatest rank drawn for each place so far, `[size]` uint32, of `best` and those given; 0 where nobody writes."""
+    return best.at[place].max(rank)
+
+
 def drawn_by_lot(place: Array, rank: Array, size: int) -> Array:
     """Returns which of M writers write: of those with one place the one of the greatest rank, of equal ones the first.
 

@@ -15,7 +15,7 @@ from sjdsl.interpreter.evaluation_parts import agents_in
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Away, Cell, Mover, Value
 from sjdsl.interpreter.threefry import return_stream
-from sjdsl.interpreter.writes import Slot
+from sjdsl.interpreter.writes import Slot, winners
 
 Sort = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]
 RandomNumbers = Mapping[tuple[int, int], int]  # (stream, number) -> 32 random bits
@@ -35,7 +35,7 @@ class Effect:
     """One change: `old` and `new` as the interpreter holds them; a reward, an event and a mark have only `new`.
 
     owner: an agent's number, a mover, a cell, or None for the world. name: of the field or event, with its words (`bag[raw]`).
-    by: the statements that made it; none for what timers do at a `tick`.
+    by: the statements that made it; none for what timers do at a `tick`. lost: those that would have, and lost the lot.
     The heading of a mover that a rule sets is a field; the one that it has from its way is a heading.
     """
 
@@ -47,6 +47,7 @@ class Effect:
     type: ir.Type | None = None
     by: tuple[Done, ...] = ()
     draws: tuple[Used, ...] = ()
+    lost: tuple[Done, ...] = ()
 
 
 def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[Effect]:
@@ -58,7 +59,7 @@ def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[E
 
 def without_effect(account: Account, effects: Sequence[Effect]) -> list[Done]:
     """Returns the statements that happened and changed nothing."""
-    busy = {id(done) for effect in effects for done in effect.by}
+    busy = {id(done) for effect in effects for done in (*effect.by, *effect.lost)}
     return [done for done in account.done if id(done) not in busy]
 
 
@@ -66,7 +67,7 @@ def without_effect(account: Account, effects: Sequence[Effect]) -> list[Done]:
 
 
 def _fields(account: Account, board: Board) -> Iterator[Effect]:
-    writers = _writers(account)
+    writers, lost = _writers(account)
     before, after = account.before, account.after
     rows: list[tuple[ir.VarField, tuple[str, int] | None, int | Mover | Cell | None, Value, Value]] = []
     for (kind, name), declared in board.cell_fields.items():
@@ -81,10 +82,11 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
         rows += [(declared, (sort, n), Mover(sort, n), old, new) for n, (old, new) in enumerate(pairs)]
     for declared, owner, place, old, new in rows:
         for entries, label, was, now in _entries(declared.type.by, old, new):
-            by = tuple(writers[Slot(declared.name, owner, entries)])
+            slot = Slot(declared.name, owner, entries)
+            by = tuple(writers[slot])
             if isinstance(place, Mover) and declared.name == "heading" and not by:
                 continue  # it turns the way it goes, or as it is sent: told with its place
-            yield Effect("field", place, declared.name + label, was, now, declared.type, by)
+            yield Effect("field", place, declared.name + label, was, now, declared.type, by, lost=tuple(lost[slot]))
 
 
 def _entries(by: tuple[tuple[str, ...], ...], old: Value, new: Value) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
@@ -99,13 +101,17 @@ def _entries(by: tuple[tuple[str, ...], ...], old: Value, new: Value) -> Iterato
             yield (number, *entries), f"[{entry_name(name)}]{label}", was, now
 
 
-def _writers(account: Account) -> dict[Slot, list[Done]]:
-    """Returns who wrote each entry of a field; a statement that was performed twice in one instance counts once."""
+def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[Done]]]:
+    """Returns who wrote each entry of a field, and who lost the lot; a statement that was performed twice in one instance counts once."""
     found: dict[Slot, list[Done]] = defaultdict(list)
+    lost: dict[Slot, list[Done]] = defaultdict(list)
+    won = winners(lot for done in account.done for lot in done.written.get("lots", ()))
     for done in account.done:
         for slot in dict.fromkeys(slot for slot, _ in (*done.written.get("sets", ()), *done.written.get("adds", ()))):
             found[slot].append(done)
-    return found
+        for lot in done.written.get("lots", ()):
+            (found if won[lot.slot] is lot else lost)[lot.slot].append(done)
+    return found, lost
 
 
 # ---- agents and movers
@@ -113,6 +119,7 @@ def _writers(account: Account) -> dict[Slot, list[Done]]:
 
 def _agents(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[Effect]:
     written = {slot for done in account.done for slot, _ in done.written.get("sets", ())}
+    written |= {lot.slot for done in account.done for lot in done.written.get("lots", ())}
     for body in bodies(account.before):
         by = tuple(_senders(account, board, body))
         before, after, n = herd_of(body, account.before), herd_of(body, account.after), number_of(body)

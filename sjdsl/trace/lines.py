@@ -84,6 +84,16 @@ def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller) -> Itera
     beside = [*([names] if names else []), *(f"also {place}" for place in others)]
     yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (f"  [{'; '.join(beside)}]" if beside else "")
     yield from (f"{DRAW}  {text}" for text in _draws(effect, teller))
+    yield from (f"{DRAW}  {text}" for text in _lots(effect, names, teller))
+
+
+def _lots(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
+    """Yields who else would have made a change: `a 0 lost the lot to a 2`, with the statement where it is another one."""
+    winner = winner or (teller.rules.place(effect.by[0].statement) if effect.by else "")
+    for done in effect.lost:
+        loser = say_names(done, effect.owner, teller.agents, teller.board)
+        other = "" if effect.by and done.statement is effect.by[0].statement else teller.rules.place(done.statement)
+        yield f"{', '.join(filter(None, (other, loser)))} lost the lot to {winner}"
 
 
 def _draws(effect: Effect, teller: Teller) -> list[str]:

@@ -129,3 +129,23 @@ def test_an_add_in_every_lane_may_leave_the_range(way: str) -> None:
     add = "when a.bag < 9 { add 1 to a.bag }"
     for shape, refused in (("line(2)", []), ("fan(2, 1)", ["SJ204"])):
         assert codes(f"each agent as a {{ first tree in {shape} of a {way} }}".replace("add_it", add)) == refused
+
+
+APART = {  # writes that cannot draw lots together -> the same as the message says to write it instead
+    "each agent as a { set king = a by lot } set king = nobody": "each agent as a { set king = a by lot } set king = nobody by lot",
+    "each agent as a { each agent as b { set b.seen[a] = 1 by lot  set b.seen = 2 by lot } }": (
+        "each agent as a { each agent as b { set b.seen = 1 by lot  set b.seen = 2 by lot } }"
+    ),
+    "each agent as a { set rank[a] = 1 by lot  set rank = a.seen by lot }": (
+        "each agent as a { set rank[a] = 1 by lot  each agent as b { set rank[b] = a.index by lot } }"
+    ),
+}
+
+
+@pytest.mark.parametrize("body", APART)
+def test_lots_are_drawn_together(body: str) -> None:
+    """What is refused says how to write it, and that is accepted."""
+    with pytest.raises(CompileError, match="lot") as raised:
+        build(Source("frame.sj", GAME.format(body=body)))
+    assert [d.code for d in raised.value.diagnostics] == ["SJ401"]
+    assert codes(APART[body]) == []

@@ -24,9 +24,9 @@ class Written:
     pools: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def allows(self, keys: list[tuple[str, str, str]], sort: str) -> bool:
-        """Returns whether a write of this sort (set, add, bound) agrees with those before."""
+        """Returns whether a write of this sort (set, add, bound, lot, lot of an entry) agrees with those before."""
         before = [s for k in keys for s in self.fields.get(k, ())]
-        return not before or (sort == "add" and set(before) == {"add"})
+        return not before or (sort in ("add", "lot", "lot of an entry") and set(before) == {sort})
 
     def note(self, keys: list[tuple[str, str, str]], sort: str) -> None:
         for key in keys:
@@ -72,13 +72,14 @@ def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field,
     sums = f.type.kind in ("int", "real", "agents") and not f.timer
     if sums and w.is_now(0.55 if own else 0.8):
         return _add(scope, written, keys, own, bold, f, text, depth)
-    if not bold and not written.allows(keys, "set"):
-        return []
-    if scope.sort == "phase" and not f.type.by and not entry and w.is_now(0.15):
+    lot = "lot of an entry" if entry else "lot"
+    if scope.sort == "phase" and (bold or written.allows(keys, lot)) and w.is_now(0.5 if keys and written.fields.get(keys[0]) else 0.15):
         by_lot = value(scope, f, depth)
         if by_lot is not None:
-            written.note(keys, "set")
+            written.note(keys, lot)
             return [f"set {text} = {by_lot[0]} by lot"]
+    if not bold and not written.allows(keys, "set"):
+        return []
     inner = scope if own or bold else of_target_alone(scope, owner)
     made = value(inner, f, depth)
     if made is None:

@@ -288,3 +288,35 @@ game hens "A hen that wanders"  {
   phase roam { move each hen at random }
 }
 """
+
+
+LOTS = """sj 1
+game lots "Lots" {
+  episode 5
+  kind grass "." { field taker : agent  field sign : { none, flag, cross } = none }
+  map { "..." }
+  agents 3 { acts stay, grab, ask }
+  phase start { each agent { send agent to grass } }
+  schedule take
+  phase take {
+    each agent where agent chose grab { each grass where grass.col == 0 { set grass.taker = agent by lot } }
+    each agent where agent chose ask { each grass where grass.col == 0 { set grass.taker = nobody by lot  set grass.sign = flag by lot } }
+  }
+}
+"""
+
+
+def test_losers_of_a_lot_are_named() -> None:
+    """In every step with two who grab, one has the cell and the other is told who had it; draws of two statements are one lot."""
+    game = build(Source("lots.sj", LOTS, None)).game
+    teller = make_teller(board_of(game), Rules({"lots.sj": Source("lots.sj", LOTS, None)}))
+    for moment in play(game, default_params(game), 1, 6, lambda *_: [1, 1, 2]):
+        lines = [line.strip() for line in moment_lines(moment, teller)]
+        lost = [line for line in lines if "lost the lot" in line]
+        takers = [effect for turn in moment.turns for effect in turn.effects if effect.name == "taker"]
+        for effect in takers:
+            loser, winner = {0, 1, 2} - {effect.by[0].names["agent"]}, effect.by[0].names["agent"]
+            assert len(effect.lost) == 2
+            assert {done.names["agent"] for done in effect.lost} == loser
+            assert sum(line.endswith(f"lost the lot to agent {winner}") for line in lost) == 2
+        assert bool(takers) == bool(lost)

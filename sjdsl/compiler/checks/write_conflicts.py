@@ -297,11 +297,15 @@ def _owns_entries(w: Write) -> bool:
 
 
 def _agrees_with_itself(w: Write) -> bool:
-    if w.sort == "add" or (isinstance(w.statement, ir.Set) and w.statement.lot is not None):
+    if w.sort == "add" or _is_by_lot(w):
         return True
     if is_own(w):
         return True
     return not (w.depends - w.own_names)
+
+
+def _is_by_lot(w: Write) -> bool:
+    return isinstance(w.statement, ir.Set) and w.statement.lot is not None
 
 
 def _same_target(a: Write, b: Write) -> bool:
@@ -317,6 +321,8 @@ def _meet(a: Write, b: Write) -> bool:
 def _compatible(a: Write, b: Write) -> bool:
     if a.sort == b.sort == "add":
         return not (a.bounded or b.bounded) or _exclusive(a, b)
+    if _is_by_lot(a) and _is_by_lot(b) and len(a.target.entries) == len(b.target.entries):
+        return True  # all who would write one target draw together
     if a.sort == b.sort and a.value == b.value and not (a.depends | b.depends):
         return True
     return _exclusive(a, b)
@@ -376,7 +382,15 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
         problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
     else:
         owner = (a.target.name or "agent") if a.target.of == "place" else a.target.of
-        problems.add(errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label))
+        found = errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label, lot=_lots_apart(a, b))
+        problems.add(found)
+
+
+def _lots_apart(a: Write, b: Write) -> str:
+    """Returns what to write where two writes cannot draw lots together; nothing where neither is `by lot`."""
+    if _is_by_lot(a) and _is_by_lot(b):
+        return "those who draw lots together write the same: let both set the whole row, or both an entry of it"
+    return "write `by lot` behind both, and all who would write it draw lots together" if _is_by_lot(a) or _is_by_lot(b) else ""
 
 
 def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:

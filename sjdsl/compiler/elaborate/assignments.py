@@ -79,17 +79,15 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
                 raise wrong_type(scope, s.value, "a set of agents or nobody", value.type)
         case _:
             raise AssertionError(type_)
-    return ir.Set(target=target, value=value, lot=_lot(s, target, scope, use), origin=s.span)
+    return ir.Set(target=target, value=value, lot=_lot(s, scope, use), origin=s.span)
 
 
-def _lot(s: ast.Set, target: ir.Expr, scope: Scope, use: PhaseUse) -> int | None:
+def _lot(s: ast.Set, scope: Scope, use: PhaseUse) -> int | None:
     """Returns the stream on which it is drawn who writes."""
     if s.lot is None:
         return None
     if s.lot.text != "lot":
         raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
-    if target.type.by or isinstance(target, ir.At):
-        raise scope.problems.fail(errors.Unsupported(s.lot.span, what="a row or an entry of one set `by lot`"))
     return use.streams.of_statement(use.streams.header(s.span, s.span.end))
 
 

@@ -36,8 +36,10 @@ KERNELS = {
     ),
     "sjdsl.runtime.movement": ("resolve",),
     "sjdsl.runtime.placing": (
+        "best_ranks",
         "choose",
         "drawn_by_lot",
+        "outranking",
         "pair",
         "pair_reached",
         "pick",

@@ -19,6 +19,7 @@ from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.environment_facts import events, role_attribute
 from sjdsl.compiler.lower.environment_facts import state_fields as described_fields
+from sjdsl.compiler.lower.lots import fields_of_several_lots
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
 from sjdsl.compiler.lower.phase_summary import summary
@@ -168,7 +169,7 @@ def _step(turns: list[Function], module: Module) -> Function:
 
 
 def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function:
-    w = Writer(module, phase.name, starting=phase is module.game.start)
+    w = Writer(module, phase.name, starting=phase is module.game.start, several_lots=fields_of_several_lots(phase))
     sends = Sends(pools)
     block(phase.body, IterationScope(), w, sends)
     w.origin = None

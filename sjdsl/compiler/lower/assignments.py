@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.compiler.lower import cell_values, state_reads
@@ -13,7 +12,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
     indexed,
     iota,
     joined,
@@ -24,43 +22,13 @@ from sjdsl.compiler.lower.axes import (
     taken,
     union,
 )
-from sjdsl.compiler.lower.draws import random_bits
-from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
+from sjdsl.compiler.lower.entries import rolled, to_words, unrolled
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
+from sjdsl.compiler.lower.lots import write_by_lot
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
+from sjdsl.compiler.lower.targets import Target, past_the_end
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
-
-
-class Target(Record):
-    """One field that a statement writes: of whom (None: the world), at which keys of its row, in which instances."""
-
-    declared: ir.VarField
-    who: Variable | None
-    keys: tuple[ir.Expr, ...]
-    read: ir.FieldRead
-    scope: IterationScope
-
-    @property
-    def attribute(self) -> str:
-        return attribute_name(self.declared)
-
-    @property
-    def own_axes(self) -> tuple[Axis, ...] | None:
-        """The axis of those whose field it is, none for the world; None if they are computed numbers."""
-        if self.who is None:
-            return ()
-        return None if self.who.axis is None else (self.who.axis,)
-
-    def key(self, w: Writer) -> Value | None:
-        """Returns the place of the entry of a row that is written; None for all of it."""
-        return row_key(self.keys[0], self.read.type.by[0], self.scope.always(), w) if self.keys else None
-
-    @property
-    def along(self) -> Axis | None:
-        """The axis that runs along the row that is written, one entry for each place; None where entries are found one by one."""
-        axis = whole_axis(self.keys[0], self.scope) if self.keys else None
-        return axis if axis is not None and self.own_axes is not None and axis not in self.own_axes else None
 
 
 def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
@@ -78,39 +46,9 @@ def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     value = stored_value(s.value, s.target, scope, w)
     for target in targets(s.target, scope, w):
         if s.lot is not None:
-            _write_by_lot(s.lot, target, as_dtype(value, state_reads.storage(target.declared, w)), w)
+            write_by_lot(s.lot, target, as_dtype(value, state_reads.storage(target.declared, w)), w)
             continue
         _write(target, as_dtype(value, state_reads.storage(target.declared, w)), w)
-
-
-def _write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
-    """Writes one field where the scope's mask holds and the lot falls on the instance: one for each target."""
-    scope = target.scope
-    word = binary(">>", random_bits(stream, scope, w), literal(1, "u32"), "u32")
-    rank = select(scope.mask, binary("+", word, literal(1, "u32"), "u32"), literal(0, "u32"))
-    index = literal(0, "i32") if target.who is None else target.who.number
-    axes = union(scope.axes, index.axes, rank.axes, value.axes)
-    extent = array.Literal(1) if target.who is None else state_reads.total_extent(target.who, w)
-    at = select(scope.mask, index, literal(0, "i32"))
-    place = _flat(at, axes, "i32", w)
-    won = w.bind("won", array.call("drawn_by_lot", place, _flat(rank, axes, "u32", w), extent))
-    if target.who is None:
-        here = array.call("jnp.argmax", won)
-        drawn = array.Index(_flat(value, axes, value.dtype, w), (here,))
-        w.assign(target.attribute, array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)))
-        return
-    past = array.scalar(_past_the_end(target.who, w).node, "i32")
-    keys = (array.Where(won, place, past),)
-    new = _flat(value, axes, value.dtype, w) if value.axes else value.node
-    w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
-
-
-def _flat(value: Value, axes: tuple[Axis, ...], dtype: array.DType, w: Writer) -> array.Expression:
-    """Returns a value for each instance, in the order of their numbers."""
-    words = (array.Literal(w.module.set_words),) * value.levels  # of a large set
-    extents = (*(a.extent for a in axes), *words)
-    full = array.Broadcast(array.as_array(aligned(value, axes), dtype) if value.literal else aligned(value, axes), extents)
-    return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1), *words))
 
 
 def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -235,18 +173,13 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         index, name, rest = as_dtype(key, "i32"), "to_entry", None
         past = Value(w.module.num_words(target.read.type.by[0]), "i32")
     else:
-        index, name, rest, past = target.who.number, _place(target.who), key, _past_the_end(target.who, w)
+        index, name, rest, past = target.who.number, _place(target.who), key, past_the_end(target.who, w)
     axes = union(index.axes, *(x.axes for x in (scope.mask, rest, value) if x is not None))
     at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
     keys = (at.node, *([] if rest is None else [aligned(rest, axes)]))
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
     w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
-
-
-def _past_the_end(who: Variable, w: Writer) -> Value:
-    """Returns the number after that of the last agent, or cell of its kinds: what is written there is dropped."""
-    return Value(state_reads.total_extent(who, w), "i32")
 
 
 def _place(who: Variable) -> str:
@@ -334,7 +267,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
         sets = _folded([aligned(key, axes) for key in keys], at.node, sizes, w)
     else:
         axes = union(who.number.axes, member.axes, *(k.axes for k in keys), mask_axes)
-        at = Value(spread(select(scope.mask, who.number, _past_the_end(who, w)), axes), "i32", axes)
+        at = Value(spread(select(scope.mask, who.number, past_the_end(who, w)), axes), "i32", axes)
         places = [w.keep(_place(who), at).node, *(aligned(key, axes) for key in keys)]
         extents = [state_reads.total_extent(who, w), *sizes]
         itself = joining.axis if isinstance(joining, AgentVar) else None

@@ -187,6 +187,8 @@ class Writer:
     added: dict[str, list[Value]] = field(default_factory=dict)
     marked: dict[Name, int] = field(default_factory=dict)
     joined: dict[str, list[Expression]] = field(default_factory=dict)
+    several_lots: frozenset[tuple[str, str]] = frozenset()
+    best_ranks: dict[str, Name] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.module.writer = self

@@ -6,6 +6,7 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Tried
 class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
     says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
     hints = (
+        "{lot}",
         "{accepted}",
         "write two phases; or pair them with `match`; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
     )
@@ -13,6 +14,7 @@ class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
     owner: str
     phase: str
     accepted: Tried | str = ""
+    lot: str = ""
 
 
 class AddAndSet(Diagnostic, code="SJ402", title="Set and add in one phase"):
