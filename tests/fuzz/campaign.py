@@ -14,6 +14,8 @@ from random import Random
 import jax
 
 from sjdsl.factory import load_module
+from tests.fuzz import constructs
+from tests.fuzz.constructs import constructs_of
 from tests.fuzz.coverage import Grammar, rule_parts_used, table
 from tests.fuzz.judge import Verdict, judge
 from tests.fuzz.kept import RUNS, keep
@@ -34,6 +36,7 @@ def main() -> None:
     counts: Counter[str] = Counter()
     sorts: dict[str, list[int]] = {}
     parts: Counter[str] = Counter()
+    found: Counter[str] = Counter()
     grammar = Grammar()
     begun = time.process_time()
     for number in range(given.seed, given.seed + given.examples):
@@ -46,12 +49,14 @@ def main() -> None:
                     report(made, verdict, number, given)
             elif verdict.accepted and verdict.game is not None and given.coverage:
                 parts += rule_parts_used(verdict.game)
+                found.update(constructs_of(verdict.game))
         if given.coverage:
             grammar.read(made)
         if number % 10 == 9:
             forget()
             print(f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
-    print(*table(grammar, parts) if given.coverage else (), sep="\n")
+    if given.coverage:
+        print(*table(grammar, parts), *constructs.table(found, counts["accepted"]), sep="\n")
     for sort, numbers in sorts.items():
         print(f"{len(numbers)} times {sort}: seeds {numbers[:10]}")
 

@@ -1,8 +1,14 @@
-"""Random programs use every alternative of the grammar."""
+"""Random programs use every alternative of the grammar, and every construct that a campaign counts."""
 
 from random import Random
 
+import pytest
+
+from sjdsl.compiler import build
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from tests.fuzz.constructs import CONSTRUCTS, constructs_of
 from tests.fuzz.coverage import Grammar
+from tests.fuzz.judge import written
 from tests.fuzz.programs import program
 
 NEVER = {
@@ -27,3 +33,16 @@ def test_every_alternative_of_the_grammar_is_used() -> None:
             break
     assert set(grammar.missing()) == set(NEVER)
     assert len(grammar.alternatives) > 300
+
+
+@pytest.mark.thorough
+def test_every_construct_is_in_an_accepted_program() -> None:
+    left = set(CONSTRUCTS)
+    for seed in range(400):
+        if left:
+            with written(program(Random(seed))) as source:
+                try:
+                    left -= constructs_of(build(source).game)
+                except CompileError:
+                    continue
+    assert left == set()

@@ -16,11 +16,12 @@ game every_draw "Every kind of draw, each kept where it can be counted" {
     field burden : { light, middle, heavy } = light
     field picked : { no, yes } = no
     field some   : { no, yes } = no
+    field part   : reward
   }
   kind ring  "r"
   kind home  "h"
   kind gate  "g"
-  kind den   "d" { field guest : agent }
+  kind den   "d" { field guest : agent  field taker : agent }
   kind gap   "."
   map { "fFfFf.r.ggg"
         "FfFfFrrrggg"
@@ -36,7 +37,7 @@ game every_draw "Every kind of draw, each kept where it can be counted" {
   }
 
   phase start { each agent { send agent to home } }
-  schedule tick -> come_back -> chances -> numbers -> pick_one -> pick_some -> meet -> walk -> note -> leave
+  schedule tick -> come_back -> chances -> numbers -> pick_one -> pick_some -> meet -> lots -> walk -> note -> leave
 
   phase come_back {  # before they are sent again, at once
     each agent on den as place {
@@ -59,16 +60,21 @@ game every_draw "Every kind of draw, each kept where it can be counted" {
       draw wide from 0 .. 999
       draw colour from { red, green, blue }
       draw burden from { light: 0.15, middle: 0.6, heavy: 0.25 }
+      draw part from -1.0 .. 3
       set floor.number = number
       set floor.wide = wide
       set floor.colour = colour
       set floor.burden = burden
+      set floor.part = part
     }
   }
   phase pick_one { pick 1 floor where floor.sort is high { set floor.picked = yes } }
   phase pick_some { pick 3 floor where floor.sort is low { set floor.some = yes } }
   phase meet {
     match agent as one with agent as two where one.index < 4 and two.index < 4 { set one.partner = two }
+  }
+  phase lots {
+    each den as place { each agent as one where one.index < 4 { set place.taker = one by lot } }
   }
   phase walk { move each agent }
   phase note { each agent where agent.moved { set agent.came = yes } }

@@ -1,5 +1,6 @@
 """Steps of one game from one state with very many keys, and what each came to, as small whole numbers by name."""
 
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,20 @@ import sjdsl
 STEPS, ENVIRONMENTS = 16, 4096  # as a rollout has them
 FORWARD, STEP_RIGHT, BACKWARD, STEP_LEFT = 1, 2, 3, 4
 AROUND = ((0, 6, BACKWARD), (1, 7, STEP_LEFT), (2, 6, FORWARD), (1, 5, STEP_RIGHT))  # four agents who all enter one cell
+HENS = ((1, 1), (1, 5), (1, 9))  # four open cells around each
+PAWNS = ((3, 3), (3, 5))  # face each other, with one cell between them
+EAST, WEST = 1, 3
 Outcomes = dict[str, np.ndarray]
 
 
 @cache
 def game() -> sjdsl.Environment:
     return sjdsl.make(Path(__file__).with_name("every_draw.sj"))
+
+
+@cache
+def strays() -> sjdsl.Environment:
+    return sjdsl.make(Path(__file__).with_name("strays.sj"))
 
 
 def rollout_keys(seed: int) -> jax.Array:
@@ -53,6 +62,7 @@ def _one(key: jax.Array) -> dict[str, jax.Array]:
     back = env.step_env(jax.random.fold_in(key, 1), after, jnp.zeros(6, jnp.int32))[1]
     fields = {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("hit", "tabled", "chain", "number", "wide")}
     fields |= {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("colour", "burden", "picked", "some")}
+    fields["part"] = jnp.floor((after.floor_part + 1) * 5).astype(jnp.int32)  # a twentieth of -1 .. 3 each
     place, again = (_cells(env, s) for s in (after, back))
     return {
         **fields,
@@ -64,6 +74,8 @@ def _one(key: jax.Array) -> dict[str, jax.Array]:
         "returned heading": back.agent_faced[4:].astype(jnp.int32),
         "den again": again[4:],
         "heading again": back.heading[4:],
+        "taker": after.den_taker.astype(jnp.int32),
+        **_of_movers(key),
     }
 
 
@@ -71,8 +83,25 @@ def start(env: sjdsl.Environment) -> Any:
     """Returns the state before: four around a cell, two at home."""
     state = env.module.initial_state()
     where = [(row, col) for row, col, _ in AROUND] + [(3, 0), (3, 1)]
-    cells = [(row + env.module.PAD) * env.module.FRAME[1] + col + env.module.PAD for row, col in where]
-    return state.replace(position=jnp.asarray(cells, state.position.dtype))
+    return state.replace(position=_positions(env, where, state))
+
+
+def _of_movers(key: jax.Array) -> dict[str, jax.Array]:
+    """Takes one step of the game of movers: the direction that each hen took, and which of the two pawns came to the cell between them."""
+    env = strays()
+    state = env.module.initial_state()
+    facing = jnp.asarray([EAST, WEST], state.pawn_heading.dtype)
+    hens, pawns, agent = (_positions(env, cells, state) for cells in (HENS, PAWNS, [(0, 0)]))
+    state = state.replace(position=agent, hen_position=hens, pawn_position=pawns, pawn_heading=facing)
+    after = env.step_env(key, state, jnp.zeros(1, jnp.int32))[1]
+    moved = after.pawn_position != state.pawn_position
+    return {"strayed": after.hen_heading.astype(jnp.int32), "pushed": moved.astype(jnp.int32)}
+
+
+def _positions(env: sjdsl.Environment, cells: Sequence[tuple[int, int]], state: Any) -> jax.Array:
+    """Returns cells of the map as a state has them."""
+    numbers = [(row + env.module.PAD) * env.module.FRAME[1] + col + env.module.PAD for row, col in cells]
+    return jnp.asarray(numbers, state.position.dtype)
 
 
 def _cells(env: sjdsl.Environment, state: Any) -> jax.Array:

@@ -9,9 +9,10 @@ from tests.statistics.chi_square import assert_independent
 from tests.statistics.many import outcomes
 
 KEYS = ("rollout", "counted")
-PER_CELL = ("hit", "tabled", "chain", "number", "wide", "colour", "burden")
-OF_AGENTS = ("partner", "came", "gate", "heading", "den", "returned heading", "den again", "heading again")
-PAIRS = list(combinations((*PER_CELL, "picked", "some", *OF_AGENTS), 2))
+PER_CELL = ("hit", "tabled", "chain", "number", "wide", "colour", "burden", "part")
+COARSER = {"wide": 100, "part": 5}  # so many classes taken as one
+OF_AGENTS = ("partner", "came", "gate", "heading", "den", "returned heading", "den again", "heading again", "taker", "strayed")
+PAIRS = list(combinations((*PER_CELL, "picked", "some", *OF_AGENTS, "pushed"), 2))
 
 
 def classes(keys: str) -> dict[str, np.ndarray]:
@@ -20,7 +21,7 @@ def classes(keys: str) -> dict[str, np.ndarray]:
     for name in ("picked", "came"):
         found[name] = outcomes(keys)[name].argmax(axis=-1)
     found["some"] = outcomes(keys)["some"].argmax(axis=-1)
-    found["wide"] = found["wide"] // 100
+    found |= {name: found[name] // of for name, of in COARSER.items()}
     return {name: np.unique(value, return_inverse=True)[1].reshape(value.shape) for name, value in found.items()}
 
 
@@ -59,7 +60,7 @@ def test_of_two_rules(keys: str) -> None:
 @pytest.mark.parametrize("name", PER_CELL)
 def test_of_two_neighbouring_instances(name: str, keys: str) -> None:
     """Two words that lie side by side are made by one call of the generator."""
-    value = outcomes(keys)[name] // (100 if name == "wide" else 1)
+    value = outcomes(keys)[name] // COARSER.get(name, 1)
     for first in (0, 1):
         pairs = table(value[..., first:-1:2], value[..., first + 1 :: 2])
         assert_independent(merged(pairs), finds=0.025, tests=2)

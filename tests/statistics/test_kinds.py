@@ -18,6 +18,7 @@ PER_CELL = {
     "wide": (1 / 1000,) * 1000,
     "colour": (1 / 3,) * 3,
     "burden": (0.15, 0.6, 0.25),
+    "part": (1 / 20,) * 20,
 }
 
 
@@ -99,3 +100,24 @@ def test_headings(keys: str) -> None:
     for name, agents in (("heading", 4), ("returned heading", 2), ("heading again", 2)):
         possible = [tuple(way) for way in np.ndindex(*(4,) * agents)]
         assert_distribution(ways(outcomes(keys)[name], possible), None, finds=0.07)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_lots(keys: str) -> None:
+    """Four would write each of six fields, one of them does: each equally often, in every cell."""
+    taker = outcomes(keys)["taker"]
+    assert_distribution(np.bincount(taker.reshape(-1), minlength=4), (1 / 4,) * 4, finds=0.02)
+    cells = taker.reshape(-1, taker.shape[-1]).T
+    assert_independent(np.stack([np.bincount(cell, minlength=4) for cell in cells]), finds=0.02)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_movers_at_random(keys: str) -> None:
+    """Three movers with four open cells each: 64 ways."""
+    assert_distribution(ways(outcomes(keys)["strayed"], list(np.ndindex(4, 4, 4))), None, finds=0.05)
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_sent_to_one_cell(keys: str) -> None:
+    """Two are sent by one cell to the same place: one of them comes there, each equally often."""
+    assert_distribution(ways(outcomes(keys)["pushed"], [(1, 0), (0, 1)]), None, finds=0.035)
