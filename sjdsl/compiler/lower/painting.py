@@ -42,8 +42,10 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
 
 def shown_movers(sort: ir.Movers, game: ir.Game) -> int:
     """Returns how many movers of a sort are told apart: 1 if only their presence is seen, 0 if nothing is."""
-    fields = [s.field for s in game.observables if s.what == "mover" and s.kind == sort.name]
-    return sort.number if any(fields) else len(fields)
+    shown = [s for s in game.observables if s.what == "mover" and s.kind == sort.name]
+    conditions = [c for s in shown for c in (s.hidden_when, s.shown_when) if c is not None]
+    asked = any(isinstance(n, ir.Member) and n.who == "mover" for c in conditions for n in ir.walk(c))
+    return sort.number if asked or any(s.field for s in shown) else min(len(shown), 1)
 
 
 def _bits(values: int) -> int:
