@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser check bench gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser studio-page check bench gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -50,6 +50,10 @@ test-browser: .venv/ready
 	  { echo 'these tests want Chromium: apt-get install chromium'; exit 1; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
 	$(PYTEST) -o addopts=-q tests/browser
+
+# The script of the studio's page, from editors/studio; needs npm.
+studio-page:
+	cd editors/studio && npm ci --no-audit --no-fund && npm run build
 
 # mypy finds `sjdsl.trainers` where it is when installed: inside sjdsl.
 types: .venv/ready

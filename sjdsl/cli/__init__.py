@@ -37,6 +37,7 @@ COMMANDS = {
     "replay": "Show a recorded episode.",
     "report": "Make tables and pictures of results, beside the published ones.",
     "schelling": "Plot what cooperators and defectors earn, and test for a dilemma.",
+    "studio": "Write and play a game in the browser.",
     "sweep": "Train in a grid of configurations and games.",
     "test": "Test the checks of a game.",
     "trace": "Print what happens in a game, rule by rule and draw by draw.",

@@ -31,6 +31,7 @@ EXAMPLES = {
         "sjdsl schelling coins --cooperators cooperator --defectors defector",
         "sjdsl schelling coins --cooperators runs/common --defectors runs/individual -o runs/diagram",
     ),
+    "studio": ("sjdsl studio my_game.sj", "sjdsl studio --port 9000 --no-browser"),
     "sweep": (
         "sjdsl sweep coins --axis reward=individual,common --preset two_cores --run runs/rewards",
         "sjdsl sweep coins --protocol exchange --preset two_cores --run runs/exchange --dry-run",

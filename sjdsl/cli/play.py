@@ -18,7 +18,8 @@ from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.replay import save_recording
 from sjdsl.screen.interpreted import Interpreted
-from sjdsl.screen.session import Choose, Prepared, Session, policy_choice, random_choice, scripted_choice, stay_choice
+from sjdsl.screen.session import Choose, Prepared, Session, choice_of, policy_choice
+from sjdsl.trace.choices import no_actions, random_actions, scripted_actions
 from sjdsl.trainers.policy_names import UNTRAINED
 
 if TYPE_CHECKING:
@@ -121,8 +122,8 @@ def _choice_of(others: str, game: "ir.Game", seed: int) -> "Choose":
 
     check_policy(others, game)
     if any(policy.name == others for policy in game.policies):
-        return scripted_choice(game, others, seed)
-    return random_choice(game, seed) if others == "random" else stay_choice(game)
+        return choice_of(scripted_actions(game, others, seed))
+    return choice_of(random_actions(game, seed) if others == "random" else no_actions(game))
 
 
 def _trained_choice(others: str, env: "Environment", seed: int) -> "Choose":

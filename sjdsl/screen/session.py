@@ -5,14 +5,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
-from sjdsl.compiler import ir
-from sjdsl.interpreter.threefry import Threefry
-from sjdsl.policies.interpreted import choose
 from sjdsl.replay.recording import Recording
 from sjdsl.screen.display import Display
-from sjdsl.trace.jax_random import fold_in, key_of, random_numbers
-
-OTHERS = 2**32 - 1  # folded into the seed's key for the others' choices: the steps have 0, 1, 2, …
+from sjdsl.trace.choices import OTHERS, Chosen
 
 
 class Player(Protocol):
@@ -87,29 +82,9 @@ class Session:
         return Recording(environment=dict(environment), hash=game_hash, seed=seed, actions=actions, returns=returns)
 
 
-def random_choice(game: ir.Game, seed: int) -> Choose:
-    """Returns who draws every action with equal probability, as `sjdsl.render.random_policy` does."""
-    key, count, actions = fold_in(key_of(seed), OTHERS), game.agents.number, len(game.agents.actions)
-    return lambda number, _player: random_numbers(fold_in(key, number), count, actions)
-
-
-def stay_choice(game: ir.Game) -> Choose:
-    """Returns who does nothing."""
-    stay = [game.agents.actions.index("stay")] * game.agents.number
-    return lambda _number, _player: stay
-
-
-def scripted_choice(game: ir.Game, name: str, seed: int) -> Choose:
-    """Returns who follows a policy of the game's file: what `sjdsl.policies.compiled.scripted_policy` does in the compiled game."""
-    policy = next(policy for policy in game.policies if policy.name == name)
-    key, agents = fold_in(key_of(seed), OTHERS), range(game.agents.number)
-
-    def choose_all(number: int, player: Player) -> list[int]:
-        draws = Threefry(*fold_in(key, number))
-        bits = [(draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1)) for agent in agents]
-        return [choose(policy, game, player.display.world, agent, bits[agent]) for agent in agents]
-
-    return choose_all
+def choice_of(chosen: Chosen) -> Choose:
+    """Returns who does what is known from the state alone, as `sjdsl.trace.choices` has it."""
+    return lambda number, player: chosen(number, player.display.world)
 
 
 def policy_choice(env: Any, policy: Any, seed: int) -> Choose:

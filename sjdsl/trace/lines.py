@@ -1,6 +1,6 @@
 """Prints a trace: each step turn by turn, each turn rule by rule."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
@@ -53,11 +53,11 @@ def moment_lines(moment: Moment, teller: Teller) -> Iterator[str]:
 
 def turn_lines(turn: Told, teller: Teller) -> Iterator[str]:
     """Yields the lines of one turn of the schedule: its rules, what each changed and by which draws."""
-    effects = [effect for effect in turn.effects if effect.sort != "moved"]  # the places tell
+    found = list(rules_with_effects(turn))
     idle = list(_idle_lines(turn, teller)) if teller.everything else []
-    if effects or idle:
+    if found or idle:
         yield f"  {turn.label}"
-    for rule, together in _by_rule(effects):
+    for rule, together in found:
         if rule is not None:
             yield f"{RULE}  {_rule(rule, teller.rules)}"
         for effect in together:
@@ -65,10 +65,12 @@ def turn_lines(turn: Told, teller: Teller) -> Iterator[str]:
     yield from idle
 
 
-def _by_rule(effects: Sequence[Effect]) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
-    """Yields the rules in the order in which they come first, each with its effects."""
+def rules_with_effects(turn: Told) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
+    """Yields the rules of a turn in the order in which they come first, each with its effects."""
     found: dict[int, tuple[ir.Stmt | None, list[Effect]]] = {}
-    for effect in effects:
+    for effect in turn.effects:
+        if effect.sort == "moved":  # the places tell
+            continue
         rule = effect.by[0].statement if effect.by else None
         found.setdefault(id(rule), (rule, []))[1].append(effect)
     yield from found.values()

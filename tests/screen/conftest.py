@@ -9,7 +9,8 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.state import default_params
 from sjdsl.screen.interpreted import Interpreted
-from sjdsl.screen.session import Session, random_choice, stay_choice
+from sjdsl.screen.session import Session, choice_of
+from sjdsl.trace.choices import no_actions, random_actions
 
 ORCHARD = Path(__file__).parent / "orchard.sj"
 Begin = Callable[..., Session]
@@ -25,7 +26,7 @@ def begin(orchard: ir.Game) -> Begin:
     """Returns how a session begins: the seed, who is steered, how many steps, whether the others act at random."""
 
     def session(seed: int = 3, agent: int | None = 0, steps: int = 12, at_random: bool = False) -> Session:
-        choose = random_choice(orchard, seed) if at_random else stay_choice(orchard)
+        choose = choice_of(random_actions(orchard, seed) if at_random else no_actions(orchard))
         return Session(Interpreted(orchard, default_params(orchard), seed), choose, agent, steps)
 
     return session

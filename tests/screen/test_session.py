@@ -12,7 +12,8 @@ from sjdsl.render import random_policy
 from sjdsl.replay import EpisodePlayer
 from sjdsl.runtime.env import Environment
 from sjdsl.screen.compiled import Compiled
-from sjdsl.screen.session import policy_choice, random_choice, scripted_choice
+from sjdsl.screen.session import choice_of, policy_choice
+from sjdsl.trace.choices import random_actions, scripted_actions
 from sjdsl.trace.jax_random import fold_in, key_of
 from tests.screen.conftest import ORCHARD, Begin
 
@@ -53,14 +54,14 @@ def test_the_interpreter_plays_the_episode_of_the_compiled_game(begin: Begin, en
 
 
 def test_the_others_draw_what_the_random_policy_draws(orchard: ir.Game, env: Environment) -> None:
-    ours, theirs = random_choice(orchard, SEED), policy_choice(env, random_policy(env), SEED)
+    ours, theirs = choice_of(random_actions(orchard, SEED)), policy_choice(env, random_policy(env), SEED)
     player = Compiled(env, default_params(orchard), 0)
     assert [list(ours(number, player)) for number in range(20)] == [theirs(number, player) for number in range(20)]
 
 
 def test_the_others_follow_a_policy_of_the_file_as_the_compiled_game_does(orchard: ir.Game, env: Environment) -> None:
     """Draw by draw."""
-    ours, theirs = scripted_choice(orchard, "eater", SEED), policy_choice(env, scripted_policy(env, "eater"), SEED)
+    ours, theirs = choice_of(scripted_actions(orchard, "eater", SEED)), policy_choice(env, scripted_policy(env, "eater"), SEED)
     player, chosen = Compiled(env, default_params(orchard), SEED), set()
     for number in range(12):
         actions = ours(number, player)

@@ -3,54 +3,45 @@
 
 const MARKED = 0.5; // how much of a cell the colour of a mark covers
 
-class Board {
-  // data: as `sjdsl/render/episode_data.py` writes it.
-  constructor(canvas, data) {
-    this.canvas = canvas;
-    this.data = data;
-    this.images = [];
-    this.frames = allCells(data);
-  }
+// Draws one moment so that it fits into `width` pixels of the page; cells never get larger than their pictures.
+// map: height, width in cells, size of a picture in pixels, marks; cells: the picture of each cell; moment: its marks and figures.
+function paintBoard(canvas, map, images, cells, moment, width) {
+  const density = window.devicePixelRatio || 1;
+  const cell = Math.max(2, Math.min(map.size, Math.floor((width * density) / map.width)));
+  const put = (picture, row, col) => pen.drawImage(images[picture], col * cell, row * cell, cell, cell);
+  canvas.width = cell * map.width;
+  canvas.height = cell * map.height;
+  canvas.style.width = `${canvas.width / density}px`;
+  const pen = canvas.getContext("2d");
+  cells.forEach((picture, at) => put(picture, Math.floor(at / map.width), at % map.width));
+  pen.globalAlpha = MARKED;
+  moment.marks.forEach((marked, mark) => {
+    pen.fillStyle = map.marks[mark].colour;
+    marked.forEach((at) => pen.fillRect((at % map.width) * cell, Math.floor(at / map.width) * cell, cell, cell));
+  });
+  pen.globalAlpha = 1;
+  moment.figures.forEach(([picture, row, col]) => put(picture, row, col));
+}
 
-  // Resolves when all pictures can be drawn.
-  async load() {
-    this.images = await Promise.all(this.data.pictures.map(async (url) => {
-      const image = new Image();
-      image.src = url;
-      await image.decode();
-      return image;
-    }));
-  }
+// Resolves to a picture that can be drawn.
+async function loadPicture(url) {
+  const image = new Image();
+  image.src = url;
+  await image.decode();
+  return image;
+}
 
-  // Draws the moment of a number so that it fits into `width` pixels of the page; cells never get larger than their pictures.
-  draw(number, width) {
-    const { data, canvas } = this;
-    const density = window.devicePixelRatio || 1;
-    const cell = Math.max(2, Math.min(data.size, Math.floor((width * density) / data.width)));
-    canvas.width = cell * data.width;
-    canvas.height = cell * data.height;
-    canvas.style.width = `${canvas.width / density}px`;
-    const pen = canvas.getContext("2d");
-    const moment = data.moments[number];
-    this.frames[number].forEach((picture, at) => {
-      pen.drawImage(this.images[picture], (at % data.width) * cell, Math.floor(at / data.width) * cell, cell, cell);
-    });
-    pen.globalAlpha = MARKED;
-    moment.marks.forEach((cells, mark) => {
-      pen.fillStyle = data.marks[mark].colour;
-      cells.forEach((at) => pen.fillRect((at % data.width) * cell, Math.floor(at / data.width) * cell, cell, cell));
-    });
-    pen.globalAlpha = 1;
-    moment.figures.forEach(([picture, row, col]) => pen.drawImage(this.images[picture], col * cell, row * cell, cell, cell));
-  }
+// Writes the pictures of the cells that changed, [cell, picture, cell, picture, …], over those of before.
+function changeCells(cells, changed) {
+  for (let i = 0; i < changed.length; i += 2) cells[changed[i]] = changed[i + 1];
 }
 
 // Returns for each moment the picture of each cell; the data has only those that changed.
 function allCells(data) {
   let last = new Uint16Array(data.height * data.width);
-  return data.moments.map(({ cells }) => {
-    if (cells.length) last = last.slice();
-    for (let i = 0; i < cells.length; i += 2) last[cells[i]] = cells[i + 1];
+  return data.moments.map((moment) => {
+    if (moment.cells.length) last = last.slice();
+    changeCells(last, moment.cells);
     return last;
   });
 }

@@ -11,8 +11,8 @@ async function showEpisode(root, data) {
     return;
   }
   find("title").textContent = data.title;
-  const board = new Board(find("board"), data);
-  await board.load();
+  const images = await Promise.all(data.pictures.map(loadPicture));
+  const cells = allCells(data);
   const last = data.moments.length - 1;
   let number = 0, timer = null;
   const rows = agentRows(find("agents"), data);
@@ -27,7 +27,7 @@ async function showEpisode(root, data) {
   function show(wanted) {
     number = Math.min(last, Math.max(0, wanted));
     const moment = data.moments[number];
-    board.draw(number, find("stage").clientWidth);
+    paintBoard(find("board"), data, images, cells[number], moment, find("stage").clientWidth);
     scrub.value = number;
     find("step").textContent = `step ${moment.step}` + (moment.done ? ", the episode is over" : "");
     rows.forEach((row, agent) => row(moment, agent));

@@ -1,0 +1,296 @@
+// The studio: the text on the left, the board in the middle, what is asked for on the right.
+
+import { EditorState } from "@codemirror/state";
+import { EditorView, keymap } from "@codemirror/view";
+import { basicSetup } from "codemirror";
+import { Bench } from "./bench.js";
+import { Board } from "./board.js";
+import { element, find } from "./dom.js";
+import { Files } from "./files.js";
+import { connectLanguage, languageOf } from "./language.js";
+import { ASKED, LASTING, PANELS, fill } from "./panels.js";
+
+const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
+const socket = (path) => `ws://${location.host}${path}?token=${encodeURIComponent(meta("token"))}`;
+const files = new Files(meta("token"));
+const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", ",": "comma", ".": "full_stop", " ": "space", Enter: "enter" };
+
+const open = { path: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, opened: false };
+const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
+let view = null, language = null;
+
+const bench = new Bench(socket("/bench"), { onLost: lost, onOpen: () => sendText(false) });
+const beside = new Bench(socket("/bench"), { onLost: () => {}, onOpen: () => { beside.stale = true; refreshPanel(); } }); // for what takes long
+beside.stale = true;
+const board = new Board(find("board"), find("stage"), {
+  onCell: (row, col) => { shown.cell = [row, col]; shown.agent = board.agentAt([row, col]) ?? shown.agent; board.choose(row, col); find("board").focus(); refreshPanel(); },
+  onPut: (agent, row, col) => ask({ do: "put", agent, row, col }),
+});
+
+// ---- the text
+
+async function openFile(path) {
+  const file = await files.read(path);
+  if (file.refused) return say(file.refused);
+  Object.assign(open, { path, digest: file.digest, saved: file.text, variants: [], params: {}, opened: false });
+  find("files").value = path;
+  document.title = `${path} · sjdsl studio`;
+  makeEditor(file.text);
+  sendText(true);
+}
+
+function makeEditor(text) {
+  if (view) view.destroy();
+  const changed = EditorView.updateListener.of((update) => {
+    if (update.docChanged) { markUnsaved(); sendText(false); }
+    if (update.selectionSet && shown.panel === "python") markPython();
+  });
+  const speak = language ? languageOf(language, uriOf(open.path)) : [];
+  view = new EditorView({
+    state: EditorState.create({ doc: text, extensions: [basicSetup, keymap.of([{ key: "Mod-s", run: () => { save(); return true; } }]), changed, speak] }),
+    parent: find("text"),
+  });
+  markUnsaved();
+}
+
+const text = () => view.state.doc.toString();
+const uriOf = (path) => `${meta("root")}/${path.split("/").map(encodeURIComponent).join("/")}`;
+
+function sendText(fresh) {
+  if (!view || !bench.isOpen) return;
+  const version = ++open.version;
+  const request = { version, path: open.path, text: text(), variants: open.variants, params: open.params, fresh };
+  bench.text(request, (answer) => {
+    if (answer.lost) return sendText(false);
+    beside.stale = true;
+    find("verdict").textContent = answer.refused ?? (answer.compiles ? "" : `${answer.errors} error${answer.errors > 1 ? "s" : ""}: the board shows the last rules that compiled`);
+    document.body.dataset.version = answer.version;
+    document.body.dataset.compiles = answer.compiles;
+    if (answer.refused || !answer.compiles) return;
+    if (answer.left && answer.game.left.length) say(`no longer numbers of this game: ${answer.game.left.join(", ")}`);
+    showGame(answer.game);
+    showScene(answer);
+    refreshPanel();
+  });
+}
+
+async function save() {
+  const sent = text();
+  const answer = await files.write(open.path, sent, open.digest);
+  if (answer.changed) return askAboutChange(answer.refused, sent);
+  if (answer.refused) return say(answer.refused);
+  Object.assign(open, { digest: answer.digest, saved: sent });
+  say("");
+  markUnsaved();
+}
+
+function askAboutChange(reason, sent) {
+  const theirs = element("button", { onclick: () => openFile(open.path) }, "Open theirs, and lose mine");
+  const mine = element("button", { onclick: async () => { open.digest = (await files.read(open.path)).digest ?? null; save(sent); } }, "Write mine over it");
+  find("message").replaceChildren(`${reason}. `, theirs, mine);
+}
+
+function markUnsaved() {
+  find("save").disabled = !view || text() === open.saved;
+}
+
+function toLine(number) {
+  const line = view.state.doc.line(Math.min(number, view.state.doc.lines));
+  view.dispatch({ selection: { anchor: line.from }, effects: EditorView.scrollIntoView(line.from, { y: "center" }) });
+  view.focus();
+}
+
+// ---- the board
+
+function showGame(game) {
+  open.game = game;
+  find("title").textContent = game.title;
+  options(find("variant"), [["", "as it is"], ...game.variants], game.chosen.join("+"));
+  options(find("others"), game.policies.map((name) => [name, name]), game.others);
+  const nobody = shown.driven === null || shown.driven >= game.agents;
+  if (nobody) shown.driven = null;
+  options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], nobody ? "" : String(shown.driven));
+  find("seed").value = game.seed;
+  showNumbers(game.numbers);
+  board.begin(game);
+  shown.agent = Math.min(shown.agent, game.agents - 1);
+}
+
+function options(select, pairs, chosen) {
+  select.replaceChildren(...pairs.map(([value, text]) => new Option(text ? (value && text !== value ? `${value}: ${text}` : text) : value, value, false, value === chosen)));
+}
+
+function showNumbers(numbers) {
+  if (find("numbers").contains(document.activeElement)) return;
+  find("numbers").replaceChildren(...numbers.map((number) => {
+    const ranged = number.low !== null && number.high !== null;
+    const step = number.whole ? 1 : ranged ? (number.high - number.low) / 100 : "any";
+    const value = element("output", {}, String(Number(number.value.toPrecision(6))));
+    const input = element("input", { type: ranged ? "range" : "number", min: number.low, max: number.high, step, value: number.value, "aria-label": number.name, oninput: () => {
+      const chosen = Number(input.value);
+      value.textContent = String(Number(chosen.toPrecision(6)));
+      open.params = { ...open.params, [number.name]: chosen };
+      ask({ do: "number", name: number.name, value: chosen });
+      beside.stale = true;
+    } });
+    return element("label", {}, element("span", {}, `${number.name} (${number.unit})`), input, value);
+  }));
+}
+
+async function ask(request) {
+  const answer = await bench.ask(request);
+  if (answer.lost) sendText(false);
+  if (answer.refused) { shown.running = false; markRunning(); return say(answer.refused); }
+  say("");
+  if (answer.scene) { showScene(answer); refreshPanel(); }
+}
+
+function showScene(answer) {
+  Object.assign(shown, { at: answer.at, moments: answer.moments });
+  board.show(answer.scene, answer.pictures);
+  find("scrub").max = answer.moments - 1;
+  find("scrub").value = answer.at;
+  find("step").textContent = `step ${answer.scene.step}` + (answer.scene.done ? ", the episode is over" : "");
+  find("agents").replaceChildren(...answer.colours.map((colour, agent) => {
+    const swatch = element("span", { class: "swatch" });
+    swatch.style.background = colour;
+    const action = answer.scene.actions.length ? open.game.actions[answer.scene.actions[agent]] : "";
+    const cells = [[swatch, String(agent)], [action], [answer.scene.rewards[agent] || ""], [answer.scene.returns[agent]]];
+    return element("tr", { class: agent === shown.driven ? "driven" : "" }, ...cells.map((inner) => element("td", {}, ...inner.map((part) => part instanceof Node ? part : String(part)))));
+  }));
+  find("events").textContent = answer.scene.events.map(([name, count]) => `${name} ${Array.isArray(count) ? count.reduce((a, b) => a + b, 0) : count}`).join(" · ");
+}
+
+async function run() {
+  shown.running = !shown.running;
+  markRunning();
+  while (shown.running) {
+    const began = performance.now();
+    await ask({ do: "step" });
+    await board.drawn;
+    await new Promise((resolve) => setTimeout(resolve, Math.max(0, 1000 / Number(find("speed").value) - (performance.now() - began))));
+  }
+}
+
+function markRunning() {
+  find("run").textContent = shown.running ? "Pause" : "Run";
+}
+
+function stop() {
+  shown.running = false;
+  markRunning();
+}
+
+find("board").addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || !open.game) return;
+  const action = open.game.keys[KEYS[event.key] ?? event.key];
+  if (shown.driven === null || action === undefined) return;
+  event.preventDefault();
+  stop();
+  ask({ do: "step", actions: { [shown.driven]: action } });
+});
+find("run").addEventListener("click", run);
+find("back").addEventListener("click", () => { stop(); ask({ do: "go", to: shown.at - 1 }); });
+find("forward").addEventListener("click", () => { stop(); ask(shown.at + 1 < shown.moments ? { do: "go", to: shown.at + 1 } : { do: "step" }); });
+find("scrub").addEventListener("input", () => { stop(); ask({ do: "go", to: Number(find("scrub").value) }); });
+find("again").addEventListener("click", () => { stop(); ask({ do: "begin", seed: Number(find("seed").value) }); });
+find("seed").addEventListener("change", () => { stop(); ask({ do: "begin", seed: Number(find("seed").value) }); });
+find("others").addEventListener("change", () => ask({ do: "others", policy: find("others").value }));
+find("driven").addEventListener("change", () => { shown.driven = find("driven").value === "" ? null : Number(find("driven").value); find("board").focus(); showKeys(); });
+find("variant").addEventListener("change", () => { open.variants = find("variant").value ? find("variant").value.split("+") : []; sendText(false); });
+find("files").addEventListener("change", () => openFile(find("files").value));
+find("save").addEventListener("click", () => save());
+find("share").addEventListener("click", async () => {
+  const answer = await bench.ask({ do: "share" });
+  if (answer.refused) return say(answer.refused);
+  const link = element("a", { href: URL.createObjectURL(new Blob([answer.html], { type: "text/html" })), download: answer.name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+});
+window.addEventListener("beforeunload", (event) => { if (view && text() !== open.saved) event.preventDefault(); });
+
+function showKeys() {
+  const names = Object.entries(open.game?.keys ?? {}).map(([key, action]) => `${key.replace("full_stop", ".").replace("comma", ",")} ${open.game.actions[action]}`);
+  find("keys").textContent = shown.driven === null ? "" : `Click on the board, then: ${names.join(", ")}`;
+}
+
+// ---- beside the board
+
+async function refreshPanel() {
+  const name = shown.panel, lasting = LASTING.has(name);
+  if (!open.game || (lasting && !beside.stale && beside.kept === name)) return;
+  const asked = { do: "panel", panel: ASKED[name] ?? name, agent: shown.agent };
+  if (name === "state" && shown.cell) Object.assign(asked, { row: shown.cell[0], col: shown.cell[1] });
+  if (lasting && beside.busy) { beside.again = true; return; }
+  if (lasting) await openBeside(name);
+  const answer = await (lasting ? beside : bench).ask(asked);
+  if (lasting) { beside.busy = false; if (beside.again) { beside.again = false; refreshPanel(); } }
+  if (name !== shown.panel) return;
+  if (answer.refused) return find("panel").replaceChildren(element("p", {}, answer.refused));
+  beside.kept = name;
+  const cell = shown.cell, agent = cell ? board.agentAt(cell) : null;
+  fill(find("panel"), name, { answer, cell, agent, toLine, line: lineHere(), count: open.game.agents, chooseAgent: (chosen) => { shown.agent = chosen; refreshPanel(); } });
+}
+
+async function openBeside(name) {
+  beside.busy = true;
+  beside.stale = false;
+  if (name === "checks") find("panel").replaceChildren(element("p", {}, "Playing the checks…"));
+  await beside.ask({ do: "text", version: open.version, path: open.path, text: text(), variants: open.variants, params: open.params });
+}
+
+function lineHere() {
+  return view ? view.state.doc.lineAt(view.state.selection.main.head).number : null;
+}
+
+function markPython() {
+  const line = String(lineHere());
+  let first = null;
+  for (const row of find("panel").querySelectorAll(".code")) {
+    const here = row.dataset.line === line;
+    row.classList.toggle("here", here);
+    if (here) first ??= row;
+  }
+  first?.scrollIntoView({ block: "nearest" });
+}
+
+for (const [name, title] of Object.entries(PANELS)) {
+  const tab = element("button", { role: "tab", "data-panel": name, "aria-selected": name === shown.panel }, title);
+  tab.addEventListener("click", () => {
+    shown.panel = name;
+    for (const other of find("tabs").children) other.setAttribute("aria-selected", other === tab);
+    find("panel").replaceChildren();
+    beside.kept = null;
+    refreshPanel();
+  });
+  find("tabs").append(tab);
+}
+
+// ---- messages, and the beginning
+
+function say(message) {
+  find("message").textContent = message;
+}
+
+function lost(gone) {
+  find("lost").hidden = !gone;
+}
+
+async function speak() {
+  try {
+    language = await connectLanguage(socket("/language"), () => { language = null; setTimeout(speak, 2000); });
+  } catch {
+    return setTimeout(speak, 5000);
+  }
+  if (view) {
+    const cursor = view.state.selection.main.head;
+    makeEditor(text());
+    view.dispatch({ selection: { anchor: cursor } });
+  }
+}
+
+const games = await files.games();
+options(find("files"), games.map((path) => [path, path]), meta("opened"));
+if (meta("opened") || games.length) openFile(meta("opened") || games[0]);
+else say("There is no .sj file in this folder: `sjdsl new my_game` makes one.");
+speak();

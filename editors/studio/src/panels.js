@@ -1,0 +1,97 @@
+// What stands beside the board: each panel is made of the answer to one request.
+
+import DOMPurify from "dompurify";
+import { marked } from "marked";
+import { element, table } from "./dom.js";
+
+export const PANELS = {
+  rules: "Rules in English",
+  why: "Why",
+  state: "State",
+  seen: "Seen",
+  python: "Python",
+  checks: "Checks",
+};
+export const ASKED = { why: "trace" }; // where the request has another name
+export const LASTING = new Set(["rules", "python", "checks"]); // depend on the text alone
+
+// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent }.
+export function fill(place, name, about) {
+  const made = { rules, why, state, seen, python, checks }[name](about);
+  place.replaceChildren(...(Array.isArray(made) ? made : [made]));
+}
+
+function rules({ answer }) {
+  const sheet = element("div", { class: "sheet" });
+  sheet.innerHTML = DOMPurify.sanitize(marked.parse(answer.markdown), { FORBID_TAGS: ["img", "style", "form"], FORBID_ATTR: ["style"] });
+  return sheet;
+}
+
+function python({ answer, toLine, line }) {
+  const rows = answer.lines.map(([text, from]) => {
+    const row = element("div", { class: "code" + (from !== null && from === line ? " here" : ""), "data-line": from }, text || " ");
+    if (from !== null) row.addEventListener("click", () => toLine(from));
+    return row;
+  });
+  return element("pre", {}, ...rows);
+}
+
+function why({ answer, cell, agent, toLine }) {
+  if (answer.step === null && !answer.turns.length) return element("p", {}, "Nothing has happened yet: take a step.");
+  const concerns = (effect) => !cell || effect.cells.some(([row, col]) => row === cell[0] && col === cell[1]) || effect.agent === agent;
+  const asked = cell ? `what concerns the cell (${cell[0]}, ${cell[1]})${agent === null ? "" : ` and agent ${agent}`}` : "everything";
+  const made = [element("p", { class: "hint" }, `The last step, ${asked}. Click on a cell of the board to ask about it.`)];
+  for (const turn of answer.turns) {
+    const found = turn.rules.map((rule) => ({ ...rule, effects: rule.effects.filter(concerns) })).filter((rule) => rule.effects.length);
+    if (!found.length) continue;
+    made.push(element("h3", {}, turn.phase));
+    for (const rule of found) {
+      const link = element("button", { class: "rule", disabled: rule.line === null, onclick: () => toLine(rule.line) }, `${rule.place}  ${rule.text}`);
+      const effects = rule.effects.flatMap((effect) => [element("li", {}, effect.said), ...effect.draws.map((draw) => element("li", { class: "draw" }, draw))]);
+      made.push(link, element("ul", {}, ...effects));
+    }
+  }
+  return made.length > 1 ? made : [...made, element("p", {}, "Nothing changed there.")];
+}
+
+function state({ answer }) {
+  const made = [];
+  if (answer.cell) {
+    made.push(element("h3", {}, `${answer.cell.kind} (${answer.cell.place.join(", ")})`));
+    made.push(answer.cell.values.length ? table(answer.cell.values) : element("p", {}, "This kind has no fields."));
+  } else made.push(element("p", { class: "hint" }, "Click on a cell of the board to see its fields."));
+  made.push(element("h3", {}, "World"), table(answer.world));
+  answer.agents.forEach((values, agent) => made.push(element("h3", {}, `Agent ${agent}`), table(values)));
+  answer.movers.forEach(([sort, number, values]) => made.push(element("h3", {}, `${sort} ${number}`), table(values)));
+  return made;
+}
+
+function seen({ answer, chooseAgent, count }) {
+  const choice = element("select", { onchange: (event) => chooseAgent(Number(event.target.value)) });
+  for (let agent = 0; agent < count; agent++) choice.append(new Option(`agent ${agent}`, agent, false, agent === answer.agent));
+  const made = [element("label", {}, "The observation of ", choice, ", plane by plane. Its heading points up.")];
+  for (const plane of answer.planes) {
+    const rows = plane.values.map((row) => element("tr", {}, ...row.map((value) => element("td", { title: meaning(plane, value), class: value ? "" : "zero" }, String(value)))));
+    made.push(element("h3", {}, plane.name), element("table", { class: "plane" }, element("tbody", {}, ...rows)));
+    const used = [...new Set(plane.values.flat())].sort((a, b) => a - b);
+    if (plane.encoding !== "number") made.push(element("p", { class: "hint" }, used.map((value) => `${value} ${meaning(plane, value)}`).join(", ")));
+  }
+  return made;
+}
+
+function meaning(plane, value) {
+  if (plane.encoding === "word") return plane.labels[value] ?? "";
+  if (plane.encoding === "bits") return plane.labels.filter((_, bit) => (value >> bit) & 1).join(" + ") || "nothing";
+  return String(value);
+}
+
+function checks({ answer, toLine }) {
+  if (!answer.verdicts.length) return element("p", {}, "This game has no checks.");
+  return answer.verdicts.map((verdict) => {
+    const rule = element("button", { class: "rule", disabled: verdict.line === null, onclick: () => toLine(verdict.line) }, verdict.text);
+    const told = [element("p", {}, element("b", { class: verdict.status.replace(" ", "-") }, verdict.status), `: ${verdict.reason}`)];
+    if (verdict.untested.length) told.push(element("p", {}, `Lines that never ran: ${verdict.untested.join("; ")}`));
+    if (verdict.trace.length) told.push(element("pre", {}, verdict.trace.join("\n")));
+    return element("section", {}, rule, ...told);
+  });
+}

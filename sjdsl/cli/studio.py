@@ -1,0 +1,66 @@
+"""`sjdsl studio`: shows a game's text beside its board, in the browser of this machine."""
+
+import socket
+import webbrowser
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from sjdsl.cache import cache_folder
+from sjdsl.studio.access import HOST, Access, kept_token
+
+PORT = 8421
+NEEDED = ("starlette", "uvicorn", "websockets", "pygls")
+
+
+@click.command("studio")
+@click.argument("game", required=False)
+@click.option("--port", type=click.IntRange(0, 65535), help=f"The port to listen on; by default {PORT}, or any if that is taken.")
+@click.option("--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]")
+def command(game: str | None, port: int | None, browser: bool) -> None:
+    """Opens the games of this folder in the browser: text, board, rules in words, generated code.
+
+    GAME is the `.sj` file to open first. The page is served to this machine alone, needs no internet, and writes a file only when you save
+    it. It needs the extra `sjdsl[studio]`.
+    """
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise click.ClickException(f"`sjdsl studio` needs {', '.join(missing)}; install it with: pip install 'sjdsl[studio]'")
+    folder = Path.cwd().resolve()
+    opened = None if game is None else _inside(game, folder)
+    import uvicorn
+
+    from sjdsl.studio.server import make_app
+
+    listening = _listen(port)
+    access = Access(listening.getsockname()[1], kept_token(cache_folder()))
+    click.echo(f"the studio is at {access.address}\nCtrl-C ends it")
+    if browser:
+        webbrowser.open(access.address)
+    settings = uvicorn.Config(make_app(folder, access, opened), log_level="warning", ws="websockets-sansio", ws_max_size=2**21)
+    uvicorn.Server(settings).run(sockets=[listening])
+
+
+def _inside(game: str, folder: Path) -> str:
+    """Returns the path of a game inside the folder."""
+    path = Path(game).resolve()
+    if not path.is_file():
+        raise click.ClickException(f"there is no file `{game}`; `sjdsl new NAME` makes a game")
+    if not path.is_relative_to(folder):
+        raise click.ClickException(f"`{game}` is outside this folder: start the studio in the game's own folder, {path.parent}")
+    return path.relative_to(folder).as_posix()
+
+
+def _listen(port: int | None) -> socket.socket:
+    """Returns a socket at a port; without one at the usual port, or at any that is free."""
+    for wanted in (port,) if port is not None else (PORT, 0):
+        listening = socket.socket()
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listening.bind((HOST, wanted))
+            return listening
+        except OSError as error:
+            listening.close()
+            said = error.strerror
+    raise click.ClickException(f"port {port} cannot be used: {said}; leave out --port for any that is free")

@@ -1,0 +1,254 @@
+"""The bench: one game, its episode, and an answer to each request of the page. Nothing here knows how messages travel."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, assert_never
+
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.interpreter.numbers import real
+from sjdsl.interpreter.overflow import LeavesFloat32
+from sjdsl.interpreter.state import Cell
+from sjdsl.interpreter.step import action_mask
+from sjdsl.parameters import param_values
+from sjdsl.render.episode_data import Artist
+from sjdsl.render.episode_page import make_page
+from sjdsl.render.look import make_look
+from sjdsl.screen.keys import action_keys
+from sjdsl.studio import requests as ask
+from sjdsl.studio.carried import carried
+from sjdsl.studio.episode import Episode, TooLong, begun, chooser, resumed
+from sjdsl.studio.opened import Choice, Opened, open_text
+from sjdsl.studio.panels import checks_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
+from sjdsl.trace.rules import Rules
+
+Answer = dict[str, Any]
+
+
+class Refused(Exception):
+    """A request cannot be done; the text says why, to the person who asked."""
+
+
+class Bench:
+    """One game and its episode. `folder`: where its maps and bases are.
+
+    Before a text has compiled there is neither; while a text does not compile, the last one that did is played on.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.opened: Opened | None = None
+        self.episode: Episode | None = None
+        self.seed, self.others = 0, "random"
+        self._artist: Artist | None = None
+        self._sent = 0
+
+    def answer(self, request: ask.AnyRequest) -> Answer:
+        """Returns what a request leads to; `refused` with the reason if it cannot be done."""
+        try:
+            found = self._done(request)
+        except (Refused, TooLong) as reason:
+            found = {"refused": str(reason)}
+        except LeavesFloat32 as left:
+            found = {"refused": self._overflow(left)}
+        return {"id": request.id, "do": request.do, **found}
+
+    def _done(self, request: ask.AnyRequest) -> Answer:
+        match request:
+            case ask.Text():
+                return self._text(request)
+            case ask.Step():
+                return self._step(request)
+            case ask.Go():
+                self._episode.go(request.to)
+            case ask.Begin():
+                self.seed = request.seed
+                self.episode = begun(self._opened.game, self._opened.values, self.seed)
+            case ask.Others():
+                self._choose(request.policy)
+            case ask.Number():
+                self._number(request)
+            case ask.Put():
+                self._put(request)
+            case ask.Panel():
+                return {"panel": request.panel, **self._panel(request)}
+            case ask.Share():
+                return self._share()
+            case _:
+                assert_never(request)
+        return self._scene()
+
+    # ---- the text
+
+    def _text(self, request: ask.Text) -> Answer:
+        """Opens a text; the answer says whether the state was kept. A text with errors leaves everything as it is."""
+        source = Source(request.path, request.text, (self.folder / request.path).parent)
+        try:
+            opened = open_text(source, Choice(request.variants, request.agents, request.params))
+        except CompileError as error:
+            return {"version": request.version, "compiles": False, "errors": sum(d.severity == "error" for d in error.diagnostics)}
+        before, self.opened = self.opened, opened
+        kept = None if request.fresh or before is None or self.episode is None else self._kept(before, opened)
+        self.episode = kept or begun(opened.game, opened.values, self.seed)
+        if self.others not in ("random", "stay", *(policy.name for policy in opened.game.policies)):
+            self.others = "random"
+        self._artist, self._sent = Artist(make_look(opened.game)), 0
+        return {"version": request.version, "compiles": True, "kept": kept is not None, "game": self._described(), **self._scene()}
+
+    def _kept(self, before: Opened, now: Opened) -> Episode | None:
+        """Returns the episode under the new rules: as it was if they are the same, else going on from the state that is shown."""
+        episode = self._episode
+        if game_hash(before.game) == game_hash(now.game) and before.values == now.values:
+            return replace(episode, game=now.game)
+        world = carried(before.game, episode.now.world, now.game, now.values)
+        return None if world is None else resumed(now.game, world, episode.returns[episode.at], self.seed)
+
+    def _described(self) -> Answer:
+        """Returns what the page has to know of a game."""
+        opened, game = self._opened, self._opened.game
+        return {
+            "title": game.title or game.name,
+            "height": len(game.rows),
+            "width": len(game.rows[0]),
+            "agents": game.agents.number,
+            "actions": list(game.agents.actions),
+            "keys": action_keys(game.agents.actions, game.agents.relative),
+            "policies": ["random", "stay", *(policy.name for policy in game.policies)],
+            "others": self.others,
+            "seed": self.seed,
+            "variants": [[v.name.text, v.title.text if v.title else ""] for v in opened.composition.variants.values()],
+            "chosen": list(opened.composition.chosen),
+            "numbers": [_number(p.name, p.type, opened.values[p.name]) for p in game.params if not p.type.by and p.type.kind != "word"],
+            "left": list(opened.left),
+            "marks": [{"label": label, "colour": "#{:02x}{:02x}{:02x}".format(*colour)} for label, colour in self._look.marks],
+            "checks": len(game.checks),
+        }
+
+    # ---- the episode
+
+    def _step(self, request: ask.Step) -> Answer:
+        opened, episode = self._opened, self._episode
+        if episode.is_over:
+            raise Refused("the episode is over: go back, or begin it again")
+        driven = {self._agent(int(agent)): action for agent, action in request.actions.items() if agent.isdecimal()}
+        if any(not 0 <= action < len(opened.game.agents.actions) for action in driven.values()):
+            raise Refused("there is no such action")
+        choose = chooser(opened.game, self.others, self.seed)
+        for _ in range(request.many):
+            actions = choose(episode.now.world.step, episode.now.world)
+            for agent, action in driven.items():
+                actions[agent] = action
+            if episode.step(actions, opened.values):
+                break
+        return self._scene()
+
+    def _choose(self, policy: str) -> None:
+        try:
+            chooser(self._opened.game, policy, self.seed)
+        except ValueError as error:
+            raise Refused(str(error)) from None
+        self.others = policy
+
+    def _number(self, request: ask.Number) -> None:
+        game = self._opened.game
+        try:
+            value = param_values(game, {request.name: request.value}, check_requires=False)[request.name]
+        except ValueError as error:
+            raise Refused(str(error)) from None
+        is_real = next(p for p in game.params if p.name == request.name).type.kind == "real"
+        self.opened = replace(self._opened, values=self._opened.values | {request.name: real(value) if is_real else value})
+
+    def _put(self, request: ask.Put) -> None:
+        game, episode, agent = self._opened.game, self._episode, self._agent(request.agent)
+        cell, world = Cell(request.row, request.col), episode.now.world
+        if not (0 <= cell.row < len(game.rows) and 0 <= cell.col < len(game.rows[0])):
+            raise Refused("that is no cell of the map")
+        if cell in world.position and world.position.index(cell) != agent:
+            raise Refused("another agent stands there")
+        if any(cell in herd.position for herd in world.movers.values()):
+            raise Refused("a mover stands there")
+        place = [cell if number == agent else at for number, at in enumerate(world.position)]
+        away = [None if number == agent else waits for number, waits in enumerate(world.away)]
+        self.episode = resumed(game, replace(world, position=place, away=away), episode.returns[episode.at], self.seed)
+
+    def _scene(self) -> Answer:
+        """Returns the moment that is shown, the pictures that the page does not have yet, and how many moments there are."""
+        assert self._artist is not None
+        episode = self._episode
+        scene = self._artist.moment(episode.drawn())
+        new, self._sent = self._artist.pictures[self._sent :], len(self._artist.pictures)
+        game = self._opened.game
+        allowed = action_mask(game, episode.now.world) if game.agents.forbids else []
+        return {
+            "scene": scene | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
+            "pictures": new,
+            "colours": self._artist.colours,
+            "at": episode.at,
+            "moments": len(episode.moments),
+            "forbidden": [[a for a, allow in enumerate(mask) if not allow] for mask in allowed],
+        }
+
+    # ---- beside the board
+
+    def _panel(self, request: ask.Panel) -> Answer:
+        opened, moment = self._opened, self._episode.now
+        cell = None if request.row is None or request.col is None else Cell(request.row, request.col)
+        if cell is not None and cell not in {Cell(r, c) for r in range(len(opened.game.rows)) for c in range(len(opened.game.rows[0]))}:
+            raise Refused("that is no cell of the map")
+        panels: dict[str, Callable[[], Answer]] = {
+            "rules": lambda: rules_panel(opened),
+            "python": lambda: python_panel(opened),
+            "state": lambda: state_panel(opened, moment.world, cell),
+            "seen": lambda: seen_panel(opened, moment.world, self._agent(request.agent)),
+            "trace": lambda: trace_panel(opened, self._episode.traced()),
+            "checks": lambda: checks_panel(opened),
+        }
+        try:
+            return panels[request.panel]()
+        except CompileError as error:
+            raise Refused(error.diagnostics[0].message) from None
+
+    def _share(self) -> Answer:
+        episode, game = self._episode, self._opened.game
+        shown, moments = episode.at, []
+        for number in range(len(episode.moments)):
+            episode.go(number)
+            moments.append(episode.drawn())
+        episode.go(shown)
+        return {"html": make_page(game, moments).text, "name": f"{game.name}.html"}
+
+    # ---- what there is
+
+    @property
+    def _opened(self) -> Opened:
+        if self.opened is None:
+            raise Refused("no text has compiled yet")
+        return self.opened
+
+    @property
+    def _episode(self) -> Episode:
+        if self.episode is None:
+            raise Refused("no text has compiled yet")
+        return self.episode
+
+    @property
+    def _look(self) -> Any:
+        assert self._artist is not None
+        return self._artist.look
+
+    def _agent(self, number: int) -> int:
+        if not 0 <= number < self._opened.game.agents.number:
+            raise Refused(f"there is no agent {number}")
+        return number
+
+    def _overflow(self, left: LeavesFloat32) -> str:
+        rules = Rules(self._opened.build.sources)
+        return f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}"
+
+
+def _number(name: str, type_: Any, value: Any) -> Mapping[str, Any]:
+    """Returns a parameter as a slider has it; limits that are infinite are null."""
+    limits = [limit if abs(limit) < 1e9 else None for limit in (type_.low, type_.high)]
+    return {"name": name, "value": float(value), "whole": type_.kind == "int", "unit": type_.unit, "low": limits[0], "high": limits[1]}

@@ -1,0 +1,123 @@
+"""The episode on the board: every moment so far, and the one that is shown."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of
+from sjdsl.interpreter.state import Outcome, Value, World, copied
+from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.threefry import Threefry
+from sjdsl.render.interpreted import snapshot_of
+from sjdsl.render.moment import Moment as Drawn
+from sjdsl.trace.choices import Chosen, no_actions, random_actions, scripted_actions
+from sjdsl.trace.episode import Moment, begin, follow
+from sjdsl.trace.jax_random import fold_in, key_of
+
+LONGEST = 5_000  # moments that are kept
+
+
+class TooLong(Exception):
+    """The episode has as many moments as the studio keeps."""
+
+
+@dataclass
+class Episode:
+    """An episode of a seed, with the draws of `sjdsl play`.
+
+    moments: all so far, the start first; returns: of each agent at each of them; at: the number of the one that is shown. is_put: it begins with a state that somebody has made, not with the phase `start`.
+    """
+
+    game: ir.Game
+    seed: int
+    moments: list[Moment]
+    returns: list[list[float]]
+    at: int = 0
+    is_put: bool = False
+    _key: tuple[int, int] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self._key = key_of(self.seed)
+
+    @property
+    def now(self) -> Moment:
+        return self.moments[self.at]
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the moment that is shown is the last of its episode."""
+        outcome = self.now.outcome
+        return outcome is not None and (outcome.terminated or outcome.truncated)
+
+    def step(self, actions: list[int], params: Mapping[str, Value]) -> bool:
+        """Takes a step from the moment that is shown, and returns whether it was the last; what came after is forgotten.
+
+        Raises TooLong, and LeavesFloat32.
+        """
+        if self.at + 1 >= LONGEST:
+            raise TooLong(f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again")
+        key = fold_in(self._key, self.now.world.step + 1)
+        world, outcome = step(self.game, self.now.world, actions, params, Threefry(*key))
+        moment, paid = Moment(self.now.world.step, key, world, (), tuple(actions), frozenset(), outcome), map(float, outcome.reward)
+        del self.moments[self.at + 1 :], self.returns[self.at + 1 :]
+        self.moments.append(moment)
+        self.returns.append([before + reward for before, reward in zip(self.returns[self.at], paid, strict=True)])
+        self.at += 1
+        return self.is_over
+
+    def traced(self) -> Moment:
+        """Returns the moment that is shown with an account of what led to it, by the rules as they are written now."""
+        moment = self.now
+        if moment.outcome is not None:
+            before = self.moments[self.at - 1].world
+            return follow(self.game, before, moment.world.params, moment.key, list(moment.actions))
+        return begin(self.game, moment.world.params, moment.key) if moment.world.step == 0 and not self.is_put else moment
+
+    def go(self, number: int) -> None:
+        """Shows another moment; the nearest there is."""
+        self.at = min(max(0, number), len(self.moments) - 1)
+
+    def drawn(self) -> Drawn:
+        """Returns the moment that is shown as pictures and pages have it."""
+        moment, count = self.now, self.game.agents.number
+        snapshot = snapshot_of(self.game, moment.world, self.returns[self.at])
+        outcome = moment.outcome
+        if outcome is None:
+            return Drawn(snapshot, (), np.zeros(count), {}, False)
+        events = {name: np.array(times) for name, times in counted(self.game, outcome).items() if np.any(times)}
+        return Drawn(snapshot, moment.actions, np.array(outcome.reward, float), events, self.is_over)
+
+
+def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
+    """Returns the start of an episode. Raises LeavesFloat32."""
+    key = fold_in(key_of(seed), 0)
+    return Episode(game, seed, [Moment(None, key, copied(reset(game, params, Threefry(*key))), ())], [[0.0] * game.agents.number])
+
+
+def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
+    """Returns an episode that goes on from a state."""
+    return Episode(game, seed, [Moment(None, fold_in(key_of(seed), world.step), world, ())], [returns], is_put=True)
+
+
+def counted(game: ir.Game, outcome: Outcome) -> dict[str, int | list[int]]:
+    """Returns the counts of a step by event, a list over agents if they are counted for each; an event with words gives `name[word]`."""
+    found: dict[str, int | list[int]] = {}
+    for event in game.events:
+        count = outcome.events[event.name]
+        for number, (word, name) in enumerate(counts_of(event)):
+            if event.per_agent:
+                found[name] = [own if word is None else own[number] for own in count]
+            else:
+                found[name] = count if word is None else count[number]
+    return found
+
+
+def chooser(game: ir.Game, policy: str, seed: int) -> Chosen:
+    """Returns what agents do whom nobody drives. `policy`: `random`, `stay`, or the name of a policy of the file. Raises ValueError."""
+    if policy in ("random", "stay"):
+        return random_actions(game, seed) if policy == "random" else no_actions(game)
+    if policy not in {p.name for p in game.policies}:
+        raise ValueError(f"the game has no policy `{policy}`")
+    return scripted_actions(game, policy, seed)

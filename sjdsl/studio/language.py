@@ -1,0 +1,46 @@
+"""Carries messages of the Language Server Protocol between a socket of the page and `sjdsl lsp`, a process of its own."""
+
+import asyncio
+import contextlib
+import sys
+from asyncio.subprocess import PIPE, Process
+from pathlib import Path
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+HEADER, END = b"Content-Length: ", b"\r\n"
+
+
+async def serve_language(socket: WebSocket, folder: Path) -> None:
+    """Starts a language server for a socket, and ends it with the socket."""
+    await socket.accept()
+    process = await asyncio.create_subprocess_exec(sys.executable, "-m", "sjdsl", "lsp", cwd=folder, stdin=PIPE, stdout=PIPE)
+    back = asyncio.create_task(_from_server(process, socket))
+    try:
+        while True:
+            message = (await socket.receive_text()).encode("utf-8")
+            assert process.stdin is not None
+            process.stdin.write(HEADER + str(len(message)).encode() + END + END + message)
+            await process.stdin.drain()
+    except (WebSocketDisconnect, ConnectionError, asyncio.CancelledError):
+        pass
+    finally:
+        back.cancel()
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()
+
+
+async def _from_server(process: Process, socket: WebSocket) -> None:
+    """Sends each message of the language server to the socket; closes the socket when there are no more."""
+    assert process.stdout is not None
+    length = 0
+    while line := await process.stdout.readline():
+        if line.startswith(HEADER):
+            length = int(line[len(HEADER) :])
+        elif line == END and length:
+            message = await process.stdout.readexactly(length)
+            await socket.send_text(message.decode("utf-8"))
+            length = 0
+    with contextlib.suppress(RuntimeError):
+        await socket.close()

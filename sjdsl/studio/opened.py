@@ -1,0 +1,64 @@
+"""The text of a game as it is opened: checked rules in the chosen variant, with the numbers somebody has set."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sjdsl.compiler import Build, build_composition, ir
+from sjdsl.compiler.compose import Composition, compose
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.elaborate import Overrides
+from sjdsl.interpreter.numbers import real
+from sjdsl.interpreter.state import Value
+from sjdsl.parameters import param_values, split_sizes
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What somebody has chosen beside the text. params: numbers by name, sizes among them; agents: None for as many as the file says."""
+
+    variants: tuple[str, ...] = ()
+    agents: int | None = None
+    params: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A checked game. values: of every param, as the interpreter has them; left: numbers that were set and that this text does not take."""
+
+    source: Source
+    composition: Composition
+    build: Build
+    values: dict[str, Value]
+    left: tuple[str, ...] = ()
+
+    @property
+    def game(self) -> ir.Game:
+        return self.build.game
+
+
+def open_text(source: Source, choice: Choice) -> Opened:
+    """Returns the game of a text. Raises CompileError with every problem of the failing stage.
+
+    Numbers that the text no longer takes, for it has no such name or other limits, are left out and named.
+    """
+    composition = compose(source, choice.variants)
+    fitting, left = _fitting(composition, choice.params)
+    sizes, rest = split_sizes(*composition.number_names(), fitting)
+    build = build_composition(composition, Overrides(sizes, choice.agents))
+    values = param_values(build.game, {}, check_requires=False)
+    for name, value in rest.items():
+        try:
+            values[name] = param_values(build.game, {name: value}, check_requires=False)[name]
+        except ValueError:
+            left.append(name)
+    types = {p.name: p.type for p in build.game.params}
+    values = {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
+    return Opened(source, composition, build, values, tuple(left))
+
+
+def _fitting(composition: Composition, given: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Returns the given numbers that the text has, and the names of the others."""
+    sizes, params = composition.number_names()
+    known = {*sizes, *params}
+    return {n: v for n, v in given.items() if n in known}, [n for n in given if n not in known]

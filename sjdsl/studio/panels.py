@@ -1,0 +1,143 @@
+"""What stands beside the board: the rules in English, the generated program, the state, what an agent sees, why something happened."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from sjdsl.compiler import compile_build
+from sjdsl.compiler.ir.queries import kind_named
+from sjdsl.doc import read_written, rule_sheet
+from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.observe import observe
+from sjdsl.interpreter.planes import planes
+from sjdsl.interpreter.state import HEADINGS, Cell, World
+from sjdsl.properties import GameFamily, verify_properties
+from sjdsl.studio.opened import Opened
+from sjdsl.trace.effects import Effect
+from sjdsl.trace.episode import Moment
+from sjdsl.trace.lines import rules_with_effects
+from sjdsl.trace.rules import Rules
+from sjdsl.trace.wording import say_draw, say_effect, say_value
+
+LINE = re.compile(r"# \S+\.sj:(\d+)$")
+
+
+def rules_panel(opened: Opened) -> dict[str, Any]:
+    """Returns the rule sheet, as Markdown."""
+    return {"markdown": rule_sheet(read_written(opened.source, opened.composition.chosen))}
+
+
+def python_panel(opened: Opened) -> dict[str, Any]:
+    """Returns the generated module line by line, each with the line of the game that it comes from, or null."""
+    text = compile_build(opened.build, opened.source)
+    return {"lines": [[line, int(found[1]) if (found := LINE.search(line)) else None] for line in text.splitlines()]}
+
+
+def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, Any]:
+    """Returns the values of the world, of each agent and each mover, and of one cell."""
+    game = opened.game
+    agents = [[("place", _place(world.position[a])), ("heading", HEADINGS[world.heading[a]])] for a in range(game.agents.number)]
+    for field in game.agents.fields:
+        for agent, value in enumerate(world.agents[field.name]):
+            agents[agent].append((field.name, say_value(value, field.type)))
+    movers = [
+        [
+            sort.name,
+            number,
+            [("place", _place(herd.position[number]))] + [(f.name, say_value(herd.fields[f.name][number], f.type)) for f in sort.fields],
+        ]
+        for sort in game.movers
+        for herd in [world.movers[sort.name]]
+        for number in range(sort.number)
+    ]
+    return {
+        "world": [("step", str(world.step))] + [(f.name, say_value(world.fields[f.name], f.type)) for f in game.fields],
+        "agents": agents,
+        "movers": movers,
+        "cell": None if cell is None else _cell(board_of(game), world, cell),
+    }
+
+
+def _place(at: Cell | None) -> str:
+    return "away" if at is None else f"({at.row}, {at.col})"
+
+
+def _cell(board: Board, world: World, cell: Cell) -> dict[str, Any]:
+    kind = board.kind_of[cell]
+    values = [(f.name, say_value(world.cells[kind, f.name][board.number[cell]], f.type)) for f in kind_named(board.game, kind).fields]
+    return {"kind": kind, "place": list(cell), "values": values}
+
+
+def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
+    """Returns the observation of one agent, plane by plane: `values` row by row, and what each number stands for."""
+    picture = observe(opened.game, world)[agent]
+    return {
+        "agent": agent,
+        "planes": [
+            {"name": plane.name, "encoding": plane.encoding, "labels": list(plane.labels), "values": picture[number].tolist()}
+            for number, plane in enumerate(planes(opened.game))
+        ],
+    }
+
+
+def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
+    """Returns what happened in the step that led to a moment.
+
+    For each phase its rules with their lines, and for each rule what it changed: in words, with the draws behind it, and whom and which cells
+    that concerns, so that a page can ask why something on one cell is as it is.
+    """
+    rules, board = Rules(opened.build.sources), board_of(opened.game)
+    turns = []
+    for turn in moment.turns:
+        found = []
+        for rule, effects in rules_with_effects(turn):
+            span = None if rule is None else rule.origin
+            found.append(
+                {
+                    "line": None if span is None or span.file != opened.source.name else span.line,
+                    "place": "" if rule is None else rules.place(rule),
+                    "text": "" if rule is None else rules.text(rule),
+                    "effects": [_effect(effect, board, rules) for effect in effects],
+                }
+            )
+        if found:
+            turns.append({"phase": turn.label, "rules": found})
+    return {"step": moment.number, "turns": turns}
+
+
+def _effect(effect: Effect, board: Board, rules: Rules) -> dict[str, Any]:
+    owner = effect.owner
+    draws = dict.fromkeys(say_draw(drawn, rules) for done in effect.by for drawn in done.causes)
+    return {
+        "said": say_effect(effect, board),
+        "agent": owner if isinstance(owner, int) else None,
+        "cells": [list(cell) for cell in _cells(effect)],
+        "draws": list(draws),
+    }
+
+
+def _cells(effect: Effect) -> Iterator[Cell]:
+    """Yields the cells that an effect concerns: of which it is, and between which somebody went."""
+    if isinstance(effect.owner, Cell):
+        yield effect.owner
+    yield from (value for value in (effect.old, effect.new) if isinstance(value, Cell))
+
+
+def checks_panel(opened: Opened) -> dict[str, Any]:
+    """Returns the verdict on each check of the game as its text has it, with the trace of a counterexample."""
+    family = GameFamily(opened.source, opened.composition.chosen)
+    report = verify_properties(family)
+    return {
+        "trajectories": report.trajectories,
+        "verdicts": [
+            {
+                "text": verdict.text,
+                "line": verdict.line if verdict.file == opened.source.name else None,
+                "status": verdict.status,
+                "reason": verdict.reason,
+                "untested": list(verdict.untested),
+                "trace": list(verdict.trace),
+            }
+            for verdict in (*report.verdicts, *report.faults)
+        ],
+    }

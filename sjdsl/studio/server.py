@@ -1,0 +1,145 @@
+"""The studio's server: its page, the files of one folder, and sockets to the processes that play games and look at texts."""
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Coroutine
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from sjdsl.studio.access import Access
+from sjdsl.studio.child import Child
+from sjdsl.studio.folder import LARGEST, Changed, FileRefused, Folder
+from sjdsl.studio.language import serve_language
+
+ASSETS = {
+    "studio.js": ("sjdsl.studio", "page/studio.js", "text/javascript"),
+    "studio.css": ("sjdsl.studio", "page/studio.css", "text/css"),
+    "board.js": ("sjdsl.render", "page/board.js", "text/javascript"),
+}
+REFUSED = 4403  # close code of a socket that may not be opened
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+HEADERS = {
+    "content-security-policy": POLICY,
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+    "cache-control": "no-store",
+}
+
+
+def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlette:
+    """Returns the server of a folder. `opened`: the game that the page opens first, by its path inside."""
+    inside = Folder(folder.resolve())
+    routes = [
+        Route("/", _page(opened, inside.root)),
+        Route("/assets/{name}", _asset),
+        Route("/games", _games(inside)),
+        Route("/file", _read(inside), methods=["GET"]),
+        Route("/file", _write(inside), methods=["PUT"]),
+        WebSocketRoute("/bench", _bench(inside)),
+        WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
+    ]
+    return Starlette(routes=routes, middleware=[Middleware(Guard, access=access)])
+
+
+class Guard:
+    """Lets only requests through that `Access` allows, and limits their size; see there."""
+
+    def __init__(self, app: ASGIApp, access: Access) -> None:
+        self._app, self._access = app, access
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        request = Request(scope) if scope["type"] == "http" else WebSocket(scope, receive, send)
+        needs_token = not scope["path"].startswith("/assets/")
+        reason = self._access.refusal(request.headers, request.query_params.get("token"), needs_token)
+        if reason is None:
+            await self._app(scope, receive, send)
+        elif isinstance(request, WebSocket):
+            await request.close(REFUSED, reason)
+        else:
+            await PlainTextResponse(reason + "\n", 403)(scope, receive, send)
+
+
+def _page(opened: str | None, root: Path) -> Callable[[Request], Response]:
+    def page(request: Request) -> Response:
+        environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
+        text = environment.from_string(_text("sjdsl.studio", "page/studio.html"))
+        return HTMLResponse(text.render(token=request.query_params["token"], opened=opened or "", root=root.as_uri()), headers=HEADERS)
+
+    return page
+
+
+def _asset(request: Request) -> Response:
+    name = request.path_params["name"]
+    if name not in ASSETS:
+        raise HTTPException(404)
+    package, path, sort = ASSETS[name]
+    return Response(_text(package, path), media_type=sort, headers=HEADERS)
+
+
+def _text(package: str, path: str) -> str:
+    return files(package).joinpath(path).read_text(encoding="utf-8")
+
+
+def _games(folder: Folder) -> Callable[[Request], Response]:
+    return lambda _request: JSONResponse(folder.games(), headers=HEADERS)
+
+
+def _read(folder: Folder) -> Callable[[Request], Response]:
+    def read(request: Request) -> Response:
+        try:
+            text, digest = folder.read(request.query_params.get("path", ""))
+        except FileRefused as reason:
+            return JSONResponse({"refused": str(reason)}, 404, HEADERS)
+        return JSONResponse({"text": text, "digest": digest}, headers=HEADERS)
+
+    return read
+
+
+def _write(folder: Folder) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+    async def write(request: Request) -> Response:
+        if int(request.headers.get("content-length", "0")) > 2 * LARGEST:
+            return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
+        try:
+            given = await request.json()
+            digest = folder.write(str(given["path"]), str(given["text"]), given.get("digest"))
+        except Changed as reason:
+            return JSONResponse({"refused": str(reason), "changed": True}, 409, HEADERS)
+        except (FileRefused, KeyError, ValueError) as reason:
+            return JSONResponse({"refused": str(reason)}, 400, HEADERS)
+        return JSONResponse({"digest": digest}, headers=HEADERS)
+
+    return write
+
+
+def _bench(folder: Folder) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
+    async def bench(socket: WebSocket) -> None:
+        """Answers each request of a socket by a worker process of its own, one after the other."""
+        await socket.accept()
+        child = Child(folder.root)
+        try:
+            while True:
+                await socket.send_text(await child.ask(await socket.receive_text()))
+        except (WebSocketDisconnect, asyncio.CancelledError):
+            pass
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                await child.stop()
+
+    return bench

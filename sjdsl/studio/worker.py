@@ -1,0 +1,49 @@
+"""The process in which a bench works: requests and answers as lines of JSON. What a text makes it do ends with it."""
+
+import contextlib
+import json
+import sys
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from sjdsl.studio.bench import Bench
+from sjdsl.studio.requests import READ
+
+MEMORY = 8 * 2**30  # bytes of addresses that a bench may take; JAX reserves some
+
+
+def main() -> None:
+    """Says that it is ready, then answers every line of the standard input with one of the standard output, until there are no more."""
+    _limit_memory()
+    answers = sys.stdout
+    sys.stdout = sys.stderr  # what anything prints is no answer
+    bench = Bench(Path(sys.argv[1]))
+    with contextlib.suppress(BrokenPipeError, KeyboardInterrupt):  # the server has gone
+        print(json.dumps({"ready": True}), file=answers, flush=True)
+        for line in sys.stdin:
+            print(json.dumps(_answer(bench, line)), file=answers, flush=True)
+
+
+def _answer(bench: Bench, line: str) -> dict[str, object]:
+    try:
+        request = READ.validate_json(line)
+    except ValidationError as error:
+        return {"id": 0, "refused": f"the page asked for something unknown: {error.errors()[0]['msg']}"}
+    try:
+        return bench.answer(request)
+    except MemoryError:
+        return {"id": request.id, "do": request.do, "refused": f"this takes more memory than the studio allows, {MEMORY // 2**30} GiB"}
+    except RecursionError:
+        return {"id": request.id, "do": request.do, "refused": "the text is nested too deeply"}
+
+
+def _limit_memory() -> None:
+    with contextlib.suppress(ImportError, ValueError, OSError):  # not every system has this limit
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+"""What agents do by themselves on the interpreter: at random, nothing, or what a policy of the game's file says."""
+
+from collections.abc import Callable
+
+from sjdsl.compiler import ir
+from sjdsl.interpreter.state import World
+from sjdsl.interpreter.threefry import Threefry
+from sjdsl.policies.interpreted import choose
+from sjdsl.trace.jax_random import fold_in, key_of, random_numbers
+
+OTHERS = 2**32 - 1  # folded into the seed's key for the agents' choices: the steps have 0, 1, 2, …
+Chosen = Callable[[int, World], list[int]]  # number of the step from 0, state -> an action for each agent
+
+
+def random_actions(game: ir.Game, seed: int) -> Chosen:
+    """Returns who draws every action with equal probability, as `sjdsl.render.random_policy` does."""
+    key, count, actions = fold_in(key_of(seed), OTHERS), game.agents.number, len(game.agents.actions)
+    return lambda number, _world: random_numbers(fold_in(key, number), count, actions)
+
+
+def no_actions(game: ir.Game) -> Chosen:
+    """Returns who does nothing."""
+    stay = [game.agents.actions.index("stay")] * game.agents.number
+    return lambda _number, _world: stay
+
+
+def scripted_actions(game: ir.Game, name: str, seed: int) -> Chosen:
+    """Returns who follows a policy of the game's file: what `sjdsl.policies.compiled.scripted_policy` does in the compiled game."""
+    policy = next(policy for policy in game.policies if policy.name == name)
+    key, agents = fold_in(key_of(seed), OTHERS), range(game.agents.number)
+
+    def choose_all(number: int, world: World) -> list[int]:
+        draws = Threefry(*fold_in(key, number))
+        bits = [(draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1)) for agent in agents]
+        return [choose(policy, game, world, agent, bits[agent]) for agent in agents]
+
+    return choose_all

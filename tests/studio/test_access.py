@@ -1,0 +1,126 @@
+"""Who gets in: the studio's own page with its token; nobody else's page, no other name of this machine, no file outside the folder."""
+
+import json
+from pathlib import Path
+
+import pytest
+from starlette.testclient import TestClient
+from starlette.websockets import WebSocketDisconnect
+
+from sjdsl.studio.access import Access, kept_token
+from sjdsl.studio.server import make_app
+
+ACCESS = Access(8123, "secret")
+OWN = {"host": "127.0.0.1:8123"}
+TOKEN = "?token=secret"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    inside = tmp_path / "inside"
+    (inside / "maps").mkdir(parents=True)
+    (inside / "yard.sj").write_text("sj 1\n", encoding="utf-8")
+    (inside / "maps" / "yard.txt").write_text("..\n", encoding="utf-8")
+    (inside / "notes.md").write_text("mine\n", encoding="utf-8")
+    (tmp_path / "outside.sj").write_text("not yours\n", encoding="utf-8")
+    (inside / "link.sj").symlink_to(tmp_path / "outside.sj")
+    return inside
+
+
+@pytest.fixture
+def client(folder: Path) -> TestClient:
+    return TestClient(make_app(folder, ACCESS, "yard.sj"), headers=OWN)
+
+
+def test_the_page_wants_the_token(client: TestClient) -> None:
+    assert client.get("/").status_code == 403
+    assert client.get("/?token=guess").status_code == 403
+    page = client.get("/" + TOKEN)
+    assert page.status_code == 200
+    assert 'content="yard.sj"' in page.text
+    assert "default-src 'none'" in page.headers["content-security-policy"]
+
+
+@pytest.mark.parametrize("path", ["/games", "/file?path=yard.sj", "/"])
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"host": "evil.example:8123"},
+        {"host": "127.0.0.1:9999"},
+        {"origin": "https://evil.example"},
+        {"origin": "http://127.0.0.1:9999"},
+        {"origin": "null"},
+    ],
+    ids=str,
+)
+def test_other_hosts_and_origins_are_refused_whatever_they_know(client: TestClient, path: str, headers: dict[str, str]) -> None:
+    token = ("&" if "?" in path else "?") + "token=secret"
+    assert client.get(path + token, headers=headers).status_code == 403
+    assert client.get(path + token, headers={"origin": "http://127.0.0.1:8123"}).status_code == 200
+
+
+@pytest.mark.parametrize("path", ["/bench", "/language"])
+@pytest.mark.parametrize("wrong", [("", {}), (TOKEN, {"origin": "https://evil.example"}), (TOKEN, {"host": "evil.example"})], ids=str)
+def test_sockets_are_refused_alike(client: TestClient, path: str, wrong: tuple[str, dict[str, str]]) -> None:
+    query, headers = wrong
+    with pytest.raises(WebSocketDisconnect) as closed, client.websocket_connect(path + query, headers=OWN | headers):
+        pass
+    assert closed.value.code == 4403
+
+
+@pytest.mark.parametrize("path", ["../outside.sj", "/etc/passwd", "link.sj", "notes.md", "maps/../../outside.sj", ".", "", "gone.sj"])
+def test_only_games_and_maps_inside_the_folder_are_read(client: TestClient, path: str) -> None:
+    answer = client.get("/file", params={"token": "secret", "path": path})
+    assert answer.status_code == 404
+    assert "not yours" not in answer.text
+    assert "mine" not in answer.text
+
+
+@pytest.mark.parametrize("path", ["../new.sj", "/tmp/new.sj", "new.py", "link.sj"])
+def test_nothing_else_is_written(client: TestClient, folder: Path, path: str) -> None:
+    answer = client.put("/file" + TOKEN, json={"path": path, "text": "mine now", "digest": None})
+    assert answer.status_code == 400
+    assert "mine now" not in (folder.parent / "outside.sj").read_text(encoding="utf-8")
+    assert not (folder.parent / "new.sj").exists()
+
+
+def test_a_file_that_somebody_else_changed_is_not_written_over(client: TestClient, folder: Path) -> None:
+    first = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()
+    (folder / "yard.sj").write_text("theirs\n", encoding="utf-8")
+    answer = client.put("/file" + TOKEN, json={"path": "yard.sj", "text": "mine\n", "digest": first["digest"]})
+    assert answer.status_code == 409
+    assert (folder / "yard.sj").read_text(encoding="utf-8") == "theirs\n"
+    now = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()
+    saved = client.put("/file" + TOKEN, json={"path": "yard.sj", "text": "mine\n", "digest": now["digest"]})
+    assert saved.status_code == 200
+    assert (folder / "yard.sj").read_text(encoding="utf-8") == "mine\n"
+    assert client.put("/file" + TOKEN, json={"path": "yard.sj", "text": "x", "digest": saved.json()["digest"]}).status_code == 200
+
+
+def test_the_list_of_games(client: TestClient) -> None:
+    assert client.get("/games" + TOKEN).json() == ["link.sj", "yard.sj"]
+
+
+def test_a_message_of_nonsense_is_answered_in_words(client: TestClient) -> None:
+    with client.websocket_connect("/bench" + TOKEN, headers=OWN) as socket:
+        for message in (
+            "{",
+            "[]",
+            '{"do": "explode"}',
+            json.dumps({"do": "step", "many": 10**9}),
+            json.dumps({"do": "text", "text": "x" * 500_000}),
+        ):
+            socket.send_text(message)
+            assert "something unknown" in json.loads(socket.receive_text())["refused"]
+        socket.send_text(json.dumps({"id": 3, "do": "step"}))
+        assert "compiled yet" in json.loads(socket.receive_text())["refused"]
+
+
+def test_the_token_of_a_user_is_kept_and_read_by_nobody_else(tmp_path: Path) -> None:
+    token = kept_token(tmp_path / "cache")
+    path = tmp_path / "cache" / "studio_token"
+    assert len(token) >= 32
+    assert kept_token(tmp_path / "cache") == token
+    assert path.stat().st_mode & 0o077 == 0
+    path.chmod(0o644)
+    assert kept_token(tmp_path / "cache") != token, "somebody may have read it"

@@ -1,0 +1,224 @@
+"""The bench behind the page: texts, episodes, panels; what an edit keeps, and what is refused."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sjdsl.studio.bench import Bench
+from sjdsl.studio.requests import READ
+
+GAME = """sj 1
+game yard "Yard" {
+  param fine : reward = 1 in 0 .. 5
+  episode 6
+  kind floor "."
+  kind soil "A" { field fruit : { none, ripe } = ripe }
+  map { "..A"
+        "..." }
+  agents 2 {
+    acts turn_left, forward, stay, grab
+    moves relative
+    field bag : 0 .. 3 capped = 0
+  }
+  phase start { each agent { send agent to floor facing north } }
+  schedule walk -> eat
+  phase walk { move each agent }
+  phase eat { each agent on soil where soil.fruit is ripe { add 1 to agent.bag  give fine to agent  set soil.fruit = none  tally eaten for agent } }
+  observe { window ahead 1, behind 1, left 1, right 1 }
+  metrics { event eaten }
+  checks { always count(agent where agent.bag > 3) == 0 }
+  policy idler { when agent.bag >= 0 choose stay }
+  variant poor "a fruit pays nothing" { set fine = 0 }
+}
+"""
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    return Bench(tmp_path)
+
+
+def ask(bench: Bench, **request: Any) -> dict[str, Any]:
+    """Returns the answer, which JSON can hold."""
+    answer = bench.answer(READ.validate_json(json.dumps({"id": 7, **request})))
+    assert json.loads(json.dumps(answer))["id"] == 7
+    return answer
+
+
+def opened(bench: Bench, text: str = GAME, **other: Any) -> dict[str, Any]:
+    answer = ask(bench, do="text", version=1, path="yard.sj", text=text, **other)
+    assert answer["compiles"], answer
+    return answer
+
+
+def test_a_text_becomes_a_board(bench: Bench) -> None:
+    answer = opened(bench)
+    assert (answer["game"]["height"], answer["game"]["width"], answer["game"]["agents"]) == (2, 3, 2)
+    assert answer["game"]["policies"] == ["random", "stay", "idler"]
+    assert answer["game"]["variants"] == [["poor", "a fruit pays nothing"]]
+    assert answer["game"]["numbers"][0] == {"name": "fine", "value": 1.0, "whole": False, "unit": "reward", "low": 0, "high": 5}
+    assert len(answer["scene"]["cells"]) == 2 * 6
+    assert len(answer["scene"]["figures"]) == 2
+    assert all(url.startswith("data:image/png;base64,") for url in answer["pictures"])
+
+
+def test_a_text_with_errors_leaves_the_board_as_it_is(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="step")
+    answer = ask(bench, do="text", version=2, path="yard.sj", text=GAME.replace("kind floor", "kind flor"))
+    assert answer["compiles"] is False
+    assert answer["errors"] >= 1
+    assert ask(bench, do="step")["at"] == 2
+
+
+def test_an_edit_keeps_the_state_where_it_fits(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="step", many=3)
+    places = ask(bench, do="go", to=3)["scene"]["places"]
+    richer = opened(bench, GAME.replace("add 1 to agent.bag", "add 2 to agent.bag"))
+    assert richer["kept"]
+    assert richer["scene"]["step"] == 3
+    assert richer["scene"]["places"] == places
+    assert richer["moments"] == 1, "the moments before it were of other rules"
+    larger = opened(bench, GAME.replace('"..." }', '"..." "..." }'))
+    assert not larger["kept"]
+    assert larger["scene"]["step"] == 0
+
+
+def test_the_same_rules_keep_the_whole_episode(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="step", many=3)
+    again = opened(bench, GAME.replace("sj 1", "sj 1\n# a remark"))
+    assert (again["kept"], again["moments"], again["at"]) == (True, 4, 3)
+
+
+def test_a_field_that_no_longer_fits_starts_anew(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="put", agent=0, row=0, col=2)
+    ask(bench, do="step", actions={"0": 2})
+    ask(bench, do="others", policy="stay")
+    assert dict(ask(bench, do="panel", panel="state", row=0, col=2)["agents"][0])["bag"] == "1"
+    changed = opened(
+        bench,
+        GAME.replace("{ none, ripe } = ripe", "{ empty, full } = full")
+        .replace("is ripe", "is full")
+        .replace("= none  tally", "= empty  tally"),
+    )
+    assert changed["kept"]
+    state = ask(bench, do="panel", panel="state", row=0, col=2)
+    assert dict(state["cell"]["values"]) == {"fruit": "full"}
+    assert dict(state["agents"][0])["bag"] == "1"
+
+
+def test_back_scrub_and_another_way_on(bench: Bench) -> None:
+    opened(bench)
+    first = [ask(bench, do="step")["scene"]["places"] for _ in range(4)]
+    assert ask(bench, do="go", to=2)["scene"]["places"] == first[1]
+    assert ask(bench, do="go", to=99)["at"] == 4
+    ask(bench, do="go", to=2)
+    other = ask(bench, do="step", actions={"0": 2, "1": 2})
+    assert (other["at"], other["moments"]) == (3, 4), "what came after is forgotten"
+    ask(bench, do="go", to=2)
+    again = ask(bench, do="step", actions={"0": 2, "1": 2})
+    assert again["scene"]["places"] == other["scene"]["places"], "the same draws"
+
+
+def test_the_end_of_an_episode(bench: Bench) -> None:
+    opened(bench)
+    last = ask(bench, do="step", many=20)
+    assert last["at"] == 6
+    assert last["scene"]["done"]
+    assert "is over" in ask(bench, do="step")["refused"]
+    assert ask(bench, do="begin", seed=3)["at"] == 0
+
+
+def test_who_is_driven_acts_and_the_others_follow_a_policy(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="others", policy="idler")
+    assert ask(bench, do="step", actions={"1": 1})["scene"]["actions"] == [2, 1]
+    assert "no policy" in ask(bench, do="others", policy="nobody")["refused"]
+
+
+def test_a_number_counts_from_the_next_step_on(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="others", policy="stay")
+    ask(bench, do="number", name="fine", value=3.5)
+    ask(bench, do="put", agent=1, row=0, col=2)
+    answer = ask(bench, do="step")
+    assert answer["scene"]["rewards"] == [0, 3.5]
+    assert answer["scene"]["events"] == [["eaten", [0, 1]]]
+    assert "outside 0 .. 5" in ask(bench, do="number", name="fine", value=9)["refused"]
+
+
+def test_why_tells_the_rule_and_the_cells(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="others", policy="stay")
+    ask(bench, do="put", agent=0, row=0, col=2)
+    ask(bench, do="step")
+    turns = ask(bench, do="panel", panel="trace")["turns"]
+    rules = [rule for turn in turns if turn["phase"] == "eat" for rule in turn["rules"]]
+    said = {effect["said"]: (rule["line"], effect["cells"]) for rule in rules for effect in rule["effects"]}
+    line = GAME[: GAME.index("phase eat")].count("\n") + 1
+    assert said["soil (0, 2)  fruit: ripe -> none"] == (line, [[0, 2]])
+
+
+def test_python_has_the_lines_it_comes_from(bench: Bench) -> None:
+    opened(bench)
+    lines = ask(bench, do="panel", panel="python")["lines"]
+    eat = GAME[: GAME.index("phase eat")].count("\n") + 1
+    assert any(line == eat and "params.fine" in text for text, line in lines)
+
+
+def test_what_an_agent_sees(bench: Bench) -> None:
+    opened(bench)
+    planes = ask(bench, do="panel", panel="seen", agent=1)["planes"]
+    assert planes[0]["name"] == "content"
+    assert [len(row) for row in planes[1]["values"]] == [3, 3, 3]
+    assert planes[1]["labels"][planes[1]["values"][1][1]] == "self"
+
+
+def test_checks_have_verdicts(bench: Bench) -> None:
+    opened(bench, GAME.replace("agent.bag > 3", "agent.bag > 0"))
+    (verdict,) = ask(bench, do="panel", panel="checks")["verdicts"]
+    assert verdict["status"] == "failed"
+    assert verdict["trace"]
+
+
+def test_a_variant_and_a_number_are_chosen_together(bench: Bench) -> None:
+    answer = opened(bench, variants=["poor"], params={"fine": 2, "gone": 1})
+    assert answer["game"]["chosen"] == ["poor"]
+    assert answer["game"]["numbers"][0]["value"] == 2
+    assert answer["game"]["left"] == ["gone"]
+
+
+def test_an_episode_is_shared_as_a_page(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="step", many=3)
+    ask(bench, do="go", to=1)
+    shared = ask(bench, do="share")
+    assert shared["name"] == "yard.html"
+    assert shared["html"].startswith("<!doctype html>")
+    assert ask(bench, do="go", to=99)["at"] == 3
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        {"do": "put", "agent": 9, "row": 0, "col": 0},
+        {"do": "put", "agent": 0, "row": 9, "col": 0},
+        {"do": "panel", "panel": "state", "row": -1, "col": 0},
+        {"do": "panel", "panel": "seen", "agent": 5},
+        {"do": "step", "actions": {"0": 99}},
+        {"do": "step", "actions": {"7": 0}},
+        {"do": "number", "name": "fine", "value": "much"},
+        {"do": "number", "name": "gone", "value": 1},
+    ],
+    ids=str,
+)
+def test_what_cannot_be_is_refused_in_words(bench: Bench, request_: dict[str, Any]) -> None:
+    assert "compiled yet" in ask(bench, **request_)["refused"]
+    opened(bench)
+    assert ask(bench, **request_)["refused"]
+    assert ask(bench, do="step")["at"] == 1, "and nothing else happened"

@@ -1,0 +1,44 @@
+"""A worker process that hangs or dies is ended and begun again; the page is told."""
+
+import asyncio
+import json
+from pathlib import Path
+
+import pytest
+
+from sjdsl.studio import child
+from sjdsl.studio.child import Child
+
+
+def test_what_takes_too_long_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(child, "ANY", 0.0)
+
+    async def both() -> tuple[dict, dict]:
+        worker = Child(tmp_path)
+        first = json.loads(await worker.ask('{"id": 5, "do": "step"}'))
+        monkeypatch.setattr(child, "ANY", 60.0)
+        second = json.loads(await worker.ask('{"id": 6, "do": "step"}'))
+        await worker.stop()
+        return first, second
+
+    first, second = asyncio.run(both())
+    assert (first["id"], first["lost"]) == (5, True)
+    assert "was stopped" in first["refused"]
+    assert second["id"] == 6
+    assert "lost" not in second
+
+
+def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
+    async def three() -> list[dict]:
+        worker = Child(tmp_path)
+        answers = [json.loads(await worker.ask('{"id": 1, "do": "step"}'))]
+        worker._process.kill()
+        await worker._process.wait()
+        answers += [json.loads(await worker.ask('{"id": 2, "do": "step"}')), json.loads(await worker.ask('{"id": 3, "do": "step"}'))]
+        await worker.stop()
+        return answers
+
+    before, during, after = asyncio.run(three())
+    assert "lost" not in before
+    assert during["lost"]
+    assert "lost" not in after
