@@ -73,3 +73,9 @@ def test_growth_is_by_the_number_of_bushes_of_a_colour() -> None:
     fruit = scene.value("bush.fruit")
     assert abs(fruit[:100].count("ripe") / 100 - 0.1) < 0.15
     assert abs(fruit[100:].count("ripe") / 200 - 0.2) < 0.15
+
+
+def test_the_field_has_no_edge() -> None:
+    """Who walks off it comes back at the other side, and seeds fall there."""
+    scene = put("123..>..  0", "........", "<.1123..  1", ".v.....>  23").step("sow_blue, forward, forward, forward")
+    scene.has({"bush.colour": {(0, 0): "blue"}, "agent.row": [0, 2, 0, 3], "agent.col": [5, 7, 1, 0]})

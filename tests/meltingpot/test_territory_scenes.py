@@ -77,3 +77,15 @@ def test_some_begin_at_the_uncertain_places() -> None:
     starts = [stage.start(seed=seed).places() for seed in range(40)]
     beside = [place[1] >= 5 for places in starts for place in places if place is not None]
     assert abs(sum(beside) / len(beside) - 2 / 9) < 0.15
+
+
+def test_rooms_at_opposite_edges_are_neighbours() -> None:
+    """The map of rooms wraps: paint, zaps and players go on at the other side. The open map ends at its edges."""
+    rows, scenes = ("P...R.", "......", "P....P"), {}
+    for variant in (None, "rooms"):
+        stage = Stage("territory_open", rows, 3, variant=variant, interpreted=True)
+        scenes[variant] = stage.put("<...R.  0", ".^....  1", "P..v.P  2", params=FIXED | {"cooling": 0}).step("paint, stay, forward")
+    scenes["rooms"].has({"brick.owner": [0], "agent.row": [0, 1, 0]})
+    scenes[None].has({"brick.owner": [None], "agent.row": [0, 1, 2]})
+    hit = Stage("territory_open", rows, 3, variant="rooms", interpreted=True)  # a zap reaches who is beside as well
+    hit.put("P...R^  1", "......", "^....v  02", params=FIXED).step("stay, stay, zap").has({"agent.hits": [1, 1, 0]})
