@@ -9,6 +9,7 @@ from pathlib import Path
 
 import jax
 import pytest
+from jax.experimental.compilation_cache import compilation_cache
 
 # Half the seconds of compiling, and the programs run as fast: two of XLA's ways to make fast programs that tests do not need.
 QUICK_TO_COMPILE = "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1"
@@ -60,8 +61,16 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
-    """Gives back the memory of compiled programs after a file, where there is much: other files seldom use the same ones."""
-    if (nextitem is None or nextitem.path != item.path) and _resident_bytes() > MUCH_MEMORY:
+    """Gives back the memory of compiled programs after a file, where there is much: other files seldom use the same ones.
+
+    `sjdsl bench` has its process keep no programs; the files after it find and keep them again.
+    """
+    if nextitem is not None and nextitem.path == item.path:
+        return
+    if not jax.config.values["jax_enable_compilation_cache"]:
+        jax.config.update("jax_enable_compilation_cache", True)
+        compilation_cache.reset_cache()
+    if _resident_bytes() > MUCH_MEMORY:
         jax.clear_caches()
         gc.collect()
         if sys.platform == "linux":

@@ -48,8 +48,9 @@ def compile_quickly(env: Environment) -> Compiled:
         return env.observe(state, params), env.allowed_actions(state, params)
 
     def whole_step(key: Any, state: Any, actions: Any, params: Any) -> Any:
-        _, state, reward, done, info = env.step_env(key, state, actions, params)
-        return look(state, params), state, reward, done, info
+        observation, state, reward, done, info = env.step_env(key, state, actions, params)
+        told = {name: info[name] for name in ("truncated", "terminated", "events", "metrics")}  # the rest is the state and observation again
+        return (observation, env.allowed_actions(state, params)), state, reward, done, told
 
     return Compiled(
         env, jax.device_get(env.module.initial_state()), jax.jit(look, compiler_options=QUICK), jax.jit(whole_step, compiler_options=QUICK)

@@ -90,11 +90,12 @@ def test_sets_as_bits_and_back(dtype: jnp.dtype, most: int) -> None:
     random = np.random.default_rng(most)
     for agents in (1, most - 1, most):
         members = random.random((6, agents)) < 0.5
-        found = as_bits(jnp.asarray(members), dtype)
+        found = jax.jit(as_bits, static_argnums=1)(jnp.asarray(members), dtype)
         assert found.dtype == dtype
         assert found.tolist() == [sum(2**i for i in range(agents) if row[i]) for row in members]
-        np.testing.assert_array_equal(from_bits(found, agents), members)
-        np.testing.assert_array_equal(from_bits(found[0], agents), members[0])
+        unpacked = jax.jit(from_bits, static_argnums=1)
+        np.testing.assert_array_equal(unpacked(found, agents), members)
+        np.testing.assert_array_equal(unpacked(found[0], agents), members[0])
     assert as_bits(jnp.ones(most, bool), dtype).tolist() == 2**most - 1
 
 
@@ -103,16 +104,17 @@ def test_large_sets(agents: int) -> None:
     """Sets kept in several words, against Python's; nobody, -1, is in none."""
     random = np.random.default_rng(agents)
     members = random.random((5, agents)) < 0.5
-    words = pack(jnp.asarray(members))
+    words = jax.jit(pack)(jnp.asarray(members))
     assert (words.shape, words.dtype) == ((5, 2), jnp.uint32)
     together = [int(low) + (int(high) << 32) for low, high in np.asarray(words)]
     assert together == [sum(2**i for i in range(agents) if row[i]) for row in members]
-    np.testing.assert_array_equal(unpack(words, agents), members)
-    assert size_of_large_set(words).tolist() == members.sum(axis=1).tolist()
+    np.testing.assert_array_equal(jax.jit(unpack, static_argnums=1)(words, agents), members)
+    assert jax.jit(size_of_large_set)(words).tolist() == members.sum(axis=1).tolist()
     everybody = jnp.arange(-1, agents, dtype=jnp.int32)
-    found = has_member(words[:, None], everybody[None])
+    contains = jax.jit(has_member)
+    found = contains(words[:, None], everybody[None])
     np.testing.assert_array_equal(found, np.pad(members, ((0, 0), (1, 0))))
-    assert has_member(words[0], jnp.int32(agents - 1)).tolist() == members[0, -1]
+    assert contains(words[0], jnp.int32(agents - 1)).tolist() == members[0, -1]
 
 
 def test_reached() -> None:
@@ -121,7 +123,7 @@ def test_reached() -> None:
     lanes = [1, 3, 2, 4]
     first = np.concatenate([[True] + [False] * (n - 1) for n in lanes])
     blocked, on_map = random.random((300, first.size)) < 0.3, random.random((300, first.size)) < 0.7
-    found = reached(jnp.asarray(blocked), jnp.asarray(on_map), jnp.asarray(first))
+    found = np.asarray(jax.jit(reached)(jnp.asarray(blocked), jnp.asarray(on_map), jnp.asarray(first)))
     for case in range(300):
         expected, number = [], 0
         for length in lanes:

@@ -33,12 +33,12 @@ def test_place(cells: int, agents: int) -> None:
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < random.choice([0, 0.5, 1], (cases, 1))
     arrays = jnp.asarray(free), jnp.asarray(word, jnp.uint32), jnp.asarray(position, jnp.int32), jnp.asarray(sent)
-    found, placed = PLACE(jnp.asarray(site, jnp.int32), *arrays)
+    found, placed = map(np.asarray, PLACE(jnp.asarray(site, jnp.int32), *arrays))
     assert (found.dtype, placed.dtype) == (jnp.int32, jnp.bool_)
     for case in range(cases):
         expected = references.place(site.tolist(), *(x[case].tolist() for x in (free, word, position, sent)))
         assert (found[case].tolist(), placed[case].tolist()) == expected
-        new = np.asarray(found[case])[np.asarray(placed[case])]
+        new = found[case][placed[case]]
         assert len(set(new.tolist())) == len(new) <= free[case].sum()
 
 
@@ -54,7 +54,7 @@ def test_place_fitting(cells: int, agents: int) -> None:
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < 0.7
     arrays = [jnp.asarray(x) for x in (free, own, word.astype(np.uint32), position.astype(np.int32), sent)]
-    found, placed = PLACE_FITTING(jnp.asarray(site, jnp.int32), *arrays)
+    found, placed = map(np.asarray, PLACE_FITTING(jnp.asarray(site, jnp.int32), *arrays))
     for case in range(cases):
         left, expected, done = free[case].copy(), position[case].tolist(), [False] * agents
         for agent in np.flatnonzero(sent[case]):
@@ -72,7 +72,7 @@ def test_place_by_hand() -> None:
     """Agent 0 is not sent; 1 takes the second of two cells, 2 the one left; there is no third."""
     cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([1, 2, 3, 4], jnp.int32)
     words = jnp.array([0, 2**31, 2**32 - 1, 0], jnp.uint32)
-    found, placed = place(cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True]))
+    found, placed = jax.jit(place)(cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True]))
     assert found.tolist() == [1, 30, 10, 4]
     assert placed.tolist() == [False, True, True, False]
 
@@ -83,7 +83,7 @@ def test_pick(members: int) -> None:
     random = np.random.default_rng(members)
     member = random.random((200, members)) < random.choice([0, 0.05, 0.5, 1], (200, 1))
     word = np.concatenate([random.integers(0, 2**32, 196), [0, 1, 2**32 - 1, 2**31]])
-    number, found = jax.jit(jax.vmap(pick))(jnp.asarray(member), jnp.asarray(word, jnp.uint32))
+    number, found = map(np.asarray, jax.jit(jax.vmap(pick))(jnp.asarray(member), jnp.asarray(word, jnp.uint32)))
     assert (number.dtype, found.dtype) == (jnp.int32, jnp.bool_)
     for case in range(200):
         there = np.flatnonzero(member[case]).tolist()
@@ -98,8 +98,8 @@ def test_pick_of_set(dtype: jnp.dtype) -> None:
     random = np.random.default_rng(size)
     sets = np.concatenate([random.integers(0, 2**size, 300), [0, 1, 2 ** (size - 1), 2**size - 1]])
     word = jnp.asarray(random.integers(0, 2**32, len(sets)), jnp.uint32)
-    number, found = pick_of_set(jnp.asarray(sets, dtype), word)
-    expected, there = pick(jnp.asarray((sets[:, None] >> np.arange(size)) & 1 != 0), word)
+    number, found = jax.jit(pick_of_set)(jnp.asarray(sets, dtype), word)
+    expected, there = jax.jit(pick)(jnp.asarray((sets[:, None] >> np.arange(size)) & 1 != 0), word)
     assert found.tolist() == there.tolist()
     assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
 
@@ -109,8 +109,8 @@ def test_pick_of_large_set() -> None:
     random = np.random.default_rng(64)
     members = np.concatenate([random.random((100, 64)) < 0.5, np.eye(64, dtype=bool)[[0, 31, 32, 63]], np.zeros((1, 64), bool)])
     word = jnp.asarray(random.integers(0, 2**32, len(members)), jnp.uint32)
-    number, found = pick_of_large_set(pack(jnp.asarray(members)), word)
-    expected, there = pick(jnp.asarray(members), word)
+    number, found = jax.jit(pick_of_large_set)(jax.jit(pack)(jnp.asarray(members)), word)
+    expected, there = jax.jit(pick)(jnp.asarray(members), word)
     assert found.tolist() == there.tolist() == members.any(axis=1).tolist()
     assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
 
@@ -135,12 +135,13 @@ def test_pick_of_many_sets(several: bool, batched: str) -> None:
     if batched == "twice":
         given_sets, given_keys = given_sets[None], given_keys[None]
     number, found = (np.asarray(x).reshape(-1, size) for x in jax.jit(function)(given_sets, given_keys))
+    one = jax.jit(lambda members, key: pick_of_set(members, draw(key)))
     for row in range(len(number)):
         mine, key = (
             given_sets.reshape(-1, size)[row % given_sets.reshape(-1, size).shape[0]],
             given_keys.reshape(-1, 2)[row % given_keys.reshape(-1, 2).shape[0]],
         )
-        expected, there = pick_of_set(mine, draw(key))
+        expected, there = one(mine, key)
         assert found[row].tolist() == there.tolist()
         assert number[row][found[row]].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
     assert number.dtype == np.uint8
@@ -152,7 +153,7 @@ def test_choose(members: int, turns: int) -> None:
     cases = 200
     member = random.random((cases, members)) < random.choice([0, 0.3, 1], (cases, 1))
     word, number = random.integers(0, 2**32, (cases, turns)), random.integers(-1, turns + 1, cases)
-    found = CHOOSE(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32))
+    found = np.asarray(CHOOSE(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)))
     for case in range(cases):
         assert found[case].tolist() == references.choose(member[case].tolist(), word[case].tolist(), int(number[case]))
 
@@ -161,7 +162,7 @@ def test_choose_for_each_of_the_surroundings() -> None:
     """Rows choose apart, each its own number."""
     random = np.random.default_rng(0)
     member, word, number = random.random((3, 4, 5)) < 0.7, random.integers(0, 2**32, (3, 4, 5)), random.integers(0, 6, (3, 4))
-    found = np.asarray(choose(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)))
+    found = np.asarray(jax.jit(choose)(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)))
     for i, j in np.ndindex(3, 4):
         assert found[i, j].tolist() == references.choose(member[i, j].tolist(), word[i, j].tolist(), int(number[i, j]))
 
@@ -188,7 +189,7 @@ def test_pair(left: int, right: int, alike: bool) -> None:
     rank = random_ranks(random, (cases, left, right)) * (random.random((cases, left, right)) < random.choice([0.3, 1], (cases, 1, 1)))
     if alike:
         rank = rank * ~np.eye(left, dtype=bool)
-    found = jax.jit(jax.vmap(lambda r: pair(r, alike)))(jnp.asarray(rank, jnp.uint32))
+    found = np.asarray(jax.jit(jax.vmap(lambda r: pair(r, alike)))(jnp.asarray(rank, jnp.uint32)))
     for case in range(cases):
         partner = found[case].tolist()
         assert partner == references.pair(rank[case].tolist(), alike)
@@ -213,7 +214,8 @@ def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> N
     if alike:
         table[:, range(left), range(left)] = 0
     rank = np.take_along_axis(table, reached, axis=2)
-    found = jax.jit(jax.vmap(lambda b, r: pair_reached(b, r, right, alike)))(jnp.asarray(reached, jnp.int32), jnp.asarray(rank, jnp.uint32))
+    paired = jax.jit(jax.vmap(lambda b, r: pair_reached(b, r, right, alike)))
+    found = np.asarray(paired(jnp.asarray(reached, jnp.int32), jnp.asarray(rank, jnp.uint32)))
     for case in range(cases):
         pairs = [[int(table[case, a, b]) if b in reached[case, a] else 0 for b in range(right)] for a in range(left)]
         assert found[case].tolist() == references.pair(pairs, alike)
@@ -222,5 +224,6 @@ def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> N
 def test_pair_by_hand() -> None:
     """0 and 2 ask 1; 1 asks 0. The best pair is (2, 1), which leaves 0 alone."""
     rank = jnp.array([[0, 5, 0], [4, 0, 0], [0, 6, 0]], jnp.uint32)
-    assert pair(rank, True).tolist() == [3, 3, 1]
-    assert pair(rank, False).tolist() == [3, 0, 1]
+    paired = jax.jit(pair, static_argnums=1)
+    assert paired(rank, True).tolist() == [3, 3, 1]
+    assert paired(rank, False).tolist() == [3, 0, 1]

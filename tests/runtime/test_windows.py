@@ -9,6 +9,9 @@ from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 from . import references
 
+CUT = jax.jit(windows, static_argnames=("ahead", "behind", "left", "right"))
+PAINT = jax.jit(paint)
+
 # frame (rows, cols), then cells seen ahead, behind, to the left and to the right
 VIEWS = [
     ((9, 9), (3, 1, 2, 2)),
@@ -39,7 +42,7 @@ def test_windows_from_every_cell_and_heading(frame: tuple[int, int], view: tuple
     poses = [(r, c, h) for r in range(far, rows - far) for c in range(far, cols - far) for h in range(4)]
     assert poses
     row, col, heading = np.array(poses).T
-    found = windows(
+    found = CUT(
         jnp.asarray(plane),
         jnp.asarray(row * cols + col, jnp.int32),
         jnp.asarray(heading, jnp.int32),
@@ -55,7 +58,7 @@ def test_windows_from_every_cell_and_heading(frame: tuple[int, int], view: tuple
 def test_forward_is_up_and_right_is_right() -> None:
     """A hand-made case: what one who looks east has around it."""
     plane = jnp.array([[0, 0, 0, 0, 0], [0, 1, 2, 3, 0], [0, 4, 5, 6, 0], [0, 7, 8, 9, 0], [0, 0, 0, 0, 0]], jnp.uint8)
-    seen = {h: windows(plane, jnp.array([12]), jnp.array([h]), ahead=1, behind=1, left=1, right=1).reshape(3, 3).tolist() for h in range(4)}
+    seen = {h: CUT(plane, jnp.array([12]), jnp.array([h]), ahead=1, behind=1, left=1, right=1).reshape(3, 3).tolist() for h in range(4)}
     assert seen[0] == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
     assert seen[1] == [[3, 6, 9], [2, 5, 8], [1, 4, 7]]
     assert seen[2] == [[9, 8, 7], [6, 5, 4], [3, 2, 1]]
@@ -69,7 +72,7 @@ def test_windows_of_a_batch_are_those_of_each() -> None:
     heading = jnp.asarray(random.integers(0, 4, (6, 4)), jnp.int32)
 
     def cut(plane: jax.Array, position: jax.Array, heading: jax.Array) -> jax.Array:
-        return windows(plane, position, heading, ahead=3, behind=1, left=2, right=2)
+        return CUT(plane, position, heading, ahead=3, behind=1, left=2, right=2)
 
     np.testing.assert_array_equal(
         jax.vmap(cut)(planes, position, heading), jnp.stack([cut(planes[i], position[i], heading[i]) for i in range(6)])
@@ -83,28 +86,29 @@ def test_fill_alone_and_in_batches(length: int) -> None:
     planes, values = np.arange(120, dtype=np.uint8).reshape(3, 40), 200 + np.arange(3 * cells.size, dtype=np.uint8).reshape(3, -1) % 50
     wanted = planes.copy()
     wanted[:, cells] = values
-    np.testing.assert_array_equal(fill(jnp.asarray(planes[0]), cells, jnp.asarray(values[0])), wanted[0])
+    alone = jax.jit(lambda plane, value: fill(plane, cells, value))
+    np.testing.assert_array_equal(alone(jnp.asarray(planes[0]), jnp.asarray(values[0])), wanted[0])
     both = jax.jit(jax.vmap(lambda plane, value: fill(plane, cells, value)))
     np.testing.assert_array_equal(both(planes, values), wanted)
-    constant = jax.vmap(lambda value: fill(jnp.asarray(planes[0]), cells, value))(jnp.asarray(values))
+    of_values = jax.jit(jax.vmap(lambda value: fill(jnp.asarray(planes[0]), cells, value)))
+    constant = np.asarray(of_values(jnp.asarray(values)))
     np.testing.assert_array_equal(constant[:, cells], values)
     np.testing.assert_array_equal(constant[1], np.where(np.isin(np.arange(40), cells), wanted[1], planes[0]))
-    many = jax.vmap(lambda value: fill(jnp.asarray(planes[0]), cells, value))(jnp.tile(jnp.asarray(values), (10, 1)))
-    np.testing.assert_array_equal(many, jnp.tile(constant, (10, 1)))
-    np.testing.assert_array_equal(
-        jax.vmap(lambda plane: fill(plane, cells, jnp.asarray(values[0])))(jnp.tile(planes, (10, 1)))[-3:, cells], values[[0] * 3]
-    )
+    many = of_values(np.tile(values, (10, 1)))
+    np.testing.assert_array_equal(many, np.tile(constant, (10, 1)))
+    of_planes = jax.jit(jax.vmap(lambda plane: fill(plane, cells, jnp.asarray(values[0]))))
+    np.testing.assert_array_equal(np.asarray(of_planes(np.tile(planes, (10, 1))))[-3:, cells], values[[0] * 3])
     twice = jax.vmap(both)(jnp.asarray([planes, planes]), jnp.asarray([values, values]))
     np.testing.assert_array_equal(twice, [wanted, wanted])
 
 
 def test_paint_adds_bits() -> None:
     plane = jnp.array([1, 2, 4, 8, 0], jnp.uint8)
-    assert paint(plane, jnp.array([1, 3, 1], jnp.int32), 4).tolist() == [1, 6, 4, 12, 0]
-    assert paint(plane, jnp.array([2, 2], jnp.int32), 4).tolist() == plane.tolist()  # what is there already stays once
-    assert paint(plane, jnp.array([4, 0], jnp.int32), jnp.array([0x70, 0x80], jnp.uint8)).tolist() == [0x81, 2, 4, 8, 0x70]
-    assert paint(plane, jnp.zeros(3, jnp.int32), 128).tolist() == [129, 2, 4, 8, 0]
-    assert paint(plane, jnp.array([], jnp.int32), 128).tolist() == plane.tolist()
+    assert PAINT(plane, jnp.array([1, 3, 1], jnp.int32), 4).tolist() == [1, 6, 4, 12, 0]
+    assert PAINT(plane, jnp.array([2, 2], jnp.int32), 4).tolist() == plane.tolist()  # what is there already stays once
+    assert PAINT(plane, jnp.array([4, 0], jnp.int32), jnp.array([0x70, 0x80], jnp.uint8)).tolist() == [0x81, 2, 4, 8, 0x70]
+    assert PAINT(plane, jnp.zeros(3, jnp.int32), 128).tolist() == [129, 2, 4, 8, 0]
+    assert PAINT(plane, jnp.array([], jnp.int32), 128).tolist() == plane.tolist()
 
 
 @pytest.mark.parametrize("number", range(1, 10))
