@@ -55,9 +55,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_collection_finish() -> None:
-    """Spares the collector of garbage what is there from now on to the end: packages and tests, most of what it would look through."""
+    """Spares the collector of garbage what is there from now on to the end: packages and tests, most of what it would look through.
+
+    It also comes more seldom: tracing and compiling make many objects, of which few are garbage, and each round looks through all.
+    """
     gc.collect()
     gc.freeze()
+    gc.set_threshold(10_000, 10, 10)
 
 
 def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:

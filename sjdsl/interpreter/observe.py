@@ -17,7 +17,6 @@ from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import Cell, Mover, World
 
 _OTHER_HIDDEN = 6
-_NOWHERE = Cell(-1, -1)  # no cell of any map
 
 
 def observe(game: ir.Game, world: World) -> np.ndarray:
@@ -30,18 +29,28 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
         if place is None:
             continue
         here = Instance(board, world, names={"agent": agent})
-        view = _view(window, here)
+        seen = _seen_cells(window, agent, place, here)
         for number, plane in enumerate(all_planes):
             if plane.what in ("everyone", "own", "world"):  # the same in the whole window
                 inside = here if plane.agent is None else here.binding({"everyone": plane.agent})
                 picture[agent, number] = _shown(_observable(plane), inside, 0)
                 continue
-            for row in range(rows):
-                for column in range(columns):
-                    ahead, right = window.ahead - row, column - window.left
-                    cell = board.at(*place_at(place, world.heading[agent], ahead, right)) if _is_in(view, ahead, right) else None
-                    picture[agent, number, row, column] = _value(plane, cell or _NOWHERE, agent, here)
+            for row, column, cell in seen:
+                picture[agent, number, row, column] = _value(plane, cell, agent, here)
     return picture
+
+
+def _seen_cells(window: ir.Window, agent: int, place: Cell, here: Instance) -> list[tuple[int, int, Cell]]:
+    """Returns the rows and columns of the window in which an observer sees a cell of the map, with these cells; the others show zeros."""
+    view, heading = _view(window, here), here.world.heading[agent]
+    found = []
+    for row in range(window.ahead + 1 + window.behind):
+        for column in range(window.left + 1 + window.right):
+            ahead, right = window.ahead - row, column - window.left
+            cell = here.board.at(*place_at(place, heading, ahead, right)) if _is_in(view, ahead, right) else None
+            if cell is not None:
+                found.append((row, column, cell))
+    return found
 
 
 def _view(window: ir.Window, here: Instance) -> ir.Window | ir.View:
@@ -57,7 +66,7 @@ def _is_in(view: ir.Window | ir.View, ahead: int, right: int) -> bool:
 
 
 def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
-    """Returns what one plane shows at one cell, on the map or off it."""
+    """Returns what one plane shows at one cell of the map."""
     match plane.what:
         case "content":
             return _content(cell, agent, here)
@@ -80,9 +89,7 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
 
 
 def _content(cell: Cell, agent: int, here: Instance) -> int:
-    kind = here.board.kind_of.get(cell)
-    if kind is None:
-        return 0
+    kind = here.board.kind_of[cell]
     if _somebody(cell, agent, here) and any(hidden.what == "content" for hidden in here.board.game.hidden):
         return _content_labels(here.board).index(planes.COVERED)
     whole = planes.look_of(here.board.game, kind)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import jax
@@ -49,7 +50,9 @@ def compile_quickly(env: Environment) -> Compiled:
 
     def whole_step(key: Any, state: Any, actions: Any, params: Any) -> Any:
         observation, state, reward, done, info = env.step_env(key, state, actions, params)
-        told = {name: info[name] for name in ("truncated", "terminated", "events", "metrics")}  # the rest is the state and observation again
+        told = {
+            name: info[name] for name in ("truncated", "terminated", "events", "metrics")
+        }  # the rest is the state and observation again
         return (observation, env.allowed_actions(state, params)), state, reward, done, told
 
     return Compiled(
@@ -57,6 +60,7 @@ def compile_quickly(env: Environment) -> Compiled:
     )
 
 
+@lru_cache(maxsize=1024)
 def key_words(seed: int) -> tuple[int, int]:
     """Returns the two words of `jax.random.key(seed)`."""
     words = np.asarray(jax.random.key_data(jax.random.key(seed)))

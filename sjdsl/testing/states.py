@@ -66,9 +66,18 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
     return state.replace(**{name: np.asarray(v, like[name].dtype).reshape(like[name].shape) for name, v in changed.items()})
 
 
+_numbered: list[tuple[ir.Game, dict[Pool, int]]] = []
+KEPT = 8  # games whose numbers are kept: to find them takes as long as to optimise the game
+
+
 def pool_numbers(game: ir.Game) -> dict[Pool, int]:
-    """Returns the numbers by which the compiled state names the destinations of those who are away."""
-    return {Pool(phase, pool.send.pool): pool.number for phase, pools in all_pools(optimise(game)).items() for pool in pools}
+    """Returns the numbers by which the compiled state names the destinations of those who are away; those asked for last are kept."""
+    for known, numbers in _numbered:
+        if known is game:
+            return numbers
+    numbers = {Pool(phase, pool.send.pool): pool.number for phase, pools in all_pools(optimise(game)).items() for pool in pools}
+    _numbered[:] = [(game, numbers), *_numbered[: KEPT - 1]]
+    return numbers
 
 
 def away_pools(game: ir.Game, sort: str = "") -> dict[Pool, ir.Send]:
