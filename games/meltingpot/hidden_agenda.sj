@@ -14,28 +14,20 @@ game hidden_agenda "Hidden Agenda" {
   param pause  : steps       = 50 in 0 .. 255  # Melting Pot: after a shot
   param play : steps = 200 in 1 .. 1000  param vote_time : steps = 25 in 1 .. 1000  # Melting Pot: until a vote; how long it takes
 
-  kind floor       "."
-  kind wall        "#" { blocks agents }  # Melting Pot: the beam passes through
-  kind vein        "G" { field gem : { none, gem } = gem }
-  kind grate       "O"
-  kind start_point "P"
-  kind seat        "V"
-  kind jail        "D"
-  map "maps/hidden_agenda.txt"
-  field round     : { playing, voting } = playing
-  field delivered : 0 .. goal capped = 0
-  timer clock                             # until the vote begins, or ends
+  kind floor "."  kind wall "#" { blocks agents }  # Melting Pot: the beam passes through
+  kind vein "G" { field gem : { none, gem } = gem }
+  kind grate "O"  kind start_point "P"
+  kind seat "V"  kind jail "D"  map "maps/hidden_agenda.txt"
+  field round : { playing, voting } = playing  field delivered : 0 .. goal capped = 0
+  timer clock  # until the vote begins, or ends
 
   agents players {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, tag, vote(whom : agent), abstain
-    moves relative
-    field role   : { crewmate, impostor } = crewmate
-    field state  : { active, frozen, out } = active
-    field gem    : { none, gem } = none
+    moves relative  field role : { crewmate, impostor } = crewmate
+    field state : { active, frozen, out } = active  field gem : { none, gem } = none
     field badge  : 0 .. players = 0        # its colour: its number, known to all
     field ballot : 0 .. players = players  # whom it votes for; players: nobody
-    timer charging
-    forbid all when agent.state is not active
+    timer charging  forbid all when agent.state is not active
     forbid turn_left, turn_right, step_left, step_right, forward, backward when round is voting
     forbid tag when agent.role is crewmate or agent.charging > 0 or round is voting
     forbid vote, abstain when round is playing
@@ -109,6 +101,15 @@ game hidden_agenda "Hidden Agenda" {
   checks {
     always count(agent where agent.role is crewmate and agent.charging > charge) == 0
     expect tagged == 0 with never(tag) over 5 episodes
+    conserved count(agent where agent.role is impostor)  always deposited <= collected
+    expect deposited > 0 with cooperator over 1 episodes
+  }
+  policy cooperator "carries gems to the grate" {
+    seek grate where agent.gem is gem  seek vein where agent.gem is none and vein.gem is gem
+  }
+  policy defector "fires at crewmates if it can, else carries gems, too" {
+    aim beam at agent as other where agent.role is impostor and agent.charging == 0 and other.state is active choose tag
+    seek grate where agent.gem is gem  seek vein where agent.gem is none and vein.gem is gem
   }
   variant by_lot "the impostor is drawn by lot" {
     phase start {

@@ -1,4 +1,4 @@
-"""Every substrate compiled: its steps are the interpreter's, its checks pass, and it is small. Slow: `--all`."""
+"""Every substrate compiled: its steps are the interpreter's, its checks pass, and it is small. Slow: `--all`; a part with `--thorough`."""
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from sjdsl.testing import Stage
 
 STEPS = 3
 MOST_STABLEHLO = 3500  # lines of a step; XLA's time to compile grows with them
+FEW = Effort(25, episodes=0)
 LARGER = {"paintball", "paintball_king_of_the_hill"}  # not yet below it
 
 
@@ -33,6 +34,16 @@ def test_checks_pass(entry: Substrate) -> None:
     report = verify_properties(family, Effort(400, seed=0))
     assert [(v.text, v.status, v.untested) for v in report.verdicts if v.status != "passed"] == []
     assert not report.faults
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("game", sorted(melting_pot_games()))
+def test_no_check_fails_in_a_few_trajectories(game: str) -> None:
+    """Checks of states, symmetry and numbers in 25 trajectories on small maps; lines may stay uncovered, and no `expect` is played."""
+    family = GameFamily(read_source(find_game(game)))
+    report = verify_properties(family, FEW, [i for i, check in enumerate(family.own.checks) if check.sort != "expect"])
+    assert [(v.text, v.status) for v in report.verdicts if v.status in ("failed", "not decided")] == []
+    assert report.verdicts and not report.faults
 
 
 @pytest.mark.slow
