@@ -224,7 +224,8 @@ def _check_room(
     if domain.where is not None:
         problems.add(errors.NoFreeCell(lacking.span, place=place))
     elif cells < needed:
-        problems.add(errors.TooFewFreeCells(lacking.span, place=place, cells=cells, agents=needed))
+        movers = " or movers" if game.movers else ""
+        problems.add(errors.TooFewFreeCells(lacking.span, place=place, cells=cells, agents=needed, movers=movers))
 
 
 def _check_room_at_start(
@@ -246,9 +247,11 @@ def _check_room_at_start(
                 errors.TooFewForOne(span, place=place, cells=len(sure), agents=taken, who=f"{agent.sort or 'agent'} {agent.number}")
             )
         elif domain.where is None:
-            problems.add(errors.TooFewCells(span, kind=place, cells=len(sure), agents=everybody))
+            who = "agents and movers" if game.movers else "agents"
+            problems.add(errors.TooFewCells(span, kind=place, cells=len(sure), agents=everybody, who=who))
         else:
-            problems.add(errors.TooFewToStart(span, place=place, cells=len(sure), agents=everybody))
+            movers = " or movers" if game.movers else ""
+            problems.add(errors.TooFewToStart(span, place=place, cells=len(sure), agents=everybody, movers=movers))
         return
 
 

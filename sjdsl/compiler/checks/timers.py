@@ -4,18 +4,19 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.ir.queries import all_fields
+from sjdsl.compiler.ir.queries import all_fields, mover_sort
 
 
 def check_timers(game: ir.Game, composition: Composition, problems: Problems) -> None:
     """Reports a missing, doubled or needless `tick`, and timers set on both sides of it."""
     timers = [field for field in all_fields(game) if field.timer]
-    away = any(isinstance(n, ir.Send) and n.after is not None for n in ir.walk(game))
+    away = [mover_sort(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None]
     ticks = [t for t in game.schedule if isinstance(t, ir.Tick)]
     assert composition.schedule is not None
     span = composition.schedule.span
     if (timers or away) and not ticks:
-        what = "there are timers" if timers else "agents are sent away for some steps (`after`)"
+        who = "agents" if "" in away or not away else f"movers `{away[0]}`"
+        what = "there are timers" if timers else f"{who} are sent away for some steps (`after`)"
         problems.add(errors.NoTick(span, what=what))
     if len(ticks) > 1:
         problems.add(errors.TickTwice(ticks[1].origin or span))

@@ -377,7 +377,8 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     assert span is not None and other is not None
     labels = () if a is b else (Label(other, "the other write is here"),)
     if a.sort == b.sort == "place":
-        problems.add(errors.TwoDestinations(span, labels=labels, phase=phase.label))
+        who = f"a mover `{a.target.name}`" if a.target.name else "an agent"
+        problems.add(errors.TwoDestinations(span, labels=labels, phase=phase.label, who=who))
     elif {a.sort, b.sort} == {"set", "add"}:
         problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
     else:

@@ -28,6 +28,8 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
 def _written_how(e: ir.Expr) -> str:
     """Returns how what is no field changes."""
     match e:
+        case ir.Attribute(name="row" | "col", owner=ir.Member(who="mover", kinds=(sort,))):
+            return f"movers change their places by `move each {sort} ahead` and the like, and by `send {sort} to KIND`"
         case ir.Attribute(name="row" | "col"):
             return "agents change their places by `move` and by `send agent to KIND`"
         case ir.Attribute(name="heading"):

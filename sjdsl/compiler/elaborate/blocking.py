@@ -14,7 +14,7 @@ def blocked(blocks: ast.Blocks, tests: Mapping[str, ir.Expr | None], scope: Scop
     """
     static, found = scope.static, []
     for what in blocks.what:
-        if Declared(what.text, among="shapes") in static.broken:
+        if {Declared(what.text, among="shapes"), Declared(what.text)} & static.broken:
             continue
         if what.text != "agents" and what.text not in static.shapes and what.text not in static.movers:
             scope.problems.unknown(what, ["agents", *static.movers, *static.shapes], "what a cell can block")

@@ -140,6 +140,8 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
         return ir.Same(left=left, right=right, origin=e.span)
     if isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.who == right.who == "mover" and left.kinds == right.kinds:
         return ir.Same(left=left, right=right, origin=e.span)
+    if isinstance(left, ir.Member) and left.who == "mover":
+        raise wrong_type(scope, e.right, f"a mover `{left.kinds[0]}`", right.type)
     help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
     wanted = "a word, an agent or a cell"
     single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None

@@ -177,4 +177,8 @@ class Scope(Record):
 
 
 def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "") -> Poisoned:
-    return scope.problems.fail(errors.WrongType(e.span, wanted=wanted, given=describe(given), help=help))
+    bound = scope.variables.get(e.name.text) if isinstance(e, ast.Path) and given.kind == "member" else None
+    told = describe(given)
+    if isinstance(bound, ir.Member):
+        told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{' '.join(bound.kinds)}`"}[bound.who]
+    return scope.problems.fail(errors.WrongType(e.span, wanted=wanted, given=told, help=help))

@@ -20,11 +20,12 @@ class RaggedMap(Diagnostic, code="SJ302", title="Rows of different length"):
 
 
 class TooFewCells(Diagnostic, code="SJ303", title="Too few cells"):
-    says = "`{kind}` has {cells:cell} for {agents} agents"
-    hints = ("enlarge the map, or lower the number of agents",)
+    says = "`{kind}` has {cells:cell} for {agents} {who}"
+    hints = ("enlarge the map, or lower the number of {who}",)
     kind: str
     cells: int
     agents: int
+    who: str = "agents"
 
 
 class GlyphTwice(Diagnostic, code="SJ304", title="A glyph of two kinds"):

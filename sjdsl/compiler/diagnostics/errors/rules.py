@@ -26,9 +26,10 @@ class AddAndSet(Diagnostic, code="SJ402", title="Set and add in one phase"):
 
 
 class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
-    says = "an agent can be sent to two places in phase `{phase}`"
+    says = "{who} can be sent to two places in phase `{phase}`"
     hints = ("{accepted}", "make the two exclude each other, or send to one place")
     phase: str
+    who: str = "an agent"
     accepted: Tried | str = ""
 
 
@@ -49,19 +50,20 @@ class NoFreeCell(NoWayFree):
 
 
 class TooFewFreeCells(NoFreeCell):
-    says = "`{place}` has {cells:cell}, and up to {agents:agent} may be there or come"
+    says = "`{place}` has {cells:cell}, and up to {agents:agent}{movers} may be there or come"
     hints = ("write `otherwise stay` after it, or take a map with more such cells, or fewer agents",)
     cells: int
     agents: int
+    movers: str = ""
 
 
 class TooFewToStart(TooFewFreeCells):
-    says = "{cells:cell} of the map fit `{place}`, and {agents:agent} begin there"
+    says = "{cells:cell} of the map fit `{place}`, and {agents:agent}{movers} begin there"
     hints = ("take a map with more such cells, or fewer agents",)
 
 
 class TooFewForOne(TooFewFreeCells):
-    says = "{cells:cell} of the map certainly fit `{place}` for {who}, and {agents:agent} with lower numbers may take them first"
+    says = "{cells:cell} of the map certainly fit `{place}` for {who}, and {agents:agent}{movers} with lower numbers may take them first"
     hints = ("take a map with more such cells, or a condition that leaves each agent cells of its own",)
     who: str
 
