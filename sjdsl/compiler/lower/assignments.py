@@ -104,6 +104,8 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     own = before.axes
     over = tuple(a for a in target.scope.axes if a not in own)
     mask = None if target.scope.mask is None else reduce("any", target.scope.mask, over)
+    if mask == FALSE:
+        return
     key = None if key is None else _of_the_one(key, over)
     after = _entries(before, mask, key, target, _of_the_one(value, over), w)
     if after != before:

@@ -59,6 +59,8 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     mask = w.keep("member", mask_over(inner, axes))
     found = w.keep("found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes))
     wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
+    if not turns.size:
+        return inner.when(FALSE), invert(found)
     chosen = array.call("choose", mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes))
     return replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))), invert(found)
 
