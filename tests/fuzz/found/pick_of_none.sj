@@ -14,7 +14,7 @@ game picks "Nothing is picked" {
   schedule walk -> rule
   phase walk { move each agent }
   phase rule {
-    pick 7 % 1 grass where grass.col > 5 or grass.row == step % 2 {
+    pick 7 % 1 grass where grass.col > 0 {
       set pot = case nobody on grass { yes: high, no: low }
       set grass.fruit = ripe
     } otherwise { set found = no_one }
