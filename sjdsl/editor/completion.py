@@ -114,7 +114,7 @@ def _declared(offer: Offer, names: Names, analyses: Analyses, uri: str) -> str:
 
 def _files(place: Place, path: Path | None) -> list[str]:
     """Returns the files that a text in quotes can name: games after `extends`, maps after `map`."""
-    suffix = {"EXTENDS": ".sj", "MAP": ".txt"}.get(place.last())
+    suffix = {"EXTENDS": ".sj", "MAP": ".txt", "WRAPS": ".txt"}.get(place.last())
     if suffix is None or path is None:
         return []
     folders = [path.parent, *(sub for sub in sorted(path.parent.iterdir()) if sub.is_dir() and not sub.name.startswith("."))]

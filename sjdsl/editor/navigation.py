@@ -77,7 +77,11 @@ def _named_file(uri: str, position: types.Position, analyses: Analyses) -> list[
         return []
     offset = analysis.document.lines.offset(position)
     for before, token in zip(analysis.tokens, analysis.tokens[1:], strict=False):
-        if token.type == "STRING" and (token.start_pos or 0) <= offset <= (token.end_pos or 0) and before.type in ("EXTENDS", "MAP"):
+        if (
+            token.type == "STRING"
+            and (token.start_pos or 0) <= offset <= (token.end_pos or 0)
+            and before.type in ("EXTENDS", "MAP", "WRAPS")
+        ):
             path = analysis.document.path.parent / token[1:-1]
             start = types.Position(0, 0)
             return [types.Location(analyses.documents.uri(path.resolve()), types.Range(start, start))] if path.is_file() else []
