@@ -16,7 +16,9 @@ NEEDED = ("starlette", "uvicorn", "websockets", "pygls")
 
 @click.command("studio")
 @click.argument("game", required=False)
-@click.option("--port", type=click.IntRange(0, 65535), metavar="N", help=f"The port to listen on; by default {PORT}, or any if that is taken.")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), metavar="N", help=f"The port to listen on; by default {PORT}, or any if that is taken."
+)
 @click.option("--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]")
 def command(game: str | None, port: int | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules in words, generated code.

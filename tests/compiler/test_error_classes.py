@@ -13,7 +13,7 @@ from sjdsl.compiler.diagnostics.explanations import kinds
 from sjdsl.compiler.diagnostics.source import Span
 
 HERE = Span("game.sj", 0, 0, 1, 1)
-OF_ALL = {"span", "labels", "fix", "help"}
+OF_ALL = {"span", "labels", "fix", "help", "repairs"}
 SAMPLES = {
     str: "abc",
     Tried: Tried(lambda: "abc"),

@@ -109,6 +109,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     for shape in game.shapes.values():
         with problems.survive(static.broken, Declared(shape.name.text, among="shapes")):
             static.shapes[shape.name.text] = shapes.declared(shape, scope)
+    static.mover_sorts = tuple(game.movers)
     static.cell_types = {kind: (kind,) for kind in game.kinds}
     static.cell_types |= {name: tuple(kind.text for kind in group.kinds) for name, group in game.groups.items()}
     for name, event in static.events.items():

@@ -60,6 +60,9 @@ def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
                 return ir.AGENTS if declared.set_of else ir.AGENT
             if declared.name.text == "reward" and not declared.set_of:
                 return ir.Type(kind="real", unit="reward")
+            if declared.name.text in scope.static.mover_sorts:
+                help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {declared.name.text}`"
+                raise scope.problems.fail(errors.Unsupported(declared.span, what="a field that holds a mover", help=help_))
             instead = {guess: help_.format(name=field) for guess, help_ in guesses.TYPES.items()}
             raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields", instead)
 

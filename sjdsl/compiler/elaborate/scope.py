@@ -49,6 +49,7 @@ class Static:
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
     movers: dict[str, ir.Movers] = field(default_factory=dict)
+    mover_sorts: tuple[str, ...] = ()
     actions: tuple[str, ...] = ()
     action_names: list[str] = field(default_factory=list)  # as declared: `vote`, where the actions are `vote(0)`, `vote(1)`, …
     with_arguments: dict[str, ir.ActionWithArguments] = field(default_factory=dict)
