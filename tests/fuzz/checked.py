@@ -106,7 +106,7 @@ def _sides(w: World, numbers: Sequence[int]) -> str:
 
 
 def _observable_scope(w: World, owner: str) -> Scope:
-    scope = Scope(w, "observable", (Variable("agent"),))
+    scope = Scope(w, "observable").having(Variable("agent"))
     if owner in ("other", "everyone"):
         return scope.having(Variable(owner))
     if owner in w.movers:

@@ -89,7 +89,7 @@ def whereabouts(scope: Scope, depth: int) -> str:
     found = []
     for v in scope.agents():
         found += [f"{v.name}.moved", f"{v.name}.away"]
-        if scope.counts or scope.sort == "observable":
+        if scope.counts:
             found.append(f"{v.name} on {r.choice([*w.kinds, *w.groups])}")
         if scope.sort == "phase":
             found += [f"{v.name} chose {r.choice(w.actions)}"] * 2
@@ -101,7 +101,7 @@ def whereabouts(scope: Scope, depth: int) -> str:
         found += [f"{v.name}.moved", f"{v.name}.away", f"not {v.name}.moved"]
         if scope.counts:
             found.append(f"{v.name} on {r.choice([*w.kinds, *w.groups])}")
-    if scope.counts or scope.sort == "observable":
+    if scope.counts:
         found += [f"nobody on {v.name}" for v in scope.cells()]
     return r.choice(found) if found else ""
 
@@ -122,8 +122,6 @@ def agents_compared(scope: Scope, _depth: int) -> str:
 def cells_compared(scope: Scope, _depth: int) -> str:
     """Returns `a is b`, `a is nowhere` between cells."""
     r = scope.world.random
-    if scope.sort == "observable":  # where a cell of a window is, is not known
-        return ""
     held = [(text, type_.kinds) for text, type_ in scope.single_values("cell")]
     members = [(v.name, v.kinds) for v in scope.cells()]
     found = [f"{text} {not_} nowhere" for text, _ in held for not_ in ("is", "is not")]

@@ -67,6 +67,10 @@ def _place(scope: Scope, kinds: tuple[str, ...], shape: bool, counted: bool, sor
         return f" in {{ {', '.join(named)} }}", len(named)
     if sort:
         return "", 10**6
+    cells = [v.name for v in scope.cells()] if kinds else []
+    if cells and r.random() < 0.1:
+        named = r.sample(cells, r.randint(1, min(2, len(cells))))
+        return f" in {{ {', '.join(named)} }}", len(named)
     if kinds:
         held = [text for text, type_ in scope.single_values("cell") if set(type_.kinds) & set(kinds)]
         return (f" in {r.choice(held)}", 1) if held and r.random() < 0.4 else ("", 10**6)

@@ -280,6 +280,16 @@ def parameters(w: World) -> list[tuple[str, tuple, tuple]]:
     uses = w.random.sample(words, w.random.randint(1, 2))
     if w.is_now(0.3):
         return [(f"({word})", types[:1], ()) for word in uses]
+    params = [p for p in w.params if p.type.kind in ("int", "real", "word")]
+    if params and w.is_now(0.6):  # a param, perhaps a whole table, in each use; all of one type
+        type_ = w.random.choice(params).type
+        low, high = type_.low, type_.high
+        alike = [
+            p.name
+            for p in params
+            if p.type.model_copy(update={"low": low, "high": high}) == type_ and low <= p.type.low <= p.type.high <= high
+        ]
+        return [(f"({word}, {w.random.choice(alike)})", (types[0], (number, type_)), ()) for word in uses]
     return [(f"({word}, {w.random.randint(0, 3)})", types, ()) for word in uses]
 
 

@@ -5,7 +5,7 @@ from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.runtime.actions import HEADINGS
-from tests.fuzz.declared import Field, World
+from tests.fuzz.declared import World
 
 Typed = tuple[str, ir.Type]
 
@@ -85,7 +85,7 @@ class Scope:
     @property
     def counts(self) -> bool:
         """Whether members can be counted and shapes looked into."""
-        return self.sort not in ("numbers", "forbid", "observable")
+        return self.sort not in ("numbers", "forbid")
 
     @cached_property
     def values(self) -> tuple[Typed, ...]:
@@ -114,8 +114,6 @@ class Scope:
 
     def _of_cell(self, v: Variable) -> list[Typed]:
         fields = self.world.cell_fields(v.kinds)
-        if self.sort == "observable":
-            return [(f"{v.name}.{f.name}", f.type) for f in fields if is_painted(f)] + self._place(v)
         return [(f"{v.name}.{f.name}", f.type) for f in fields] + self._place(v)
 
     def _place(self, v: Variable) -> list[Typed]:
@@ -133,12 +131,6 @@ class Scope:
     def nobodies(self) -> list[str]:
         """Returns the fields here that hold an agent or nobody."""
         return [text for text, _ in self.single_values("agent")]
-
-
-def is_painted(f: Field) -> bool:
-    """Returns whether what is shown of a cell can depend on a field."""
-    small = f.type.kind == "int" and f.type.low >= 0 and f.type.high < 8 and not f.timer
-    return not f.type.by and (f.type.kind in ("word", "agent") or small)
 
 
 def _index(w: World, sort: str = "") -> ir.Type:

@@ -72,7 +72,7 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
                 raise wrong_type(scope, s.value, "an agent or nobody", value.type)
         case "cell":
             value = or_nowhere(value)
-            kinds = kinds_of_cell(value)
+            kinds = value.type.kinds if value.type.kind == "cell" else kinds_of_cell(value)  # a row of cells, too
             if kinds is None or not set(kinds) <= set(type_.kinds):
                 given = value.type if kinds is None else ir.Type(kind="cell", kinds=kinds)
                 raise wrong_type(scope, s.value, f"{describe(type_)} or nowhere", given)

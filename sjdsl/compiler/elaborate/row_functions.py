@@ -2,7 +2,7 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, not_a_word
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, kinds_of_cell, not_a_word, or_nowhere
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
@@ -76,7 +76,10 @@ def _filler(tree: ast.Expr, row: ir.Expr, scope: Scope) -> ir.Expr:
     if one.kind == "word":
         check_known_word(tree, row, one.words, scope)
     filler = narrow_word(scope.expression(tree), scope.facts)
+    filler = or_nowhere(filler) if one.kind == "cell" else filler
+    kinds = kinds_of_cell(filler)
     fits = {
+        "cell": kinds is not None and set(kinds) <= set(one.kinds),
         "int": is_number(filler.type) and filler.type.kind == "int",
         "real": is_number(filler.type),
         "word": filler.type.kind == "word" and not filler.type.by,

@@ -62,7 +62,18 @@ def observable_words(observable: ir.Observable) -> tuple[str, ...]:
 
 
 def looks(game: ir.Game) -> tuple[Look, ...]:
-    """Returns the looks of all kinds in declaration order."""
+    """Returns the looks of all kinds in declaration order. If they are too many for a byte, what only labels read is not painted."""
+    found, raw = _numbered_looks(game, True)
+    if raw > 256:
+        found, raw = _numbered_looks(game, False)
+    if raw > 256 or len(content_labels(game)) > 256:
+        what = f"{max(raw, len(content_labels(game)))} different looks of cells (at most 256)"
+        raise NotSupported(what, game.kinds[-1].origin, "`hide` fields of cells that need not be seen, or show them with fewer labels")
+    return tuple(_painted_as(look, found, game) for look in found.values())
+
+
+def _numbered_looks(game: ir.Game, read: bool) -> tuple[dict[str, Look], int]:
+    """Returns the looks of all kinds, and how many numbers are painted. `read`: also the fields are painted that labels and `hide` read."""
     raw, labels = 1, content_labels(game)
     glyphs = kinds_by_glyph(game)
     there = {glyphs[g] for row in game.rows for g in row}
@@ -72,14 +83,11 @@ def looks(game: ir.Game) -> tuple[Look, ...]:
         whole = _shown_as(kind, game)
         numbers = tuple(labels.index(word) for word in observable_words(whole)) if whole is not None else ()
         final = numbers[0] if numbers else labels.index(_states(kind, game)[0])
-        painted = tuple((f, _values(f, game)) for f in _painted(kind, observables, game))
+        painted = tuple((f, _values(f, game)) for f in _painted(kind, observables, game, read))
         found[kind.name] = Look(kind, painted, observables, raw, final, kind.name in there, numbers)
         if _as_another(found[kind.name], game) is None:
             raw += found[kind.name].raw_values
-    if raw > 256 or len(labels) > 256:
-        what = f"{max(raw, len(labels))} different looks of cells (at most 256)"
-        raise NotSupported(what, game.kinds[-1].origin, "`hide` fields of cells that need not be seen, or show them with fewer labels")
-    return tuple(_painted_as(look, found, game) for look in found.values())
+    return found, raw
 
 
 def _painted_as(look: Look, others: dict[str, Look], game: ir.Game) -> Look:
@@ -109,18 +117,22 @@ def _shown_as(kind: ir.Kind, game: ir.Game) -> ir.Observable | None:
     return next((s for s in _observables_of(kind, game) if not s.field), None)
 
 
-def _painted(kind: ir.Kind, observables: tuple[ir.Observable, ...], game: ir.Game) -> list[ir.VarField]:
-    """Returns the fields that decide how a cell looks: those shown as they are, and those that labels and `hide` read."""
+def _painted(kind: ir.Kind, observables: tuple[ir.Observable, ...], game: ir.Game, read: bool) -> list[ir.VarField]:
+    """Returns the fields that are painted: those shown as they are, and those that labels and `hide` read and that have few values.
+
+    The others are looked up, for each cell of each window.
+    """
     wanted = {s.field for s in observables if not s.labels}
     conditions = [c for s in observables for c in (*(label.condition for label in s.labels), s.hidden_when)]
     conditions += [hidden.when for hidden in game.hidden if kind.name in hidden.kinds]
-    for node in (n for c in conditions if c is not None for n in ir.walk(c)):
+    for node in (n for c in conditions if c is not None and read for n in ir.walk(c)):
         if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and kind.name in node.owner.kinds:
             wanted.add(node.name)
-    return [f for f in kind.fields if f.name in wanted]
+    return [f for f in kind.fields if f.name in wanted and _values(f, game)]
 
 
 def _values(field: ir.VarField, game: ir.Game) -> int:
+    """Returns how many values a field has that can be painted; 0 if it cannot."""
     type_ = field.type
     match type_.kind:
         case "word" if not type_.by:
@@ -130,8 +142,7 @@ def _values(field: ir.VarField, game: ir.Game) -> int:
         case "int" if not type_.by and type_.low >= 0 and _bound(field, game) < 256:
             return int(_bound(field, game)) + 1
         case _:
-            what = f"labels that depend on `{field.name}`, which is not a word, an agent or a count up to 255"
-            raise NotSupported(what, field.origin, "keep what the labels ask for in a field of words")
+            return 0
 
 
 def _bound(field: ir.VarField, game: ir.Game) -> float:

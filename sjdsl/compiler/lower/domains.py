@@ -101,16 +101,19 @@ def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
 
 
 def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> IterationScope:
-    """`each agent as one in { a, b }`: an axis over the named variables; one agent named twice counts once."""
+    """`each agent as one in { a, b }`: an axis over the named variables; one agent or cell named twice counts once."""
     axis = w.axis(d.var.name, len(among.members))
-    if d.var.who == "cell":
-        raise NotSupported("a list of cells in braces", d.origin, "write the statement for each of the cells by itself")
-    indices = [scope.variables[m.name].number for m in among.members]
+    indices = [number_in(d, scope.variables[m.name], w) for m in among.members]
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
     index = w.keep(d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis)))
-    variable = AgentVar(index, sort=mover_sort(d.var))
-    inner = extended(scope, axis, d, variable, index, w.module.extent(variable.sort)).when(state_reads.present(variable, w))
+    variable: Variable
+    if d.var.who == "cell":
+        variable = CellVar(index, d.var.kinds)
+        inner = extended(scope, axis, d, variable, index, w.module.num_cells(d.var.kinds)).when(state_reads.is_site(index, d.var.kinds, w))
+    else:
+        variable = AgentVar(index, sort=mover_sort(d.var))
+        inner = extended(scope, axis, d, variable, index, w.module.extent(variable.sort)).when(state_reads.present(variable, w))
     for earlier, later in sorted(combinations(range(len(indices)), 2), key=lambda pair: pair[::-1]):
         same = binary("==", indices[later], indices[earlier], "bool")
         is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
@@ -118,6 +121,15 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
         assert repeated is not None
         inner = inner.when(invert(repeated))
     return inner
+
+
+def number_in(d: ir.Domain, member: Variable, w: Writer) -> Value:
+    """Returns the number of a variable among all that a domain may have; past the end of a cell of another kind."""
+    if isinstance(member, AgentVar):
+        return member.number
+    if member.kinds == d.var.kinds:
+        return state_reads.placed(member, w).number
+    return state_reads.site_at(state_reads.cell(member, w), d.var.kinds, w)
 
 
 def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
@@ -128,8 +140,8 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         held = cell_values.variable(d.restriction.value, d.var.kinds, scope, w)
         inner = extended(scope, None, d, held, held.site, w.module.num_cells(d.var.kinds))
         return inner.when(state_reads.is_site(held.site, d.var.kinds, w))
-    if d.restriction is not None:
-        raise NotSupported("a list of cells in braces", d.origin, "write the statement for each of the cells by itself")
+    if isinstance(d.restriction, ir.Among):
+        return _among(d, d.restriction, scope, w)
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     variable = CellVar(iota(axis), d.var.kinds, axis)
     return extended(scope, axis, d, variable, variable.site, axis.extent)
@@ -141,7 +153,7 @@ def sites_in(near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Wr
     shape = w.module.shape(near.shape)
     label = f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
     if isinstance(anchor, CellVar):
-        state_reads.check_placed(anchor)
+        anchor = state_reads.placed(anchor, w)
         table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
         axis = w.axis(name, sum(map(len, shape.lanes)))
         constant = w.module.constant(label, table, f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none")
@@ -186,7 +198,6 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     if isinstance(anchor, AgentVar):
         at, facing = state_reads.position(anchor, w), state_reads.heading(anchor)
     else:  # a cell has no heading, and the shapes around cells have no direction
-        state_reads.check_placed(anchor)
         at, facing = state_reads.cell(anchor, w), literal(0, "i32")
     if shape.see_through:
         step = Value(Index(name, (Literal(0),)), "i32", (axis,))

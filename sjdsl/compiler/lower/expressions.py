@@ -151,6 +151,8 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
             filler = to_words(filler, e.filler.type.words, e.type.words, w)
         case "agents":
             filler = literal(0, row.dtype) if isinstance(e.filler, ir.Nobody) else filler
+        case "cell":
+            filler = cell_values.kept(e.filler, scope, w)
         case "int" | "real":
             row, filler = (as_dtype(part, "i32" if e.type.kind == "int" else "f32") for part in (row, filler))
         case _:

@@ -160,8 +160,8 @@ def _shown(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     for observable, words in zip(look.observables, look.final_words, strict=True):
         one = _observable(observable, words, values, place, w)
         number = one if number is None else binary("+", binary("*", number, literal(len(words), "u8"), "u8"), one, "u8")
-    assert number is not None
-    return binary("+", number, literal(look.final, "u8"), "u8")
+    first = literal(look.final, "u8")
+    return first if number is None else binary("+", number, first, "u8")  # of a kind of which only marks are seen, one look
 
 
 def _labelled(observable: ir.Observable, numbers: dict[str, int], place: IterationScope, w: Writer) -> Value:

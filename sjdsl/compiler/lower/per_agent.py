@@ -16,14 +16,10 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     if who.axis is not None:
         hit = reduce("any", mask, tuple(a for a in scope.axes if a != who.axis))
         return hit if hit.axes else Value(array.call("jnp.full", w.module.extent(who.sort), hit.node), "bool")
-    return Value(scattered(who, array.Literal(True), "bool", scope, w), "bool")
-
-
-def scattered(who: AgentVar, value: array.Expression, dtype: str, scope: IterationScope, w: Writer) -> array.Expression:
-    """Returns a value for each agent that some instance is about, `[N]`; 0 for the others."""
     extent = w.module.extent(who.sort)
     at = w.keep(f"to_{who.sort or 'agent'}", select(scope.mask, who.index, Value(extent, "i32")))
-    return array.Update(array.call("jnp.zeros", extent, array.DTYPES[dtype]), (at.node,), "set", value, drop=True)  # type: ignore[index]
+    nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
+    return Value(array.Update(nobody, (at.node,), "set", array.Literal(True), drop=True), "bool")
 
 
 def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:

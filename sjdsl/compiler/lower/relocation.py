@@ -8,10 +8,10 @@ from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, both, iota, literal, reduce, select, spread, union
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, both, iota, reduce, select, spread, union
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import owner
-from sjdsl.compiler.lower.per_agent import per_agent, scattered
+from sjdsl.compiler.lower.per_agent import of_each, per_agent
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
@@ -123,16 +123,7 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array
         return delay.node
     if not delay.axes:
         return w.keep("delay", Value(array.scalar(delay.node, "i32") if delay.literal else delay.node, "i32")).node
-    who = owner(s.who, scope, w)
-    assert isinstance(who, AgentVar)
-    if who.axis is not None:
-        over = tuple(a for a in delay.axes if a != who.axis)
-        if over:
-            masked = select(scope.mask, delay, literal(0, "i32"))
-            where = tuple(masked.axes.index(a) for a in over if a in masked.axes)
-            delay = Value(array.Reduce("max", masked.node, where), "i32")
-        return w.keep("delay", delay).node
-    return w.keep("delay", Value(scattered(who, delay.node, "i32", scope, w), "i32")).node
+    return w.keep("delay", Value(of_each(s.who, delay, scope, w), "i32")).node
 
 
 def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:

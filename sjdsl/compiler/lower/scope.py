@@ -32,7 +32,8 @@ class AgentVar(Record):
 class CellVar(Record):
     """A cell of `kinds`: its number along `axis` (each cell once), or computed numbers `site` (S for none).
 
-    `painted`: of a cell of a window only these fields are known, by their names; its axes are those of `seen`, the observer and the cell.
+    `painted`: of a cell of a window these fields are known, by their names, and where it is; its axes are those of `seen`, the observer and
+    the cell.
     """
 
     site: Value

@@ -72,6 +72,6 @@ def painted_values(look: Look, raw: Value, w: Writer) -> dict[str, Value]:
 
 
 def seen_cell(look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]) -> IterationScope:
-    """Returns the scope of a condition about the observer and the cell that it sees: known are only the fields that were painted."""
+    """Returns the scope of a condition about the observer and the cell that it sees: what was painted of it need not be looked up."""
     cell = CellVar(literal(0, "i32"), (look.kind.name,), None, tuple(values.items()), axes)
     return IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), name: cell})

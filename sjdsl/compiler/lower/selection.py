@@ -23,7 +23,7 @@ from sjdsl.compiler.lower.axes import (
     spread,
     union,
 )
-from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, shape_name, sites_in, stand_on, sweep, whole_set
+from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, number_in, shape_name, sites_in, stand_on, sweep, whole_set
 from sjdsl.compiler.lower.draws import KEY, need_no_state, random_bits
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
@@ -101,7 +101,9 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
         return enter(d, scope, w)
     inner = enter(d.model_copy(update={"restriction": None}), scope, w)
     one = inner.variables[d.var.name].number
-    return inner.when(either([binary("==", one, scope.variables[member.name].number, "bool") for member in d.restriction.members]))
+    return inner.when(
+        either([binary("==", one, number_in(d, scope.variables[member.name], w), "bool") for member in d.restriction.members])
+    )
 
 
 def _chosen_variable(member: Variable, axis: Axis, best: Value) -> Variable:

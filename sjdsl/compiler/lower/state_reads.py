@@ -6,7 +6,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, literal
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, NotSupported, Variable
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     ALL,
@@ -27,11 +27,14 @@ from sjdsl.compiler.program.expressions import (
 
 def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     """Returns a field of the snapshot; words as uint8 numbers, integers as int32."""
-    if isinstance(owner, CellVar) and owner.painted is not None:  # agents are painted one up, 0 is nobody
-        value = dict(owner.painted)[e.name]
-        if e.type.kind == "agent":
+    if isinstance(owner, CellVar) and owner.painted is not None:
+        value = dict(owner.painted).get(e.name)
+        if value is None:
+            owner = placed(owner, w)
+        elif e.type.kind == "agent":  # painted one up, 0 is nobody
             return binary("-", as_dtype(replace(value, dtype="u8"), "i32"), literal(1, "i32"), "i32")
-        return as_dtype(value, "i32") if e.type.kind == "int" else value
+        else:
+            return as_dtype(value, "i32") if e.type.kind == "int" else value
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
@@ -180,11 +183,11 @@ def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
     return w.module.constant("cells_" + "_".join(kinds), w.module.layout.cells_table(kinds), f"cells of {', '.join(kinds)}")
 
 
-def check_placed(owner: CellVar) -> None:
-    """A cell of a window is known by its looks and its place: what is around it cannot be asked."""
-    if owner.painted is not None:
-        what = "a label or `hide` that depends on what is around a cell"
-        raise NotSupported(what, None, "keep what it asks for in a field of the kind: labels read the cell's own fields and the observer's")
+def placed(owner: CellVar, w: Writer) -> CellVar:
+    """Returns a cell by its number. That of a cell of a window is found by where it is; where another kind is, it means nothing."""
+    if owner.painted is None:
+        return owner
+    return CellVar(w.keep(f"seen_{'_'.join(owner.kinds)}", site_at(_seen_cell(owner, w), owner.kinds, w)), owner.kinds)
 
 
 def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
