@@ -24,10 +24,12 @@ def number_of(body: Body) -> int:
 
 
 def where_is(body: Body, world: World) -> Cell | None:
+    """Returns the cell on which a body stands; None while it is away."""
     return herd_of(body, world).position[number_of(body)]
 
 
 def away_of(body: Body, world: World) -> Away | None:
+    """Returns how a body is away; None while it is on the map."""
     return herd_of(body, world).away[number_of(body)]
 
 
@@ -39,6 +41,7 @@ def heading_of(body: Body, world: World) -> int:
 
 
 def turn(body: Body, heading: int, world: World) -> None:
+    """Has a body look in a direction, numbered as by `heading_of`."""
     if isinstance(body, Mover):
         world.movers[body.sort].fields["heading"][body.number] = HEADINGS[heading]
     else:

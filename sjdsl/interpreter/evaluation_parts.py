@@ -10,6 +10,7 @@ from sjdsl.interpreter.state import Value
 
 
 def binds_all(e: ir.Expr) -> bool:
+    """Returns whether an expression binds every variable that it names, and so has one value in all instances."""
     return not _free_names(e)
 
 
@@ -55,6 +56,7 @@ def entry_place(level: Level, key: Value) -> int:
 
 
 def applies(arm: ir.Arm, subject: int | str) -> bool:
+    """Returns whether an arm of a `case` is for this word or number."""
     if isinstance(subject, str):
         return subject in arm.words
     return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)

@@ -241,6 +241,7 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
+    """Returns a number computed from others: int32, or float32 if one of them is a real."""
     dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
     args = [as_dtype(lower(a, scope, w), dtype) for a in e.args]
     if e.fn == "neg":

@@ -213,6 +213,7 @@ def _facing(s: ir.Send, w: Writer) -> array.Literal:
 
 
 def heading_number(heading: str, w: Writer) -> array.Literal:
+    """Returns the number by which the state keeps a heading."""
     return w.module.number(heading, HEADINGS.index(heading))
 
 
