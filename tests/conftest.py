@@ -64,6 +64,7 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(10_000, 10, 10)
 
 
+@pytest.hookimpl(trylast=True)  # after the fixtures, which hold memory and settings
 def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
     """Gives back the memory of compiled programs after a file, where there is much: other files seldom use the same ones.
 
