@@ -29,17 +29,28 @@ def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir
             unit = times_unit(a.unit, b.unit)
         case "/":
             if divisor_can_be_zero(right, scope):
-                raise scope.problems.fail(errors.ZeroDivisor(e.right.span, labels=parameters_read(scope.static, right)))
+                raise _zero_divisor(e.right.span, right, scope)
             unit = "fraction" if is_share(left, right) else over_unit(a.unit, b.unit)
         case "%":
             if a.kind != "int" or b.kind != "int":
                 raise mismatch(scope, e.span, VERBS["%"], a, b, "`%` is for whole numbers")
             if divisor_can_be_zero(right, scope):
-                raise scope.problems.fail(errors.ZeroDivisor(e.right.span, labels=parameters_read(scope.static, right)))
+                raise _zero_divisor(e.right.span, right, scope)
             unit = join_units(a.unit, b.unit)
         case _:
             unit = join_units(a.unit, b.unit)
     return _typed(e, left, right, unit, scope)
+
+
+def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
+    """Reports a divisor that can be 0; what is no number of the game is guarded where it is used."""
+    help_ = ""
+    if isinstance(divisor, ir.Number):
+        help_ = "divide by another number"
+    elif not any(isinstance(n, ir.ParamRef) for n in ir.walk(divisor)):
+        written = " ".join(scope.static.sources[span.file].text[span.start : span.end].split())
+        help_ = f"guard it: `when {written} > 0 {{ … }}`"
+    return scope.problems.fail(errors.ZeroDivisor(span, labels=parameters_read(scope.static, divisor), help=help_))
 
 
 def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, scope: Scope) -> ir.Expr:
