@@ -21,6 +21,7 @@ from sjdsl.studio import requests as ask
 from sjdsl.studio.carried import carried
 from sjdsl.studio.episode import Episode, TooLong, begun, chooser, resumed
 from sjdsl.studio.opened import Choice, Opened, open_text
+from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint
 from sjdsl.studio.panels import checks_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
 from sjdsl.trace.rules import Rules
 
@@ -49,7 +50,7 @@ class Bench:
         """Returns what a request leads to; `refused` with the reason if it cannot be done."""
         try:
             found = self._done(request)
-        except (Refused, TooLong) as reason:
+        except (Refused, TooLong, CannotPaint) as reason:
             found = {"refused": str(reason)}
         except LeavesFloat32 as left:
             found = {"refused": self._overflow(left)}
@@ -72,6 +73,8 @@ class Bench:
                 self._number(request)
             case ask.Put():
                 self._put(request)
+            case ask.Paint():
+                return {"change": vars(paint(self._opened, request.row, request.col, request.glyph))}
             case ask.Panel():
                 return {"panel": request.panel, **self._panel(request)}
             case ask.Share():
@@ -84,7 +87,8 @@ class Bench:
 
     def _text(self, request: ask.Text) -> Answer:
         """Opens a text; the answer says whether the state was kept. A text with errors leaves everything as it is."""
-        source = Source(request.path, request.text, (self.folder / request.path).parent)
+        over = {(self.folder / name).resolve(): text for name, text in request.over.items()}
+        source = Source(request.path, request.text, (self.folder / request.path).parent, lambda path: over.get(path.resolve()))
         try:
             opened = open_text(source, Choice(request.variants, request.agents, request.params))
         except CompileError as error:
@@ -123,7 +127,8 @@ class Bench:
             "numbers": [_number(p.name, p.type, opened.values[p.name]) for p in game.params if not p.type.by and p.type.kind != "word"],
             "left": list(opened.left),
             "marks": [{"label": label, "colour": "#{:02x}{:02x}{:02x}".format(*colour)} for label, colour in self._look.marks],
-            "checks": len(game.checks),
+            "glyphs": glyphs(opened),
+            "map_file": map_file(opened),
         }
 
     # ---- the episode

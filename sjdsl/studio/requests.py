@@ -16,7 +16,10 @@ class Request(BaseModel):
 
 
 class Text(Request):
-    """Opens a text, or shows an episode as its rules are after an edit. `version`: of the text, given back; `fresh`: with a new episode."""
+    """Opens a text, or shows an episode as its rules are after an edit. `version`: of the text, given back; `fresh`: with a new episode.
+
+    over: texts that stand in place of files in the folder, by their paths: maps that are not saved yet.
+    """
 
     do: Literal["text"]
     version: int
@@ -25,6 +28,7 @@ class Text(Request):
     variants: tuple[NAME, ...] = ()
     agents: Annotated[int, Field(ge=1, le=1000)] | None = None
     params: dict[NAME, Any] = {}
+    over: dict[NAME, Annotated[str, Field(max_length=LARGEST_TEXT)]] = {}
     fresh: bool = False
 
 
@@ -74,6 +78,15 @@ class Put(Request):
     col: int
 
 
+class Paint(Request):
+    """Asks for the change of the text that puts another glyph on a cell of the map."""
+
+    do: Literal["paint"]
+    row: int
+    col: int
+    glyph: Annotated[str, Field(max_length=2)]
+
+
 class Panel(Request):
     """Asks for what stands beside the board. `agent`, `row`, `col`: of whom, and where, if the panel is about one."""
 
@@ -90,5 +103,5 @@ class Share(Request):
     do: Literal["share"]
 
 
-AnyRequest = Text | Step | Go | Begin | Others | Number | Put | Panel | Share
+AnyRequest = Text | Step | Go | Begin | Others | Number | Put | Paint | Panel | Share
 READ: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="do")])

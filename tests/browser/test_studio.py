@@ -146,6 +146,20 @@ def test_a_cell_is_asked_why_it_is_as_it_is(opened: Page) -> None:
     assert "phase eat" in opened.locator(".cm-activeLine").inner_text()
 
 
+def test_a_painted_cell_changes_the_map_in_the_text(opened: Page) -> None:
+    part(opened, "glyph").select_option("A")
+    box = part(opened, "board").bounding_box()
+    assert box is not None
+    side = box["width"] / 3
+    opened.mouse.move(box["x"] + 0.5 * side, box["y"] + 1.5 * side)
+    opened.mouse.down()
+    opened.mouse.move(box["x"] + 1.5 * side, box["y"] + 1.5 * side, steps=2)
+    opened.mouse.up()
+    expect(opened.locator(".cm-content")).to_contain_text('"AA."')
+    expect(part(opened, "verdict")).to_have_text("")
+    expect(part(opened, "save")).to_be_enabled()
+
+
 def test_panels_are_of_the_text_as_it_is(opened: Page) -> None:
     expect(part(opened, "panel")).to_contain_text("The rules of the game yard")
     opened.locator('[data-panel="python"]').click()

@@ -41,9 +41,9 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def ask(bench: Bench, **request: Any) -> dict[str, Any]:
-    """Returns the answer, which JSON can hold."""
-    answer = bench.answer(READ.validate_json(json.dumps({"id": 7, **request})))
-    assert json.loads(json.dumps(answer))["id"] == 7
+    """Returns the answer as the page has it."""
+    answer = json.loads(json.dumps(bench.answer(READ.validate_json(json.dumps({"id": 7, **request})))))
+    assert answer["id"] == 7
     return answer
 
 
@@ -222,3 +222,28 @@ def test_what_cannot_be_is_refused_in_words(bench: Bench, request_: dict[str, An
     opened(bench)
     assert ask(bench, **request_)["refused"]
     assert ask(bench, do="step")["at"] == 1, "and nothing else happened"
+
+
+def test_a_cell_is_painted_in_the_text(bench: Bench) -> None:
+    answer = opened(bench, GAME.replace("sj 1", "sj 1  # 🍎"))
+    assert answer["game"]["glyphs"] == [[".", "floor"], ["A", "soil"]]
+    assert answer["game"]["map_file"] is None
+    change = ask(bench, do="paint", row=1, col=0, glyph="A")["change"]
+    units = GAME.replace("sj 1", "sj 1  # 🍎").encode("utf-16-le")
+    assert units[2 * change["start"] : 2 * change["end"]].decode("utf-16-le") == change["before"] == "."
+    painted = (units[: 2 * change["start"]] + change["glyph"].encode("utf-16-le") + units[2 * change["end"] :]).decode("utf-16-le")
+    assert opened(bench, painted)["scene"]["cells"] != answer["scene"]["cells"]
+    assert '"A.."' in painted
+    assert "no kind" in ask(bench, do="paint", row=1, col=0, glyph="?")["refused"]
+
+
+def test_a_map_of_a_file_is_painted_there(bench: Bench) -> None:
+    (bench.folder / "maps").mkdir()
+    (bench.folder / "maps" / "yard.txt").write_text("..A\n...\n", encoding="utf-8")
+    text = GAME.replace('map { "..A"\n        "..." }', 'map "maps/yard.txt"')
+    assert opened(bench, text)["game"]["map_file"] == "maps/yard.txt"
+    change = ask(bench, do="paint", row=1, col=1, glyph="A")["change"]
+    assert (change["path"], change["start"], change["before"]) == ("maps/yard.txt", 5, ".")
+    opened(bench, text, over={"maps/yard.txt": "..A\n.A.\n"})
+    assert ask(bench, do="paint", row=1, col=1, glyph=".")["change"]["before"] == "A"
+    assert (bench.folder / "maps" / "yard.txt").read_text(encoding="utf-8") == "..A\n...\n"

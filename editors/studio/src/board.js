@@ -4,15 +4,28 @@
 
 export class Board {
   // place: around the canvas; onCell: called with row and column of a cell that was clicked; onPut: with agent, row, column.
-  constructor(canvas, place, { onCell, onPut }) {
-    Object.assign(this, { canvas, place, onCell, onPut });
+  // onPaint: with row and column of each cell that the pointer goes over, while `painting`.
+  constructor(canvas, place, { onCell, onPut, onPaint }) {
+    Object.assign(this, { canvas, place, onCell, onPut, onPaint });
     this.map = null;
+    this.painting = false;
     this.drawn = Promise.resolve();
-    let grabbed = null;
-    canvas.addEventListener("pointerdown", (event) => { grabbed = this.agentAt(this.cellAt(event)); });
+    let grabbed = null, painted = null;
+    const stroke = (event) => {
+      const cell = this.cellAt(event);
+      if (!cell || String(cell) === painted) return;
+      painted = String(cell);
+      this.onPaint(...cell);
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      grabbed = this.agentAt(this.cellAt(event));
+      painted = null;
+      if (this.painting) { canvas.setPointerCapture(event.pointerId); stroke(event); }
+    });
+    canvas.addEventListener("pointermove", (event) => { if (this.painting && event.buttons) stroke(event); });
     canvas.addEventListener("pointerup", (event) => {
       const cell = this.cellAt(event);
-      if (!cell) return;
+      if (!cell || this.painting) return;
       const at = grabbed === null ? null : this.agents[grabbed];
       if (at && (at[0] !== cell[0] || at[1] !== cell[1])) this.onPut(grabbed, ...cell);
       else this.onCell(...cell);

@@ -15,7 +15,7 @@ const socket = (path) => `ws://${location.host}${path}?token=${encodeURIComponen
 const files = new Files(meta("token"));
 const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", ",": "comma", ".": "full_stop", " ": "space", Enter: "enter" };
 
-const open = { path: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, opened: false };
+const open = { path: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, map: null };
 const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
 let view = null, language = null;
 
@@ -25,6 +25,7 @@ beside.stale = true;
 const board = new Board(find("board"), find("stage"), {
   onCell: (row, col) => { shown.cell = [row, col]; shown.agent = board.agentAt([row, col]) ?? shown.agent; board.choose(row, col); find("board").focus(); refreshPanel(); },
   onPut: (agent, row, col) => ask({ do: "put", agent, row, col }),
+  onPaint: paint,
 });
 
 // ---- the text
@@ -32,7 +33,7 @@ const board = new Board(find("board"), find("stage"), {
 async function openFile(path) {
   const file = await files.read(path);
   if (file.refused) return say(file.refused);
-  Object.assign(open, { path, digest: file.digest, saved: file.text, variants: [], params: {}, opened: false });
+  Object.assign(open, { path, digest: file.digest, saved: file.text, variants: [], params: {}, map: null });
   find("files").value = path;
   document.title = `${path} · sjdsl studio`;
   makeEditor(file.text);
@@ -59,7 +60,7 @@ const uriOf = (path) => `${meta("root")}/${path.split("/").map(encodeURIComponen
 function sendText(fresh) {
   if (!view || !bench.isOpen) return;
   const version = ++open.version;
-  const request = { version, path: open.path, text: text(), variants: open.variants, params: open.params, fresh };
+  const request = { version, ...asItIs(), fresh };
   bench.text(request, (answer) => {
     if (answer.lost) return sendText(false);
     beside.stale = true;
@@ -74,8 +75,19 @@ function sendText(fresh) {
   });
 }
 
+// What there is to open: the text and, if somebody has painted it, the file of its map.
+function asItIs() {
+  const over = open.map ? { [open.map.path]: open.map.text } : {};
+  return { path: open.path, text: text(), variants: open.variants, params: open.params, over };
+}
+
 async function save() {
   const sent = text();
+  if (open.map && open.map.text !== open.map.saved) {
+    const written = await files.write(open.map.path, open.map.text, open.map.digest);
+    if (written.refused) return say(written.refused);
+    Object.assign(open.map, { digest: written.digest, saved: open.map.text });
+  }
   const answer = await files.write(open.path, sent, open.digest);
   if (answer.changed) return askAboutChange(answer.refused, sent);
   if (answer.refused) return say(answer.refused);
@@ -91,13 +103,54 @@ function askAboutChange(reason, sent) {
 }
 
 function markUnsaved() {
-  find("save").disabled = !view || text() === open.saved;
+  find("save").disabled = !view || !isUnsaved();
+}
+
+function isUnsaved() {
+  return text() !== open.saved || (open.map !== null && open.map.text !== open.map.saved);
 }
 
 function toLine(number) {
   const line = view.state.doc.line(Math.min(number, view.state.doc.lines));
   view.dispatch({ selection: { anchor: line.from }, effects: EditorView.scrollIntoView(line.from, { y: "center" }) });
   view.focus();
+}
+
+// ---- painting
+
+let painted = Promise.resolve();
+
+// Puts the chosen glyph on a cell, one after the other: each change is of the text that the one before has made.
+function paint(row, col) {
+  painted = painted.then(async () => {
+    const file = open.game.map_file;
+    if (file && open.map?.path !== file) {
+      const read = await files.read(file);
+      if (read.refused) return say(read.refused);
+      open.map = { path: file, text: read.text, saved: read.text, digest: read.digest };
+    }
+    const answer = await bench.ask({ do: "paint", row, col, glyph: find("glyph").value });
+    if (answer.refused) return say(answer.refused);
+    const { path, start, end, before, glyph } = answer.change;
+    if (path === file) {
+      if (open.map.text.slice(start, end) !== before) return say("the file of the map has changed, or its lines end as on Windows: change it in an editor");
+      open.map.text = open.map.text.slice(0, start) + glyph + open.map.text.slice(end);
+      markUnsaved();
+      sendText(false);
+    } else {
+      if (view.state.doc.sliceString(start, end) !== before) return; // the text has changed in the meantime
+      view.dispatch({ changes: { from: start, to: end, insert: glyph } });
+    }
+    await answered();
+  });
+}
+
+// Resolves when the newest text is answered.
+function answered() {
+  return new Promise((resolve) => {
+    const look = () => (bench.textOnItsWay ? setTimeout(look, 5) : resolve());
+    look();
+  });
 }
 
 // ---- the board
@@ -111,6 +164,7 @@ function showGame(game) {
   if (nobody) shown.driven = null;
   options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], nobody ? "" : String(shown.driven));
   find("seed").value = game.seed;
+  options(find("glyph"), [["", "nothing"], ...game.glyphs], game.glyphs.some(([glyph]) => glyph === find("glyph").value) ? find("glyph").value : "");
   showNumbers(game.numbers);
   board.begin(game);
   shown.agent = Math.min(shown.agent, game.agents - 1);
@@ -198,6 +252,7 @@ find("seed").addEventListener("change", () => { stop(); ask({ do: "begin", seed:
 find("others").addEventListener("change", () => ask({ do: "others", policy: find("others").value }));
 find("driven").addEventListener("change", () => { shown.driven = find("driven").value === "" ? null : Number(find("driven").value); find("board").focus(); showKeys(); });
 find("variant").addEventListener("change", () => { open.variants = find("variant").value ? find("variant").value.split("+") : []; sendText(false); });
+find("glyph").addEventListener("change", () => { board.painting = find("glyph").value !== ""; });
 find("files").addEventListener("change", () => openFile(find("files").value));
 find("save").addEventListener("click", () => save());
 find("share").addEventListener("click", async () => {
@@ -207,7 +262,7 @@ find("share").addEventListener("click", async () => {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 });
-window.addEventListener("beforeunload", (event) => { if (view && text() !== open.saved) event.preventDefault(); });
+window.addEventListener("beforeunload", (event) => { if (view && isUnsaved()) event.preventDefault(); });
 
 function showKeys() {
   const names = Object.entries(open.game?.keys ?? {}).map(([key, action]) => `${key.replace("full_stop", ".").replace("comma", ",")} ${open.game.actions[action]}`);
@@ -236,7 +291,7 @@ async function openBeside(name) {
   beside.busy = true;
   beside.stale = false;
   if (name === "checks") find("panel").replaceChildren(element("p", {}, "Playing the checks…"));
-  await beside.ask({ do: "text", version: open.version, path: open.path, text: text(), variants: open.variants, params: open.params });
+  await beside.ask({ do: "text", version: open.version, ...asItIs() });
 }
 
 function lineHere() {

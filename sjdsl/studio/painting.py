@@ -1,0 +1,67 @@
+"""Paints a cell of the map: the change of the text that puts another glyph there."""
+
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from sjdsl.studio.opened import Opened
+
+
+class CannotPaint(Exception):
+    """The map cannot be changed here; the text says why, and what to do."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """Replaces the characters `start .. end` of a text by `glyph`, both counted in UTF-16 units as browsers do.
+
+    path: of the game or of its map's file, in the folder; before: what stands there now.
+    """
+
+    path: str
+    start: int
+    end: int
+    before: str
+    glyph: str
+
+
+def map_file(opened: Opened) -> str | None:
+    """Returns the path of the file that has the map, None if the map is written in a game."""
+    written = opened.composition.map
+    if written is None or written.file is None:
+        return None
+    return (PurePosixPath(opened.source.name).parent / written.file.text).as_posix()
+
+
+def glyphs(opened: Opened) -> list[tuple[str, str]]:
+    """Returns each glyph of the map with what it stands for: a kind, and values that are not as declared."""
+    said = []
+    for meaning in opened.game.glyphs:
+        values = ", ".join(f"{name} {value}" for name, value in meaning.starts)
+        said.append((meaning.glyph, f"{meaning.kind}: {values}" if values else meaning.kind))
+    return said
+
+
+def paint(opened: Opened, row: int, col: int, glyph: str) -> Change:
+    """Returns the change that puts a glyph on a cell. Raises CannotPaint."""
+    game, written = opened.game, opened.composition.map
+    if glyph not in {meaning.glyph for meaning in game.glyphs}:
+        raise CannotPaint(f"no kind of this game has the glyph `{glyph}`")
+    if written is None or not (0 <= row < len(game.rows) and 0 <= col < len(game.rows[0])):
+        raise CannotPaint("that is no cell of the map")
+    before = game.rows[row][col]
+    path = map_file(opened)
+    if path is not None:
+        start = sum(len(_units(line)) // 2 + 1 for line in game.rows[:row]) + len(_units(game.rows[row][:col])) // 2
+        return Change(path, start, start + len(_units(before)) // 2, before, glyph)
+    line = written.rows[row]
+    if line.span.file != opened.source.name:
+        raise CannotPaint(f"the map is written in `{PurePosixPath(line.span.file).name}`, which this game extends: open that one")
+    text, at = opened.source.text, line.span.start + 1 + col
+    if text[at] != before or text[line.span.start + 1 : line.span.end - 1] != line.text:
+        raise CannotPaint("this row of the map is written with escapes: change it in the text")
+    start = len(_units(text[:at])) // 2
+    return Change(opened.source.name, start, start + len(_units(before)) // 2, before, glyph)
+
+
+def _units(text: str) -> bytes:
+    return text.encode("utf-16-le")
