@@ -5,7 +5,7 @@ import pickle
 
 import pytest
 
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label, Tried
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label, Suggestion, Tried
 from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 
@@ -61,7 +61,7 @@ def test_an_exception_says_where_what_and_what_to_write_instead() -> None:
 
 def test_what_is_tried_is_tried_when_an_exception_is_shown() -> None:
     text, asked = "sj 1\n", []
-    better = Tried(lambda: asked.append("better") or "sj 2")
+    better = Tried(lambda: asked.append("better") or [Suggestion("sj 2", ())])
     error = CompileError([wrong(text, "sj 1", better=better)])
     assert not asked
     assert str(error).endswith("help: write `sj 2`")
