@@ -36,6 +36,7 @@ CONSTRUCTS: dict[str, Callable[[ir.Node], bool]] = {
     "`send … after`": lambda n: isinstance(n, ir.Send) and n.after is not None,
     "`send … by`, or to a cell": lambda n: isinstance(n, ir.Shift),
     "`remove`": lambda n: isinstance(n, ir.Remove),
+    "`map wraps`": lambda n: isinstance(n, ir.Game) and n.wraps,
     "movers": lambda n: isinstance(n, ir.Movers),
     "actions with arguments": lambda n: isinstance(n, ir.ActionWithArguments),
     "`forbid`": lambda n: isinstance(n, ir.Forbid),
