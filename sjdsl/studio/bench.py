@@ -20,6 +20,7 @@ from sjdsl.screen.keys import action_keys
 from sjdsl.studio import requests as ask
 from sjdsl.studio.carried import carried
 from sjdsl.studio.episode import Episode, TooLong, begun, chooser, resumed
+from sjdsl.studio.examples import place_of
 from sjdsl.studio.opened import Choice, Opened, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint
 from sjdsl.studio.panels import checks_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
@@ -87,8 +88,9 @@ class Bench:
 
     def _text(self, request: ask.Text) -> Answer:
         """Opens a text; the answer says whether the state was kept. A text with errors leaves everything as it is."""
-        over = {(self.folder / name).resolve(): text for name, text in request.over.items()}
-        source = Source(request.path, request.text, (self.folder / request.path).parent, lambda path: over.get(path.resolve()))
+        folder, path = place_of(request.path, self.folder)
+        over = {(folder / name).resolve(): text for name, text in request.over.items()}
+        source = Source(path, request.text, (folder / path).parent, lambda wanted: over.get(wanted.resolve()))
         try:
             opened = open_text(source, Choice(request.variants, request.agents, request.params))
         except CompileError as error:

@@ -17,8 +17,10 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from sjdsl.games_folder import games_folder
 from sjdsl.studio.access import Access
 from sjdsl.studio.child import Child
+from sjdsl.studio.examples import copy_beside, examples, place_of
 from sjdsl.studio.folder import LARGEST, Changed, FileRefused, Folder
 from sjdsl.studio.language import serve_language
 
@@ -27,6 +29,7 @@ ASSETS = {
     "studio.css": ("sjdsl.studio", "page/studio.css", "text/css"),
     "board.js": ("sjdsl.render", "page/board.js", "text/javascript"),
 }
+Handler = Callable[[Request], Coroutine[Any, Any, Response]]
 REFUSED = 4403  # close code of a socket that may not be opened
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; "
@@ -49,6 +52,7 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
         Route("/games", _games(inside)),
         Route("/file", _read(inside), methods=["GET"]),
         Route("/file", _write(inside), methods=["PUT"]),
+        Route("/copy", _copy(inside), methods=["POST"]),
         WebSocketRoute("/bench", _bench(inside)),
         WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
     ]
@@ -80,7 +84,12 @@ def _page(opened: str | None, root: Path) -> Callable[[Request], Response]:
     def page(request: Request) -> Response:
         environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
         text = environment.from_string(_text("sjdsl.studio", "page/studio.html"))
-        return HTMLResponse(text.render(token=request.query_params["token"], opened=opened or "", root=root.as_uri()), headers=HEADERS)
+        return HTMLResponse(
+            text.render(
+                token=request.query_params["token"], opened=opened or "", root=root.as_uri(), examples=games_folder().resolve().as_uri()
+            ),
+            headers=HEADERS,
+        )
 
     return page
 
@@ -98,13 +107,14 @@ def _text(package: str, path: str) -> str:
 
 
 def _games(folder: Folder) -> Callable[[Request], Response]:
-    return lambda _request: JSONResponse(folder.games(), headers=HEADERS)
+    return lambda _request: JSONResponse({"games": folder.games(), "examples": examples()}, headers=HEADERS)
 
 
 def _read(folder: Folder) -> Callable[[Request], Response]:
     def read(request: Request) -> Response:
         try:
-            text, digest = folder.read(request.query_params.get("path", ""))
+            place, path = place_of(request.query_params.get("path", ""), folder.root)
+            text, digest = Folder(place).read(path)
         except FileRefused as reason:
             return JSONResponse({"refused": str(reason)}, 404, HEADERS)
         return JSONResponse({"text": text, "digest": digest}, headers=HEADERS)
@@ -112,20 +122,38 @@ def _read(folder: Folder) -> Callable[[Request], Response]:
     return read
 
 
-def _write(folder: Folder) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-    async def write(request: Request) -> Response:
+def _write(folder: Folder) -> Handler:
+    def write(given: dict[str, Any]) -> dict[str, Any]:
+        return {"digest": folder.write(str(given["path"]), str(given["text"]), given.get("digest"))}
+
+    return _changing(write)
+
+
+def _copy(folder: Folder) -> Handler:
+    def copy(given: dict[str, Any]) -> dict[str, Any]:
+        """Writes the text of an example, as it has been changed, as a new file, with the files that it needs."""
+        if (folder.root / str(given["path"])).exists():
+            raise FileRefused(f"there is a file `{given['path']}` already: choose another name")
+        copied = copy_beside(str(given["example"]), folder)
+        return {"digest": folder.write(str(given["path"]), str(given["text"]), None), "copied": copied}
+
+    return _changing(copy)
+
+
+def _changing(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Handler:
+    """Answers a request with JSON that changes files; what cannot be done is refused with the reason."""
+
+    async def answer(request: Request) -> Response:
         if int(request.headers.get("content-length", "0")) > 2 * LARGEST:
             return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
         try:
-            given = await request.json()
-            digest = folder.write(str(given["path"]), str(given["text"]), given.get("digest"))
+            return JSONResponse(change(await request.json()), headers=HEADERS)
         except Changed as reason:
             return JSONResponse({"refused": str(reason), "changed": True}, 409, HEADERS)
-        except (FileRefused, KeyError, ValueError) as reason:
+        except (FileRefused, KeyError, TypeError, ValueError) as reason:
             return JSONResponse({"refused": str(reason)}, 400, HEADERS)
-        return JSONResponse({"digest": digest}, headers=HEADERS)
 
-    return write
+    return answer
 
 
 def _bench(folder: Folder) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:

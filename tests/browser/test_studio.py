@@ -219,6 +219,20 @@ def test_saving_writes_the_file_and_nothing_of_others(opened: Page, studio: Stud
     assert '"Mine again"' in path.read_text(encoding="utf-8")
 
 
+def test_an_example_is_opened_and_saved_as_a_copy(opened: Page, studio: Studio) -> None:
+    part(opened, "files").select_option("example:harvest_closed.sj")
+    expect(part(opened, "title")).to_have_text("Commons Harvest: Closed")
+    expect(part(opened, "verdict")).to_have_text("")
+    opened.locator(".cm-content").press("Control+End")
+    opened.keyboard.insert_text("# mine\n")
+    part(opened, "save").click()
+    opened.get_by_label("Name of the copy").fill("closed.sj")
+    opened.get_by_role("button", name="Save a copy").click()
+    expect(part(opened, "files")).to_have_value("closed.sj")
+    assert "# mine" in (studio.folder / "closed.sj").read_text(encoding="utf-8")
+    expect(part(opened, "title")).to_have_text("Commons Harvest: Closed")
+
+
 def test_of_two_hundred_fast_edits_the_last_is_shown(opened: Page) -> None:
     opened.locator(".cm-content").click()
     for number in range(200):

@@ -7,6 +7,8 @@ import pytest
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
+from sjdsl.compiler import check
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.studio.access import Access, kept_token
 from sjdsl.studio.server import make_app
 
@@ -98,7 +100,32 @@ def test_a_file_that_somebody_else_changed_is_not_written_over(client: TestClien
 
 
 def test_the_list_of_games(client: TestClient) -> None:
-    assert client.get("/games" + TOKEN).json() == ["link.sj", "yard.sj"]
+    listed = client.get("/games" + TOKEN).json()
+    assert listed["games"] == ["link.sj", "yard.sj"]
+    assert "example:clean_up.sj" in listed["examples"]
+    assert "example:meltingpot/daycare.sj" in listed["examples"]
+
+
+def test_an_example_is_copied_with_its_maps_and_bases(client: TestClient, folder: Path) -> None:
+    text = client.get("/file", params={"token": "secret", "path": "example:harvest_closed.sj"}).json()["text"]
+    assert text.startswith("sj 1")
+    asked = {"example": "example:harvest_closed.sj", "path": "mine.sj", "text": text.replace("sj 1", "sj 1\n# mine", 1)}
+    assert client.post("/copy" + TOKEN, json=asked).status_code == 200
+    assert "# mine" in (folder / "mine.sj").read_text(encoding="utf-8")
+    assert not check(read_source(folder / "mine.sj"))
+    assert (folder / "harvest_open.sj").is_file()
+    again = client.post("/copy" + TOKEN, json=asked)
+    assert again.status_code == 400
+    assert "already" in again.json()["refused"]
+    assert client.post("/copy" + TOKEN, json=asked | {"path": "../outside_too.sj"}).status_code == 400
+
+
+def test_a_copy_spares_other_files_of_the_same_name(client: TestClient, folder: Path) -> None:
+    (folder / "harvest_open.sj").write_text("mine\n", encoding="utf-8")
+    answer = client.post("/copy" + TOKEN, json={"example": "example:harvest_closed.sj", "path": "mine.sj", "text": "sj 1"})
+    assert "another file `harvest_open.sj`" in answer.json()["refused"]
+    assert not (folder / "mine.sj").exists()
+    assert (folder / "harvest_open.sj").read_text(encoding="utf-8") == "mine\n"
 
 
 def test_a_message_of_nonsense_is_answered_in_words(client: TestClient) -> None:

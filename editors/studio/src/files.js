@@ -5,6 +5,7 @@ export class Files {
     this.token = token;
   }
 
+  // Resolves to { games, examples }, the paths of both.
   async games() {
     return (await this.call("/games")).json();
   }
@@ -12,6 +13,12 @@ export class Files {
   // Resolves to { text, digest } or { refused }.
   async read(path) {
     return (await this.call(`/file?path=${encodeURIComponent(path)}`)).json();
+  }
+
+  // Writes the text of an example as a new file; resolves to { digest } or { refused }.
+  async copy(example, path, text) {
+    const body = JSON.stringify({ example, path, text });
+    return (await this.call("/copy", { method: "POST", body, headers: { "content-type": "application/json" } })).json();
   }
 
   // Resolves to { digest }, or { refused } and, if somebody else has changed the file, `changed`.

@@ -55,7 +55,13 @@ function makeEditor(text) {
 }
 
 const text = () => view.state.doc.toString();
-const uriOf = (path) => `${meta("root")}/${path.split("/").map(encodeURIComponent).join("/")}`;
+const EXAMPLE = "example:"; // before the path of a bundled game
+const isExample = () => open.path.startsWith(EXAMPLE);
+
+function uriOf(path) {
+  const inside = path.startsWith(EXAMPLE) ? path.slice(EXAMPLE.length) : path;
+  return `${meta(inside === path ? "root" : "examples")}/${inside.split("/").map(encodeURIComponent).join("/")}`;
+}
 
 function sendText(fresh) {
   if (!view || !bench.isOpen) return;
@@ -83,6 +89,7 @@ function asItIs() {
 
 async function save() {
   const sent = text();
+  if (isExample()) return saveCopy(sent);
   if (open.map && open.map.text !== open.map.saved) {
     const written = await files.write(open.map.path, open.map.text, open.map.digest);
     if (written.refused) return say(written.refused);
@@ -94,6 +101,18 @@ async function save() {
   Object.assign(open, { digest: answer.digest, saved: sent });
   say("");
   markUnsaved();
+}
+
+// A bundled game stays as it is: what somebody makes of it is a file of their own.
+async function saveCopy(sent) {
+  const name = element("input", { value: open.path.slice(open.path.lastIndexOf("/") + 1).replace(EXAMPLE, ""), "aria-label": "Name of the copy" });
+  const write = element("button", { onclick: async () => {
+    const answer = await files.copy(open.path, name.value, sent);
+    if (answer.refused) return find("message").append(` ${answer.refused}`);
+    await listGames();
+    openFile(name.value);
+  } }, "Save a copy");
+  find("message").replaceChildren("This is an example. Save it in your folder as ", name, " ", write);
 }
 
 function askAboutChange(reason, sent) {
@@ -124,6 +143,7 @@ let painted = Promise.resolve();
 function paint(row, col) {
   painted = painted.then(async () => {
     const file = open.game.map_file;
+    if (file && isExample()) return say("The map of an example is in a file of its own: save a copy first.");
     if (file && open.map?.path !== file) {
       const read = await files.read(file);
       if (read.refused) return say(read.refused);
@@ -344,8 +364,16 @@ async function speak() {
   }
 }
 
-const games = await files.games();
-options(find("files"), games.map((path) => [path, path]), meta("opened"));
-if (meta("opened") || games.length) openFile(meta("opened") || games[0]);
-else say("There is no .sj file in this folder: `sjdsl new my_game` makes one.");
+async function listGames() {
+  const { games, examples } = await files.games();
+  const group = (label, paths) => {
+    const made = element("optgroup", { label });
+    made.append(...paths.map((path) => new Option(path.replace(EXAMPLE, ""), path)));
+    return made;
+  };
+  find("files").replaceChildren(group("in this folder", games), group("examples", examples));
+  return meta("opened") || games[0] || examples[0];
+}
+
+openFile(await listGames());
 speak();

@@ -1,0 +1,60 @@
+"""The bundled games as examples: read where they are, and copied into the folder of whoever wants to change one."""
+
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+from sjdsl.compiler import ast
+from sjdsl.compiler.ast.traverse import walk
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.games_folder import games_folder
+from sjdsl.studio.folder import FileRefused, Folder
+
+PREFIX = "example:"  # of the path of a bundled game, as the page has it
+
+
+def examples() -> list[str]:
+    """Returns the bundled games by their paths, with the prefix."""
+    return [PREFIX + name for name in Folder(games_folder().resolve()).games()]
+
+
+def place_of(path: str, folder: Path) -> tuple[Path, str]:
+    """Returns the folder that a path of the page is in, and the path there."""
+    return (games_folder().resolve(), path.removeprefix(PREFIX)) if path.startswith(PREFIX) else (folder, path)
+
+
+def copy_beside(example: str, folder: Folder) -> list[str]:
+    """Copies what a bundled game needs beside its own text, maps and bases, into a folder; returns what was written.
+
+    Raises FileRefused: a file of that name is there and says something else; and what `Folder` raises.
+    """
+    wanted = dict(_needed(Folder(games_folder().resolve()), PurePosixPath(example.removeprefix(PREFIX))))
+    missing = []
+    for needed, text in wanted.items():
+        try:
+            if folder.read(needed)[0] != text:
+                raise FileRefused(f"there is another file `{needed}` in this folder: move it away, or start the studio in an empty folder")
+        except FileRefused:
+            if (folder.root / needed).exists():
+                raise
+            missing.append(needed)
+    for needed in missing:
+        (folder.root / needed).parent.mkdir(parents=True, exist_ok=True)
+        folder.write(needed, wanted[needed], None)
+    return missing
+
+
+def _needed(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
+    """Yields the files that a game names, with their texts: the game that it extends, with what that needs, and the maps of all variants."""
+    try:
+        file = parse(Source(path.as_posix(), home.read(path.as_posix())[0]))
+    except CompileError:
+        return
+    for node in walk(file):
+        if isinstance(node, ast.Map) and node.file is not None:
+            yield node.file.text, home.read((path.parent / node.file.text).as_posix())[0]
+    if file.game.extends is not None:
+        base = path.parent / file.game.extends.text
+        yield file.game.extends.text, home.read(base.as_posix())[0]
+        yield from _needed(home, base)
