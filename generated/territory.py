@@ -296,7 +296,10 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.take_along_axis(allowed_actions(state, params), actions[:, None], axis=1)[:, 0]
+    allowed = jnp.any(
+        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
+        axis=1,
+    )
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(mark_claim=jnp.zeros_like(state.mark_claim), mark_fire=jnp.zeros_like(state.mark_fire))

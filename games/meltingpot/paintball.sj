@@ -14,28 +14,28 @@ game paintball "Paintball: Capture the Flag" {
   param spray_pause : steps = 2 in 0 .. 255  param snipe_pause : steps = 4 in 0 .. 255  # Melting Pot
   kind wall    "#" { blocks agents, spray, snipe, shot }
   kind ground  "." {
-    field paint : { clean, red, blue } = clean  field painters : set of agent  field flag : { none, red, blue } = none
+    field paint : { clean, red, blue } = clean  field shooters : set of agent  field flag : { none, red, blue } = none
     field site : { plain, sign, hill, red_gate, blue_gate, red_home, blue_home } = plain  # signs show `control`, and take no paint
     glyph "I" with site = sign  glyph "G" with site = hill  glyph "P" with site = red_gate  glyph "Q" with site = blue_gate
     glyph "R" with site = red_home with flag = red  glyph "B" with site = blue_home with flag = blue
   }
   kind barrier "D" {
     field sort : { door, hatch } = door  glyph "H" with sort = hatch
-    field health : 0 .. full capped = full  field flag : { none, red, blue } = none
+    field health : 0 .. full capped = full  field shooters : set of agent  field flag : { none, red, blue } = none
     blocks agents when barrier.health > 0  blocks spray, snipe, shot when barrier.health > 1  # Melting Pot: the last shot goes through
   }
   group land = ground, barrier
   map "maps/paintball_capture_the_flag.txt"
   field control : { neither, red, blue, both } = both  # which flags are at home, so that the team can score
-  field captain : agent                                # of the red team: through it all of the team are reached, those away too
+  field reds : set of agent                            # the red team, those away too
   agents players {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, spray, snipe
     moves relative
-    field team : { red, blue } = red  field mates : set of agent  timer cooling
+    field team : { red, blue } = red  timer cooling
     field health : 0 .. 3 capped = 2  field load : { none, flag } = none  field feet : { free, stuck } = free  # Melting Pot
     forbid turn_left, turn_right, step_left, step_right, forward, backward when agent.feet is stuck
-    forbid spray when agent.cooling > 0
-    forbid snipe when agent.cooling > 0 or agent.moved  # Melting Pot: only after a step without a move
+    forbid spray, snipe when agent.cooling > 0
+    forbid snipe when agent.moved  # Melting Pot: only after a step without a move
   }
   shape spray = fan(3, 1)  shape snipe = line(6)                  # Melting Pot
   shape shot { ".x."  ".x."  ".x."  ".x."  "xxx"  "xxx"  "x^x" }  # both
@@ -49,37 +49,39 @@ game paintball "Paintball: Capture the Flag" {
   define safe(hue) = count(ground where ground.site is case hue { red: red_home, blue: blue_home } and ground.flag is hue) > 0
   phase start {
     each agent as a {
-      when a.index % 2 == 0 { send a to ground where ground.site is red_gate }  # Melting Pot
+      when a.index % 2 == 0 { add a to reds  send a to ground where ground.site is red_gate }  # Melting Pot
       otherwise { set a.team = blue  send a to ground where ground.site is blue_gate }
-      each agent as b where a.index % 2 == b.index % 2 { add b to a.mates }     # Melting Pot
     }
-    pick 1 agent where agent.index == 0 { set captain = agent }
     each barrier { chance broken[barrier.sort] { set barrier.health = 0 } }
   }
   schedule tick -> walk -> carry -> fire -> settle -> fall -> heal -> restore -> signal
   phase walk { move each agent }
   phase carry {  # who comes to a flag
     each agent as a on land where a.moved and land.flag is not none {
-      when land.flag is not a.team { set land.flag = none  set a.load = flag  tally taken for a }
-      otherwise when not safe(a.team) { set land.flag = none  tally returned for a }
-      otherwise when a.load is flag { set a.load = none  tally captured for a  give -1 * score to all  give 2 * score to a.mates }
+      let flag_of = land.flag
+      when flag_of is not a.team or not safe(a.team) { set land.flag = none }
+      when flag_of is not a.team { set a.load = flag  tally taken for a }
+      otherwise when not safe(a.team) { tally returned for a }
+      otherwise when a.load is flag {
+        set a.load = none  tally captured for a
+        when a.team is red { give -1 * score to all  give 2 * score to reds }
+        otherwise { give score to all  give -2 * score to reds }
+      }
     }
   }
   phase fire {  # a lane ends at who is shot down
     each agent as a where a chose spray { mark spray of a  set a.cooling = spray_pause }
     each agent as a where a chose snipe { mark snipe of a  set a.cooling = snipe_pause }
-    each agent as a {
-      each ground in shot of a where reached(a, ground) and ground.site is not sign { add a to ground.painters }
-      each barrier in shot of a where reached(a, barrier) { add -1 to barrier.health }
-      each agent as b in shot of a where b.team is not a.team and reached(a, b) { add -1 to b.health  tally hits for a }
-    }
-    # Melting Pot: one's own cell, too
-    each agent as a on ground where a chose spray and ground.site is not sign { add a to ground.painters }
+    each agent as a { each land in shot of a where reached(a, land) { add a to land.shooters } }
+    each agent as a on ground where a chose spray { add a to ground.shooters }  # Melting Pot: one's own cell, too
   }
   phase settle {  # of all who paint a cell in a step, one is the last
-    each ground where ground.painters is not nobody {
-      pick 1 agent as last in ground.painters { set ground.paint = last.team }  set ground.painters = nobody
+    each ground where ground.shooters is not nobody and ground.site is not sign {
+      pick 1 agent as last in ground.shooters { set ground.paint = last.team }
     }
+    each barrier { each agent in barrier.shooters { add -1 to barrier.health }  set barrier.shooters = nobody }
+    each agent as b on land { each agent as a in land.shooters where a.team is not b.team { add -1 to b.health  tally hits for a } }
+    each ground { set ground.shooters = nobody }
   }
   phase fall {
     each agent as a where a.health == 0 {
@@ -90,9 +92,11 @@ game paintball "Paintball: Capture the Flag" {
   }
   phase heal {
     each agent as a on ground {
-      when ground.paint is a.team { set a.feet = free  when a.health < most_own { chance healing { add 1 to a.health } } }
-      otherwise when ground.paint is not clean { set a.feet = stuck }
-      otherwise when a.health < most { chance healing { add 1 to a.health } }
+      let hue = ground.paint
+      when hue is a.team { set a.feet = free } otherwise when hue is not clean { set a.feet = stuck }
+      when a.health < case hue { clean: most, otherwise: case hue is a.team { yes: most_own, no: 0 } } {
+        chance healing { add 1 to a.health }
+      }
     }
   }
   phase restore {  # a flag that is nowhere else is at home
@@ -114,7 +118,7 @@ game paintball "Paintball: Capture the Flag" {
   metrics { event hits  event shot  event taken  event returned  event captured }
   checks {
     symmetric agents
-    always count(agent where agent.health == 0) == 0 and count(ground where ground.painters is not nobody) == 0
+    always count(agent where agent.health == 0) == 0 and count(land where land.shooters is not nobody) == 0
     expect hits == 0 and shot == 0 with never(spray, snipe) over 3 episodes
   }
 }

@@ -20,10 +20,8 @@ game paintball_king_of_the_hill "Paintball: King of the Hill" extends "paintball
     }
   }
   phase pay {
-    when captain is not nobody {
-      when control is red { give -1 * score to all  give 2 * score to captain.mates }
-      otherwise when control is blue { give score to all  give -2 * score to captain.mates }
-    }
+    when control is red { give -1 * score to all  give 2 * score to reds }
+    otherwise when control is blue { give score to all  give -2 * score to reds }
   }
   observe {
     hide agent.load  hide other.load

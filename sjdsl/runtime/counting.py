@@ -69,4 +69,4 @@ _LANES = 32  # bytes of a vector register
 @partial(jax.jit, static_argnums=1)  # as above
 def occupied(site: Array, size: int) -> Array:
     """Returns which cells have an agent on them: `[size]` bool, from `[N]` cell numbers (`size` for elsewhere)."""
-    return jnp.zeros(size, bool).at[site].set(True, mode="drop")
+    return jnp.zeros(size, bool).at[site].set(True, mode="drop", wrap_negative_indices=False)

@@ -1,5 +1,6 @@
 """Egocentric windows: cuts each agent's view out of the map's planes, rotated so that its heading points up."""
 
+from functools import partial
 from typing import Any
 
 import jax
@@ -9,6 +10,7 @@ from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
 
+@partial(jax.jit, static_argnames=("ahead", "behind", "left", "right"))  # one function of the program, however many planes are seen
 def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind: int, left: int, right: int) -> Array:
     """Returns each agent's window of one plane.
 
@@ -32,8 +34,9 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
     planes = jnp.stack(turned)
     row, col = position // cols, position % cols
     # jnp.rot90 turns counter-clockwise: facing east (1), east becomes up
-    turned_row = jnp.select([heading == 0, heading == 1, heading == 2], [row, cols - 1 - col, rows - 1 - row], col)
-    turned_col = jnp.select([heading == 0, heading == 1, heading == 2], [col, row, cols - 1 - col], rows - 1 - row)
+    from_right, from_below = cols - 1 - col, rows - 1 - row
+    turned_row = lax.select_n(heading, row, from_right, from_below, col)
+    turned_col = lax.select_n(heading, col, row, from_right, from_below)
     size = (ahead + 1 + behind, left + 1 + right)
 
     def cut(h: Array, r: Array, c: Array) -> Array:
@@ -79,7 +82,8 @@ LARGE_BATCH = 16  # environments: below, starting so many copies takes longer th
 
 
 def _scattered(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
-    return plane.at[cells].set(values, mode="promise_in_bounds", indices_are_sorted=True, unique_indices=True)
+    where = plane.at[cells]
+    return where.set(values, mode="promise_in_bounds", wrap_negative_indices=False, indices_are_sorted=True, unique_indices=True)
 
 
 def _from_runs(planes: Array, values: Array, cells: np.ndarray, first: np.ndarray) -> Array:
@@ -99,8 +103,9 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
       cells: `[M]` int32.
       bits: uint8, `[M]` (then the cells differ) or one for all.
     """
-    painted = plane[cells] | jnp.asarray(bits, jnp.uint8)
-    return plane.at[cells].set(painted, mode="promise_in_bounds")
+    where = plane.at[cells]
+    painted = where.get(mode="promise_in_bounds", wrap_negative_indices=False) | jnp.asarray(bits, jnp.uint8)
+    return where.set(painted, mode="promise_in_bounds", wrap_negative_indices=False)
 
 
 def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> Array:

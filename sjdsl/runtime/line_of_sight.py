@@ -1,20 +1,27 @@
 """Line of sight at run time: where a beam ends at cells whose state decides it; constant walls: `geometry.lane_reach`."""
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
+from sjdsl.runtime.bits import WIDTH, as_bits
 
-def reached(blocked: Array, on_map: Array, first: Array) -> Array:
+
+def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
     """Returns which shape cells a lane reaches when some cells end lanes.
+
+    A cell is not reached if one before it in its lane ends the lane. All cells ask at once, of bits where they fit into a word: a walk
+    from cell to cell would be a program many times as long.
 
     Args:
       blocked: `[..., K]` bool, cells that are the last of their lane.
       on_map: `[..., K]` bool, cells that exist.
-      first: `[K]` bool, first cells of the lanes.
+      first: `[K]` bool, first cells of the lanes; constant: not traced.
     """
-    live, out = jnp.ones(blocked.shape[:-1], bool), []
-    for k in range(blocked.shape[-1]):
-        live = live | first[k]
-        out.append(live & on_map[..., k])
-        live = live & ~(blocked[..., k] & on_map[..., k])
-    return jnp.stack(out, axis=-1)
+    starts, ends = np.asarray(first), blocked & on_map
+    cell, lane = np.arange(starts.size), np.cumsum(starts)
+    before = (lane[:, None] == lane) & (cell < cell[:, None])  # [k, j]: j comes before k in its lane
+    if starts.size > WIDTH:
+        return on_map & ~jnp.any(ends[..., None, :] & before.reshape((1,) * (ends.ndim - 1) + before.shape), axis=-1)
+    asked = np.sum(before << cell, axis=1, dtype=np.uint32).reshape((1,) * (ends.ndim - 1) + (-1,))
+    return on_map & ((as_bits(ends, jnp.uint32)[..., None] & asked) == 0)

@@ -136,10 +136,10 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
         left, free, position, placed = state
         who = jnp.argmax(left).astype(jnp.int32)
         number = bits.count(free)
-        cell = bits.nth(free, below(words[who], number))
+        cell = bits.nth(free, below(_entry(words, who), number))
         there = (index == who) & left & (number > 0)
         free = bits.without(free, cell)
-        return left & (index != who), free, jnp.where(there, cells[cell], position), placed | there
+        return left & (index != who), free, jnp.where(there, _entry(cells, cell), position), placed | there
 
     # a turn for each agent sent, not for each agent: most steps send nobody
     start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
@@ -166,15 +166,20 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
     def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         left, free, position, placed = state
         who = jnp.argmax(left).astype(jnp.int32)
-        among = free & fitting[who]
+        among = free & _entry(fitting, who)
         number = bits.count(among)
-        cell = bits.nth(among, below(words[who], number))
+        cell = bits.nth(among, below(_entry(words, who), number))
         there = (index == who) & left & (number > 0)
         free = jnp.where(number > 0, bits.without(free, cell), free)
-        return left & (index != who), free, jnp.where(there, cells[cell], position), placed | there
+        return left & (index != who), free, jnp.where(there, _entry(cells, cell), position), placed | there
 
     start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, start)[2:]
+
+
+def _entry(values: Array, number: Array) -> Array:
+    """Returns an entry of the first axis; `number` is not negative, which saves the question whether it counts from the end."""
+    return values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 
 def pair(ranks: Array, alike: bool) -> Array:

@@ -49,9 +49,9 @@ def _numbered(key: Array, stream: Array, numbers: Array) -> Array:
 
 def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
     shape = (1,) * numbers.ndim
-    k0, k1 = key[0].reshape(shape), key[1].reshape(shape)
+    k0, k1 = (word.reshape(shape) for word in jnp.split(key, 2))
     keys = (k0, k1, k0 ^ k1 ^ jnp.uint32(_PARITY))
-    x0 = stream + keys[0]
+    x0 = jnp.broadcast_to(stream + keys[0], numbers.shape)  # as wide as x1: all rounds are one function of the program
     x1 = numbers + keys[1]
     for turn in range(ROUNDS):
         group, rotation = turn // 4, _ROTATIONS[turn % 8]
@@ -90,6 +90,7 @@ def next_threshold(before: Array, probability: Array) -> Array:
     return result
 
 
+@jax.jit  # as above
 def below(word: Array, bound: Array | int) -> Array:
     """Returns floor(word * bound / 2^32), int32: uniform on 0 .. bound - 1 for bounds up to 65,535."""
     n = jnp.asarray(bound, jnp.uint32)

@@ -153,8 +153,9 @@ def _step(turns: list[Function], module: Module) -> Function:
     w.set(ACTIONS, array.Where(array.Binary("|", below, above), STAY, ACTIONS))
     if module.game.agents.forbids:
         allowed = array.call("allowed_actions", STATE, PARAMS)
-        chosen = array.call("jnp.take_along_axis", allowed, array.Index(ACTIONS, (array.ALL, array.NEW_AXIS)), axis=array.Literal(1))
-        w.set(array.Name("allowed"), array.Index(chosen, (array.ALL, array.Literal(0))))
+        numbers = array.Index(array.call("jnp.arange", NUM_ACTIONS, dtype=array.DTYPES["i32"]), (array.NEW_AXIS, array.ALL))
+        chosen = array.Binary("==", array.Index(ACTIONS, (array.ALL, array.NEW_AXIS)), numbers)
+        w.set(array.Name("allowed"), array.Reduce("any", array.Binary("&", allowed, chosen), (1,)))
         w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
     w.set(OUT, array.call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]

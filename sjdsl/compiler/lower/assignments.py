@@ -44,7 +44,10 @@ def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
 def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     """Writes `set target = value`."""
     value = stored_value(s.value, s.target, scope, w)
-    for target in targets(s.target, scope, w):
+    written = targets(s.target, scope, w)
+    if len(written) > 1 and not value.literal:
+        value = w.keep("written", value)
+    for target in written:
         if s.lot is not None:
             write_by_lot(s.lot, target, as_dtype(value, state_reads.storage(target.declared, w)), w)
             continue
@@ -79,9 +82,10 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
         return [Target(w.module.field(read), who, keys, read, scope)]
     found = []
     layout = w.module.layout
-    for kind in who.kinds:
-        if not layout.num_cells((kind,)):
-            continue  # not on this map: no cell that could be written
+    there = [kind for kind in who.kinds if layout.num_cells((kind,))]  # of others there is no cell that could be written
+    if len(there) > 1 and scope.mask is not None:  # once for all kinds
+        scope = replace(scope, mask=w.keep("active", scope.mask))
+    for kind in there:
         table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)

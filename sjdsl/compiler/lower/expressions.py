@@ -223,7 +223,7 @@ def _in_frame(who: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
     """Returns the row or column of an agent or a cell in the frame around the map."""
     at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
     cols = w.module.number("frame_cols", w.module.layout.cols)
-    return Value(array.Binary("//" if side == "row" else "%", at.node, cols), "i32", at.axes)
+    return w.keep(side, Value(array.Binary("//" if side == "row" else "%", at.node, cols), "i32", at.axes))
 
 
 def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
