@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser studio-page check bench gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser studio-page check bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -83,6 +83,10 @@ bench: .venv/ready
 	$(BENCH) coins clean_up --training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
 	$(BENCH) harvest_open --sweep regrow_3 --values 64 $(PAGE)
 	$(BENCH) pd_arena --sweep payoff --values 64 $(PAGE)
+
+# The table of Melting Pot's substrates in docs/performance.md, written anew after each of them: a run that is stopped leaves its rows.
+bench-meltingpot: .venv/ready
+	$(BENCH) --substrates --repeats 3 --json runs/substrates.json $(PAGE)
 
 # Everything that a GPU is needed for, in nine minutes: figures as JSON in runs/gpu, each as soon as it is measured.
 gpu:

@@ -29,9 +29,9 @@ class Compilation:
     operations: dict[str, int]
 
 
-def compile_step(env: Environment, name: str = "") -> Compilation:
+def compile_step(env: Environment, name: str = "", repeats: int = REPEATS) -> Compilation:
     """Returns the cost of compiling one step of a single environment (the median of some), and the size of what XLA is given."""
-    seconds = median(_seconds_to_compile(env) for _ in range(REPEATS))
+    seconds = median(_seconds_to_compile(env) for _ in range(repeats))
     text = lower_step(env).as_text()
     return Compilation(name or env.name, env.num_agents, env.observation, seconds, len(text.splitlines()), count_operations(text))
 

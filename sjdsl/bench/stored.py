@@ -10,14 +10,15 @@ from sjdsl.bench.compilation import Compilation
 from sjdsl.bench.extrapolation import Hours
 from sjdsl.bench.kernels import Kernels, StepKernels
 from sjdsl.bench.resuming import Resume
+from sjdsl.bench.substrates import Substrates
 from sjdsl.bench.sweep import Sweep
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.bench.training import Training
 from sjdsl.bench.training_split import Split
 
-Found = Report | Sweep | Training | Kernels | Resume
+Found = Report | Substrates | Sweep | Training | Kernels | Resume
 
-_SORTS = {sort.__name__.lower(): sort for sort in (Report, Sweep, Training, Kernels, Resume)}
+_SORTS = {sort.__name__.lower(): sort for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)}
 _ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits": Split, "steps": StepKernels, "hours": Hours}  # by field
 
 

@@ -10,6 +10,7 @@ from sjdsl.bench.extrapolation import Hours
 from sjdsl.bench.kernels import Kernels
 from sjdsl.bench.resuming import Resume
 from sjdsl.bench.stored import Found
+from sjdsl.bench.substrates import Substrates
 from sjdsl.bench.sweep import Sweep
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.bench.training import Training
@@ -48,6 +49,8 @@ def tables_of(found: Found) -> tuple[Table, ...]:
             return (kernel_table(found),)
         case Resume():
             return (resume_table(found),)
+        case Substrates():
+            return (substrates_table(found),)
     return tuple(table for table in (speed_table(found), cost_table(found), relation_table(found)) if table.rows)
 
 
@@ -78,6 +81,19 @@ def speed_table(report: Report) -> Table:
         rows.append((*_labels(form), *(_speed_cell(speeds.get(number)) for number in numbers)))
     title = f"environment steps a second: median of {report.repeats} rounds, spread, ratio to the yardstick round by round"
     return Table(title, (*FORM, *_columns(numbers)), tuple(rows), len(FORM))
+
+
+def substrates_table(found: Substrates) -> Table:
+    """Returns one row a substrate: what one step takes to compile, its size, and the speed at each number of environments."""
+    numbers, steps = _numbers(found), {step.name: step for step in found.compilations}
+    rows = []
+    for form, speeds in _by_form(found.speeds).items():
+        cells = (_speed_cell(speeds.get(n)) for n in numbers)
+        step = steps[form.name]
+        rows.append((form.name, str(form.num_agents), f"{step.compile_s:.1f} s", f"{step.stablehlo_lines:,}", *cells))
+    title = f"environment steps a second: median of {found.repeats} rounds, spread, ratio to the yardstick round by round"
+    headings = ("substrate", "agents", "step compile", "StableHLO lines", *_columns(numbers))
+    return Table(title, headings, tuple(rows))
 
 
 def cost_table(report: Report) -> Table:

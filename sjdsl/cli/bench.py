@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.cli import bench_substrates
 from sjdsl.cli.bench_everything import Stored, measure_all, read_all
 from sjdsl.cli.bench_games import choose_tasks
 from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Quoting, Words, flat
@@ -69,6 +70,9 @@ SWEPT = (16,)  # of each value
     show_default=True,
     help="Minutes that --everything may take.",
 )
+@click.option(
+    "--substrates", is_flag=True, help="Instead: Melting Pot's substrates, all or the GAMEs named, one after the other; kept row by row."
+)
 @click.option("--from", "stored", metavar="PATH", help="Instead of measuring: the figures of a --json file or an --everything folder.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well.")
 @click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or one that has marks for them.")
@@ -88,6 +92,7 @@ def command(
     values: int,
     folder: str | None,
     minutes: float,
+    substrates: bool,
     stored: str | None,
     json_file: str | None,
     page: str | None,
@@ -117,6 +122,10 @@ def command(
         _show_stored(Path(stored), outputs, said, asked, keep)
         return
     compile_everything_anew()
+    if substrates:
+        bench_substrates.refuse_others(context)
+        bench_substrates.measure_all(games, envs, repeats, steps, outputs, keep, said)
+        return
     seen = flat(observations) or (OBSERVATIONS if folder else ("tokens",))
     raced = envs or ((1,) if asked.networks or sweep else RACED)
     _refuse_mixtures(context, games, seen, agents, raced, sweep, asked.networks, plots, folder)

@@ -83,6 +83,7 @@ def section_of(found: "Found") -> str:
     from sjdsl.bench import Sweep, Training
     from sjdsl.bench.kernels import Kernels
     from sjdsl.bench.resuming import Resume
+    from sjdsl.bench.substrates import Substrates
 
     match found:
         case Sweep():
@@ -93,6 +94,8 @@ def section_of(found: "Found") -> str:
             what = "kernels"
         case Resume():
             what = "resuming"
+        case Substrates():
+            what = "substrates"
         case _:
             what = "speed"
     return f"{what} {found.machine['platform']}"

@@ -58,8 +58,13 @@ class Outputs(NamedTuple):
     def show(self, figures: Stored) -> None:
         """Prints the tables, draws the plots where there are speeds, and writes the section of the page."""
         found = figures.found
+        print_tables(tables_of(found), found.machine, [*figures.notes, *notes_of(found)])
+        self.write(figures)
+
+    def write(self, figures: Stored) -> None:
+        """Draws the plots where there are speeds, and writes the section of the page."""
+        found = figures.found
         tables, notes = tables_of(found), [*figures.notes, *notes_of(found)]
-        print_tables(tables, found.machine, notes)
         pictures = draw_scaling(found, Path(self.plots)) if isinstance(found, Report) and self.plots else ()
         if self.page is None:
             return

@@ -25,7 +25,9 @@ config = get_config("territory__rooms")
 env = build("territory__rooms", config.default_player_roles)
 ```"""
 EVERYWHERE = (
-    "Observations are planes of tokens, not pictures of 8 × 8 pixels; `sjdsl.interop.dm_env` gives pictures.",
+    "Observations are planes of tokens, not pictures of 8 × 8 pixels; `sjdsl.interop.dm_env` gives pictures. "
+    "There, a player sees 11 × 11 cells as 88 × 88 pixels in three colours: 23,232 bytes. "
+    "Here, such a window has 121 bytes a plane of tokens; a game has 2 to 16 planes. One-hot observations have 121 floats a channel, 11 to 106 channels.",
     "Random numbers are others.",
     "All agents act at once on the state before the step; there, they act in a random order within it.",
 )

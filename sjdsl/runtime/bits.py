@@ -1,10 +1,7 @@
 """Sets as bits of 32-bit integers: packing, and selecting the n-th member without a scan."""
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array, lax
 
 WIDTH = 32
@@ -15,28 +12,27 @@ def pack(members: Array) -> Array:
     missing = -members.shape[-1] % WIDTH
     padded = lax.pad(members, jnp.asarray(False), [*[(0, 0, 0)] * (members.ndim - 1), (0, missing, 0)])
     words = padded.reshape(*members.shape[:-1], -1, WIDTH)
-    return jnp.sum(jnp.where(words, _bits(WIDTH, jnp.uint32, words.ndim), jnp.uint32(0)), axis=-1, dtype=jnp.uint32)
+    places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * members.ndim + (-1,))
+    return jnp.sum(words.astype(jnp.uint32) << places, axis=-1, dtype=jnp.uint32)
 
 
 def as_bits(members: Array, dtype: jnp.dtype) -> Array:
     """Returns sets as bits: `[..., N]` bool -> `[...]`, bit i for agent i."""
-    bit = _bits(members.shape[-1], dtype, members.ndim)
+    bit = jnp.ones((), dtype) << jnp.arange(members.shape[-1], dtype=dtype).reshape((1,) * (members.ndim - 1) + (-1,))
     return jnp.sum(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1, dtype=dtype)
 
 
 def from_bits(sets: Array, size: int) -> Array:
     """Returns the members of sets kept as bits: `[...]` unsigned -> `[..., size]` bool, entry i for bit i."""
-    return (sets[..., None] & _bits(size, sets.dtype, sets.ndim + 1)) != 0
-
-
-def _bits(size: int, dtype: Any, ndim: int) -> np.ndarray:
-    """Returns bit i at entry i of the last of so many axes."""
-    return np.asarray([1 << place for place in range(size)], dtype).reshape((1,) * (ndim - 1) + (-1,))
+    place = jnp.arange(size, dtype=sets.dtype).reshape((1,) * sets.ndim + (-1,))
+    return ((sets[..., None] >> place) & 1) != 0
 
 
 def unpack(words: Array, size: int) -> Array:
     """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
-    result: Array = from_bits(words, WIDTH).reshape(*words.shape[:-1], -1)[..., :size]
+    places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * words.ndim + (-1,))
+    members = (words[..., None] >> places) & jnp.uint32(1)
+    result: Array = members.reshape(*words.shape[:-1], -1)[..., :size] != 0
     return result
 
 
@@ -71,7 +67,7 @@ def nth(words: Array, n: Array) -> Array:
     """Returns which member is the n-th, n from 0: `[..., W]` uint32 and `[...]` int32 -> `[...]` int32. Anything if there are fewer."""
     if words.shape[-1] == 1:
         return nth_bit(words[..., 0], n)
-    index = np.arange(words.shape[-1], dtype=np.int32)
+    index = jnp.arange(words.shape[-1], dtype=jnp.int32)
     counts = lax.population_count(words).astype(jnp.int32)
     earlier = (index[None] < index[:, None]).reshape((1,) * n.ndim + (index.size, index.size))
     before = jnp.sum(jnp.where(earlier, counts[..., None, :], 0), axis=-1, dtype=jnp.int32)
