@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sjdsl.cli.bench_everything import Stored
 from sjdsl.cli.stages import stages
 from sjdsl.near_names import meant
 from sjdsl.substrates import Substrate, written_substrates
@@ -38,7 +39,6 @@ def measure_all(
     import jax
 
     from sjdsl.bench.substrates import Substrates, measure_substrates, short_steps, substrate_tasks
-    from sjdsl.cli.bench_everything import Stored
 
     entries, section = chosen(names), f"substrates {jax.default_backend()}"
     outputs.check(section)
