@@ -66,7 +66,8 @@ def nth_bit(word: Array, n: Array) -> Array:
 def nth(words: Array, n: Array) -> Array:
     """Returns which member is the n-th, n from 0: `[..., W]` uint32 and `[...]` int32 -> `[...]` int32. Anything if there are fewer."""
     if words.shape[-1] == 1:
-        return nth_bit(words[..., 0], n)
+        only: Array = nth_bit(words[..., 0], n)
+        return only
     index = jnp.arange(words.shape[-1], dtype=jnp.int32)
     counts = lax.population_count(words).astype(jnp.int32)
     earlier = (index[None] < index[:, None]).reshape((1,) * n.ndim + (index.size, index.size))

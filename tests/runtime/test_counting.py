@@ -117,13 +117,13 @@ def test_large_sets(agents: int) -> None:
     assert contains(words[0], jnp.int32(agents - 1)).tolist() == members[0, -1]
 
 
-def test_reached() -> None:
+@pytest.mark.parametrize("lanes", [[1, 3, 2, 4], [20, 15, 5]], ids=["few", "more than a word has bits"])
+def test_reached(lanes: list[int]) -> None:
     """Lane by lane: the blocking cell is the last one reached; a cell off the map neither is reached nor ends its lane."""
     random = np.random.default_rng(6)
-    lanes = [1, 3, 2, 4]
     first = np.concatenate([[True] + [False] * (n - 1) for n in lanes])
     blocked, on_map = random.random((300, first.size)) < 0.3, random.random((300, first.size)) < 0.7
-    found = np.asarray(jax.jit(reached)(jnp.asarray(blocked), jnp.asarray(on_map), jnp.asarray(first)))
+    found = np.asarray(jax.jit(lambda *of: reached(*of, first))(jnp.asarray(blocked), jnp.asarray(on_map)))
     for case in range(300):
         expected, number = [], 0
         for length in lanes:
