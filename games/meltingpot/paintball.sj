@@ -24,18 +24,15 @@ game paintball "Paintball: Capture the Flag" {
     field health : 0 .. full capped = full  field shooters : set of agent  field flag : { none, red, blue } = none
     blocks agents when barrier.health > 0  blocks spray, snipe, shot when barrier.health > 1  # Melting Pot: the last shot goes through
   }
-  group land = ground, barrier
-  map "maps/paintball_capture_the_flag.txt"
+  group land = ground, barrier  map "maps/paintball_capture_the_flag.txt"
   field control : { neither, red, blue, both } = both  # which flags are at home, so that the team can score
-  field reds : set of agent                            # the red team, those away too
+  field reds    : set of agent                         # the red team, those away too
   agents players {
-    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, spray, snipe
-    moves relative
+    acts turn_left, turn_right, step_left, step_right, forward, backward, stay, spray, snipe  moves relative
     field team : { red, blue } = red  timer cooling
     field health : 0 .. 3 capped = 2  field load : { none, flag } = none  field feet : { free, stuck } = free  # Melting Pot
     forbid turn_left, turn_right, step_left, step_right, forward, backward when agent.feet is stuck
-    forbid spray, snipe when agent.cooling > 0
-    forbid snipe when agent.moved  # Melting Pot: only after a step without a move
+    forbid spray, snipe when agent.cooling > 0  forbid snipe when agent.moved  # Melting Pot: only after a step without a move
   }
   shape spray = fan(3, 1)  shape snipe = line(6)                  # Melting Pot
   shape shot { ".x."  ".x."  ".x."  ".x."  "xxx"  "xxx"  "x^x" }  # both
@@ -44,8 +41,7 @@ game paintball "Paintball: Capture the Flag" {
   define shields(a, b, place) = b.team is not a.team and b.health == 1 and in_line(a, b, place) and distance(a, b) < distance(a, place)
   define reached(a, place) = reaches(a, place) and count(agent as b in shot of a where shields(a, b, place)) == 0
   define lost(hue) = count(land where land.flag is hue) == 0 and count(agent where agent.team is not hue and agent.load is flag) == 0
-  define gate(hue) = case hue { red: red_gate, blue: blue_gate }
-  define rival(hue) = case hue { red: blue, blue: red }
+  define gate(hue) = case hue { red: red_gate, blue: blue_gate }  define rival(hue) = case hue { red: blue, blue: red }
   define safe(hue) = count(ground where ground.site is case hue { red: red_home, blue: blue_home } and ground.flag is hue) > 0
   phase start {
     each agent as a {
@@ -117,8 +113,7 @@ game paintball "Paintball: Capture the Flag" {
   }
   metrics { event hits  event shot  event taken  event returned  event captured }
   checks {
-    symmetric agents
-    always count(agent where agent.health == 0) == 0 and count(land where land.shooters is not nobody) == 0
+    symmetric agents  always count(agent where agent.health == 0) == 0 and count(land where land.shooters is not nobody) == 0
     expect hits == 0 and shot == 0 with never(spray, snipe) over 3 episodes
   }
 }
