@@ -6,6 +6,7 @@ different values written to one place are an error here (under JAX either may wi
 """
 
 import builtins
+import contextlib
 import dataclasses
 import importlib.util
 import warnings
@@ -51,10 +52,10 @@ class At:
     def __getitem__(self, index: Any) -> "At":
         return At(self.array, index)
 
-    def set(self, values: Any, mode: str = "", **_: Any) -> Array:
+    def set(self, values: Any, mode: str = "", wrap_negative_indices: bool = True, **_: Any) -> Array:
         """Returns a copy with the values in their places; raises AssertionError if two that differ want one place."""
         result = np.array(self.array)
-        index, values = self._inside(values)
+        index, values = self._inside(values, wrap_negative_indices)
         result[index] = values
         if mode == "promise_in_bounds":  # kernels only, that know what they do: agents that are nowhere share a place
             return as_array(result)
@@ -63,8 +64,10 @@ class At:
         assert np.array_equal(read_back, wanted, equal_nan=result.dtype.kind == "f"), "two values for one place"
         return as_array(result)
 
-    def get(self, mode: str) -> Array:
+    def get(self, mode: str, wrap_negative_indices: bool = True) -> Array:
+        """Returns the values of places that are inside, as was promised."""
         assert mode == "promise_in_bounds"
+        assert wrap_negative_indices or (np.asarray(self.index) >= 0).all()
         return as_array(np.asarray(self.array)[self.index])
 
     def add(self, values: Any, **_: Any) -> Array:
@@ -87,8 +90,8 @@ class At:
         fold.at(result, index, np.asarray(values).astype(result.dtype))
         return as_array(result)
 
-    def _inside(self, values: Any) -> tuple[Any, Any]:
-        """Returns the index and the values without those whose place is outside."""
+    def _inside(self, values: Any, negative: bool = True) -> tuple[Any, Any]:
+        """Returns the index and the values without those whose place is outside. `negative`: whether such numbers count from the end."""
         parts = self.index if isinstance(self.index, tuple) else (self.index,)
         numbers = [np.asarray(p) for p in parts if not isinstance(p, slice)]
         if len(numbers) < len(parts):
@@ -99,7 +102,7 @@ class At:
         assert len(arrays) <= len(shape), (parts, shape)
         inside = np.ones(arrays[0].shape, bool)
         for array, size in zip(arrays, shape, strict=False):
-            inside &= (array >= -size) & (array < size)
+            inside &= (array >= (-size if negative else 0)) & (array < size)
         rest = shape[len(arrays) :]
         spread = np.broadcast_to(np.asarray(values), (*inside.shape, *rest))
         return tuple(a[inside] for a in arrays), spread[inside]
@@ -148,7 +151,7 @@ def where(condition: Any, a: Any, b: Any) -> Array:
 def _namespace() -> SimpleNamespace:
     same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "abs", "max", "min", "argmax", "clip", "minimum", "maximum", "take_along_axis",
             "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like",
-            "moveaxis")  # fmt: skip
+            "moveaxis", "split")  # fmt: skip
     return SimpleNamespace(
         asarray=as_array,
         where=where,
@@ -215,6 +218,14 @@ def _dynamic_index_in_dim(array: Any, index: Any, axis: int, keepdims: bool) -> 
     return as_array(np.take(np.asarray(array), np.clip(int(index), 0, array.shape[axis] - 1), axis=axis))
 
 
+def _select_n(which: Any, *cases: Any) -> Array:
+    """Returns for each place the case of its number; the first for False, the second for True."""
+    number, arrays = np.asarray(which).astype(int), [np.asarray(case) for case in cases]
+    assert len({(a.shape, a.dtype) for a in arrays}) == 1, "cases are alike in shape and type"
+    assert ((number >= 0) & (number < len(cases))).all()
+    return as_array(np.choose(np.broadcast_to(number, arrays[0].shape), arrays))
+
+
 def _vmap(function: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *arrays: as_array(np.stack([function(*row) for row in zip(*arrays, strict=True)]))
 
@@ -235,11 +246,21 @@ LAX = SimpleNamespace(
     dynamic_slice=_dynamic_slice,
     reduce=_reduce,
     reduce_window=_reduce_window,
+    select_n=_select_n,
     dynamic_index_in_dim=_dynamic_index_in_dim,
     population_count=_wrapping(np.bitwise_count),
     bitcast_convert_type=lambda x, dtype: as_array(np.ascontiguousarray(np.asarray(x)[..., None]).view(dtype)),
 )
-JAX = SimpleNamespace(numpy=JNP, lax=LAX, jit=lambda f, **_: f, vmap=_vmap, Array=Array, dtypes=SimpleNamespace(), random=SimpleNamespace())
+JAX = SimpleNamespace(
+    numpy=JNP,
+    lax=LAX,
+    jit=lambda f, **_: f,
+    vmap=_vmap,
+    Array=Array,
+    dtypes=SimpleNamespace(),
+    random=SimpleNamespace(),
+    ensure_compile_time_eval=contextlib.nullcontext,
+)
 STANDING_IN = {
     "jax": JAX,
     "jax.numpy": JNP,
