@@ -65,6 +65,7 @@ class CheckItem(pytest.Item):
     def __init__(self, *, number: int, **rest: Any):
         super().__init__(**rest)
         self.number = number
+        self.funcargs: dict[str, Any] = {}  # no fixtures; plugins such as pytest-lsp want to look through them
 
     def runtest(self) -> None:
         assert isinstance(self.parent, GameFile)

@@ -105,8 +105,6 @@ def command(
     Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a machine
     varies over time; the ratio to the yardstick, taken round by round, does not.
     """
-    import jax
-
     from sjdsl.bench.stored import write_found
     from sjdsl.cli.bench_output import Outputs
 
@@ -134,16 +132,24 @@ def command(
         measure_all(games or main_games(), tasks, envs, repeats, minutes, Path(folder), said)
         return
     if asked.networks:
-        what, measured = plan_training(asked, tasks, envs[0] if envs else None, steps, repeats, keep)
+        planned = plan_training(asked, tasks, envs[0] if envs else None, steps, repeats, keep)
     elif sweep:
-        what, measured = _plan_sweep(tasks[0], sweep, values, (envs or SWEPT)[0], repeats, steps)
+        planned = _plan_sweep(tasks[0], sweep, values, (envs or SWEPT)[0], repeats, steps)
     else:
-        what, measured = _plan_race(tasks, envs or RACED, repeats, steps)
+        planned = _plan_race(tasks, envs or RACED, repeats, steps)
+    _measure(planned, outputs, keep, said, tuple(refused))
+
+
+def _measure(planned: Planned, outputs: "Outputs", keep: Callable[["Found"], None], said: str, refused: tuple[str, ...]) -> None:
+    """Measures what is planned, keeps the figures and shows them."""
+    import jax
+
+    what, measured = planned
     outputs.check(section := f"{what} {jax.default_backend()}")
     with stages("compiling") as tell:
         found = measured(tell)
     keep(found)
-    outputs.show(Stored(section, found, said, tuple(refused)))
+    outputs.show(Stored(section, found, said, refused))
 
 
 def _plan_sweep(task: "Task", param: str, values: int, num_envs: int, repeats: int, steps: int | None) -> Planned:

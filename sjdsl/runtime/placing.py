@@ -178,7 +178,10 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
 
 
 def _entry(values: Array, number: Array) -> Array:
-    """Returns an entry of the first axis; `number` is not negative, which saves the question whether it counts from the end."""
+    """Returns an entry of the first axis, of a number past the end the last one.
+
+    `number` is not negative, which saves the question whether it counts from the end.
+    """
     return values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 

@@ -105,7 +105,9 @@ def _matters(path: Path, node: ir.Node, name: str, game: ir.Game) -> bool:
         case ir.Wander(), "away":
             return node.goal is not None
         case ir.Logic(), "args":
-            return not any(isinstance(part, ir.Chose | ir.ChoseWith) for part in node.args)  # told of the member it is about, whatever comes first
+            return not any(
+                isinstance(part, ir.Chose | ir.ChoseWith) for part in node.args
+            )  # told of the member it is about, whatever comes first
         case ir.Check(), "episodes":
             return node.sort == "expect"
         case _:

@@ -65,10 +65,11 @@ class At:
         return as_array(result)
 
     def get(self, mode: str, wrap_negative_indices: bool = True) -> Array:
-        """Returns the values of places that are inside, as was promised."""
+        """Returns the values of the places; of one past the end the last value, as JAX documents it for this mode."""
         assert mode == "promise_in_bounds"
         assert wrap_negative_indices or (np.asarray(self.index) >= 0).all()
-        return as_array(np.asarray(self.array)[self.index])
+        array = np.asarray(self.array)
+        return as_array(array[np.minimum(self.index, len(array) - 1)] if not isinstance(self.index, tuple) else array[self.index])
 
     def add(self, values: Any, **_: Any) -> Array:
         """Returns a copy with the values added, as often as their places are named."""

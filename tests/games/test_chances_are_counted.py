@@ -44,6 +44,7 @@ TESTS = {
     "harvest_closed regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
     "harvest_closed walk": f"test_harvest_chances.py {CONTESTED}",
     "harvest_closed fire": "test_harvest_chances.py test_home_is_every_free_gate_alike",
+    "harvest_closed+meltingpot regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
     "harvest_closed+meltingpot fire": "test_harvest_chances.py test_who_was_away_comes_to_every_free_gate_alike",
     "harvest_closed+meltingpot finish": ENDINGS,
     "harvest_open+meltingpot regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",

@@ -124,7 +124,7 @@ COMPASS = {"relative": False}
 THROUGH_WALLS = {**COMPASS, "walls_stop": frozen("agents")}
 COOLING = {"seen": frozen("cooling"), "timers": frozen("cooling")}  # MP: who may use its beam knows it
 BY_CHANCE = {"length": 5000, "least": 1000, "interval": 100}  # MP: episodes end after 1000 steps or more, by chance
-HARVEST = {"schedule": "regrow tick walk eat fire finish", **COOLING}
+HARVEST = {"schedule": "tick walk regrow eat fire finish", **COOLING}
 OPEN_BEAM = {**HARVEST, "numbers": {"respawn_delay": 4, "regrow_1": 0.0025, **BY_CHANCE, "ending": 0.15}, "shape": lanes(3)}  # MP
 ROOM_BEAM = {**HARVEST, "numbers": {"respawn_delay": 100, **BY_CHANCE, "ending": 0.15}, "shape": lanes(4), "rows": "_crowd"}  # MP
 # everything a variant changes of the above
@@ -132,7 +132,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("coins", "socialjax"): COMPASS,
     ("coins", "meltingpot"): {
         "numbers": {"spawn": 0.00025, **BY_CHANCE, "least": 300, "ending": 0.05},  # MP: 0.0005 for both colours together
-        "schedule": "grow walk take finish",
+        "schedule": "walk grow take finish",
         "rows": "_meltingpot",
     },
     **{(game, "socialjax"): THROUGH_WALLS for game in ("harvest_open", "harvest_closed", "harvest_partnership")},
@@ -143,7 +143,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("clean_up", "meltingpot"): {
         "numbers": {"respawn_delay": 50, **BY_CHANCE, "ending": 0.2},
         "shape": lanes(3),
-        "schedule": "grow pollute tick walk eat scrub rinse fire finish",
+        "schedule": "tick walk grow eat pollute scrub rinse fire finish",
         "seen": frozen("zap_pause", "clean_pause"),
         "timers": frozen("zap_pause", "clean_pause"),
         "rows": "_meltingpot",

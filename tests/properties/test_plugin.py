@@ -36,7 +36,20 @@ def orchard(checks: str) -> str:
 def run(folder: Path, *arguments: str) -> tuple[int, list[str]]:
     """Returns the exit status and the lines of a pytest of its own."""
     home = str(Path(sjdsl.__file__).parents[1])
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "--sj-examples", "20", *arguments]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:xdist",
+        "-p",
+        "no:asyncio",
+        "--sj-examples",
+        "20",
+        *arguments,
+    ]
     done = subprocess.run(
         command, cwd=folder, env={**os.environ, "PYTHONPATH": home, "COLUMNS": "140"}, capture_output=True, text=True, check=False
     )
