@@ -66,6 +66,7 @@ def _listen(port: int | None) -> socket.socket:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listening.bind((HOST, wanted))
+            listening.listen()  # who comes before the server has started waits
             return listening
         except OSError as error:
             listening.close()
