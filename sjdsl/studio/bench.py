@@ -139,7 +139,7 @@ class Bench:
         opened, episode = self._opened, self._episode
         if episode.is_over:
             raise Refused("the episode is over: go back, or begin it again")
-        driven = {self._agent(int(agent)): action for agent, action in request.actions.items() if agent.isdecimal()}
+        driven = {self._agent(agent): action for agent, action in request.actions.items()}
         if any(not 0 <= action < len(opened.game.agents.actions) for action in driven.values()):
             raise Refused("there is no such action")
         choose = chooser(opened.game, self.others, self.seed)

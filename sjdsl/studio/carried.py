@@ -10,6 +10,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.state import Away, Cell, Value, World
+from sjdsl.interpreter.stored import held_values
 
 FieldId = tuple[str, str, str]  # whose field it is, of which kind or sort, its name
 
@@ -27,7 +28,7 @@ def carried(old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value
     before = {_id(field): field for field in all_fields(old)}
     for field in all_fields(new):
         if _id(field) in before and before[_id(field)].type.by == field.type.by:
-            values = _values(field, world)
+            values = held_values(field, world)
             if all(_fits(value, field.type) for value in _flat(values)):
                 _put(field, values, fresh)
     herds = {sort: replace(fresh.movers[sort], position=h.position, moved=h.moved, away=h.away) for sort, h in world.movers.items()}
@@ -46,18 +47,6 @@ def _all_away(world: World) -> Iterator[Away | None]:
 
 def _id(field: ir.VarField) -> FieldId:
     return field.held_by, field.kind, field.name
-
-
-def _values(field: ir.VarField, world: World) -> Any:
-    match field.held_by:
-        case "cell":
-            return world.cells[field.kind, field.name]
-        case "agent":
-            return world.agents[field.name]
-        case "mover":
-            return world.movers[field.kind].fields[field.name]
-        case _:
-            return world.fields[field.name]
 
 
 def _put(field: ir.VarField, values: Any, world: World) -> None:

@@ -36,7 +36,7 @@ class Step(Request):
     """Takes steps. `actions`: of the agents that somebody drives, by the number of the agent."""
 
     do: Literal["step"]
-    actions: dict[str, int] = {}
+    actions: dict[int, int] = {}
     many: Annotated[int, Field(ge=1, le=50)] = 1
 
 
@@ -91,7 +91,7 @@ class Panel(Request):
     """Asks for what stands beside the board. `agent`, `row`, `col`: of whom, and where, if the panel is about one."""
 
     do: Literal["panel"]
-    panel: Literal["rules", "python", "state", "seen", "trace", "checks", "diff"]
+    panel: Literal["rules", "python", "state", "seen", "trace", "checks"]
     agent: int = 0
     row: int | None = None
     col: int | None = None

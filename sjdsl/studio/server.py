@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import json
 from collections.abc import Callable, Coroutine
 from importlib.resources import files
 from pathlib import Path
@@ -144,10 +145,13 @@ def _changing(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Handler:
     """Answers a request with JSON that changes files; what cannot be done is refused with the reason."""
 
     async def answer(request: Request) -> Response:
-        if int(request.headers.get("content-length", "0")) > 2 * LARGEST:
-            return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
+        body = b""
+        async for part in request.stream():
+            body += part
+            if len(body) > 2 * LARGEST:
+                return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
         try:
-            return JSONResponse(change(await request.json()), headers=HEADERS)
+            return JSONResponse(change(json.loads(body)), headers=HEADERS)
         except Changed as reason:
             return JSONResponse({"refused": str(reason), "changed": True}, 409, HEADERS)
         except (FileRefused, KeyError, TypeError, ValueError) as reason:

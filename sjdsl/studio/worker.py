@@ -29,13 +29,21 @@ def _answer(bench: Bench, line: str) -> dict[str, object]:
     try:
         request = READ.validate_json(line)
     except ValidationError as error:
-        return {"id": 0, "refused": f"the page asked for something unknown: {error.errors()[0]['msg']}"}
+        return {"id": _number(line), "refused": f"the page asked for something unknown: {error.errors()[0]['msg']}"}
     try:
         return bench.answer(request)
     except MemoryError:
         return {"id": request.id, "do": request.do, "refused": f"this takes more memory than the studio allows, {MEMORY // 2**30} GiB"}
     except RecursionError:
         return {"id": request.id, "do": request.do, "refused": "the text is nested too deeply"}
+
+
+def _number(line: str) -> int:
+    """Returns the number of a request that is not understood, 0 without one."""
+    try:
+        return int(json.loads(line)["id"])
+    except (ValueError, KeyError, TypeError):
+        return 0
 
 
 def _limit_memory() -> None:

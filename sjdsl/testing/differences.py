@@ -10,8 +10,8 @@ from sjdsl.interpreter import observe as interpreter_view
 from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Outcome, World
 from sjdsl.interpreter.step import action_mask
+from sjdsl.interpreter.stored import stored_values
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.states import stored_values
 
 CLOSE = 1e-6  # relative and absolute
 MANY = 12  # of longer lists only the entries that differ are shown

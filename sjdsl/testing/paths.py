@@ -9,8 +9,8 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name, entry_named
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import World
+from sjdsl.interpreter.stored import held_values
 from sjdsl.near_names import meant
-from sjdsl.testing.states import held_values
 from sjdsl.testing.values import held, written
 
 _PATH = re.compile(r"(?:(\w+)\.)?(\w+)((?:\[-?\w+\])*)")

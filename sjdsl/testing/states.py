@@ -11,32 +11,10 @@ from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Away, Facing, Pool, World
+from sjdsl.interpreter.stored import stored_values
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.values import stored
 
 FACINGS: tuple[Facing | None, ...] = ("north", "east", "south", "west", None, "same")
-
-
-def held_values(declared: ir.VarField, world: World) -> Any:
-    """Returns the values of a field in the interpreter: a list over cells or agents, or the world's one value."""
-    match declared.held_by:
-        case "cell":
-            return world.cells[declared.kind, declared.name]
-        case "agent":
-            return world.agents[declared.name]
-        case "mover":
-            return world.movers[declared.kind].fields[declared.name]
-        case _:
-            return world.fields[declared.name]
-
-
-def stored_values(declared: ir.VarField, world: World) -> Any:
-    """Returns the values of a field of the interpreter as the compiled state stores them."""
-    values = held_values(declared, world)
-    agents = len(world.position)
-    if declared.held_by == "world":
-        return stored(values, declared.type, agents)
-    return [stored(value, declared.type, agents) for value in values]
 
 
 def compiled_state(env: Environment, blank: Any, world: World) -> Any:

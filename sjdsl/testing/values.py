@@ -88,28 +88,6 @@ def written(value: Any, type_: ir.Type) -> Any:
     return float(value) if type_.kind == "real" else value
 
 
-def stored(value: Any, type_: ir.Type, agents: int) -> Any:
-    """Returns a value of the interpreter as the compiled state stores it: words and agents as numbers, sets as bits, rows as lists.
-
-    `agents`: how many there are. A set of more than 32 is a list of numbers of 32 bits.
-    """
-    if isinstance(value, tuple) and type_.by:
-        inner = type_.model_copy(update={"by": type_.by[1:]})
-        return [stored(entry, inner, agents) for entry in value]
-    match type_.kind:
-        case "word":
-            return type_.words.index(value)
-        case "agent":
-            return -1 if value is None else value
-        case "cell":
-            return -1 if value is None else 256 * value.row + value.col
-        case "agents":
-            bits = sum(1 << agent for agent in value)
-            return bits if agents <= 32 else [bits >> first & 0xFFFF_FFFF for first in range(0, agents, 32)]
-        case _:
-            return value
-
-
 def loaded(array: np.ndarray, type_: ir.Type) -> Any:
     """Returns a stored parameter as the interpreter holds it, float32 for float32."""
     if array.ndim:

@@ -13,12 +13,13 @@ from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.state import World, default_params
 from sjdsl.interpreter.step import reset, step
+from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.render.drawings import cell_keys
 from sjdsl.render.look import make_look
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.states import compiled_state, held_values
+from sjdsl.testing.states import compiled_state
 from tests.fuzz.judge import on_jax
 from tests.fuzz.together import forms, interpret, module_text, of_text, random_play, run
 

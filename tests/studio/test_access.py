@@ -135,10 +135,14 @@ def test_a_message_of_nonsense_is_answered_in_words(client: TestClient) -> None:
             "[]",
             '{"do": "explode"}',
             json.dumps({"do": "step", "many": 10**9}),
+            json.dumps({"do": "step", "actions": {"x": 0}}),
+            json.dumps({"do": "panel", "panel": "diff"}),
             json.dumps({"do": "text", "text": "x" * 500_000}),
         ):
             socket.send_text(message)
             assert "something unknown" in json.loads(socket.receive_text())["refused"]
+        socket.send_text(json.dumps({"id": 8, "do": "explode"}))
+        assert json.loads(socket.receive_text())["id"] == 8, "the page knows which request it was"
         socket.send_text(json.dumps({"id": 3, "do": "step"}))
         assert "compiled yet" in json.loads(socket.receive_text())["refused"]
 

@@ -6,8 +6,11 @@ from typing import Any
 
 import pytest
 
+from sjdsl.screen.interpreted import Interpreted
+from sjdsl.screen.session import Session, choice_of
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
+from sjdsl.trace.choices import random_actions
 
 GAME = """sj 1
 game yard "Yard" {
@@ -212,6 +215,7 @@ def test_an_episode_is_shared_as_a_page(bench: Bench) -> None:
         {"do": "panel", "panel": "seen", "agent": 5},
         {"do": "step", "actions": {"0": 99}},
         {"do": "step", "actions": {"7": 0}},
+        {"do": "panel", "panel": "seen", "agent": -1},
         {"do": "number", "name": "fine", "value": "much"},
         {"do": "number", "name": "gone", "value": 1},
     ],
@@ -247,3 +251,14 @@ def test_a_map_of_a_file_is_painted_there(bench: Bench) -> None:
     opened(bench, text, over={"maps/yard.txt": "..A\n.A.\n"})
     assert ask(bench, do="paint", row=1, col=1, glyph=".")["change"]["before"] == "A"
     assert (bench.folder / "maps" / "yard.txt").read_text(encoding="utf-8") == "..A\n...\n"
+
+
+def test_an_episode_is_that_of_play(bench: Bench) -> None:
+    opened(bench)
+    ask(bench, do="begin", seed=5)
+    game, values = bench.opened.game, bench.opened.values
+    session = Session(Interpreted(game, values, 5), choice_of(random_actions(game, 5)), None, 6)
+    for _ in range(6):
+        scene = ask(bench, do="step")["scene"]
+        played = session.step()
+        assert (tuple(scene["actions"]), scene["places"]) == (played.actions, [list(at) for at in played.world.position])

@@ -1,6 +1,6 @@
 // The language server, over a socket: messages, completion, hover, definitions, renaming, layout, and colours by meaning.
 
-import { LSPClient, languageServerExtensions, serverDiagnostics } from "@codemirror/lsp-client";
+import { LSPClient, languageServerExtensions } from "@codemirror/lsp-client";
 import { StateEffect, StateField } from "@codemirror/state";
 import { Decoration, EditorView, ViewPlugin } from "@codemirror/view";
 import DOMPurify from "dompurify";
@@ -77,5 +77,3 @@ function decorate(doc, data, types) {
   }
   return Decoration.set(found, true);
 }
-
-export { serverDiagnostics };

@@ -74,7 +74,7 @@ function sendText(fresh) {
     document.body.dataset.version = answer.version;
     document.body.dataset.compiles = answer.compiles;
     if (answer.refused || !answer.compiles) return;
-    if (answer.left && answer.game.left.length) say(`no longer numbers of this game: ${answer.game.left.join(", ")}`);
+    if (answer.game.left.length) say(`no longer numbers of this game: ${answer.game.left.join(", ")}`);
     showGame(answer.game);
     showScene(answer);
     refreshPanel();

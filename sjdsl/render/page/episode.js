@@ -84,13 +84,12 @@ function agentRows(table, data) {
 }
 
 function fillLegend(place, data) {
-  for (const [picture, text] of data.legend) entry(place, text, (image) => { image.src = data.pictures[picture]; }, "img");
-  function entry(list, text, fill, sort) {
-    const item = document.createElement("li"), image = document.createElement(sort);
-    fill(image);
+  for (const [picture, text] of data.legend) {
+    const item = document.createElement("li"), image = document.createElement("img");
+    image.src = data.pictures[picture];
     image.alt = "";
     item.append(image, text);
-    list.append(item);
+    place.append(item);
   }
 }
 
