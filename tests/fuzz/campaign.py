@@ -7,6 +7,7 @@ import argparse
 import gc
 import time
 from collections import Counter
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from random import Random
@@ -39,22 +40,23 @@ def main() -> None:
     found: Counter[str] = Counter()
     grammar = Grammar()
     begun = time.process_time()
-    for number in range(given.seed, given.seed + given.examples):
-        made = program(Random(number))
-        for verdict in judge(made, number, given.steps, given.jit, not given.no_trace):
-            count(verdict, counts)
-            if verdict.fault:
-                sorts.setdefault(verdict.sort, []).append(number)
-                if len(sorts[verdict.sort]) == 1:
-                    report(made, verdict, number, given)
-            elif verdict.accepted and verdict.game is not None and given.coverage:
-                parts += rule_parts_used(verdict.game)
-                found.update(constructs_of(verdict.game))
-        if given.coverage:
-            grammar.read(made)
-        if number % 10 == 9:
-            forget()
-            print(f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
+    with suppress(KeyboardInterrupt):  # a campaign that is stopped tells what it has seen
+        for number in range(given.seed, given.seed + given.examples):
+            made = program(Random(number))
+            for verdict in judge(made, number, given.steps, given.jit, not given.no_trace):
+                count(verdict, counts)
+                if verdict.fault:
+                    sorts.setdefault(verdict.sort, []).append(number)
+                    if len(sorts[verdict.sort]) == 1:
+                        report(made, verdict, number, given)
+                elif verdict.accepted and verdict.game is not None and given.coverage:
+                    parts += rule_parts_used(verdict.game)
+                    found.update(constructs_of(verdict.game))
+            if given.coverage:
+                grammar.read(made)
+            if number % 10 == 9:
+                forget()
+                print(f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
     if given.coverage:
         print(*table(grammar, parts), *constructs.table(found, counts["accepted"]), sep="\n")
     for sort, numbers in sorts.items():
