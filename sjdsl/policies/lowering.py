@@ -25,7 +25,7 @@ from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.optimise import optimise
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal
+from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal, Name, Sequence
 from sjdsl.runtime import geometry
 
 Read = Callable[[Any, Any], Any]
@@ -137,8 +137,9 @@ def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray |
     depends = any(axis in value.axes for value in (mask, *([] if at is None else [at])) for axis in outer.axes)
     axes = (*outer.axes, *added) if depends else added
     number = Literal(module.num_agents if depends else 1)
-    results = [Call(Attribute(spread(value, axes), "reshape"), (number, Literal(-1))) for value in (mask, *([] if at is None else [at]))]
-    w.give_back(*results)
+    rows_of_members = Sequence((number, Literal(-1)))
+    values = (mask, *([] if at is None else [at]))  # one without axes may be a plain number, which has no method `reshape`
+    w.give_back(*(Call(Attribute(Name("jnp"), "reshape"), (spread(value, axes), rows_of_members)) for value in values))
     if not whole:
         return None
     rows = module.layout.map
