@@ -10,6 +10,7 @@ import yaml
 
 from sjdsl.cli import COMMANDS
 from sjdsl.compiler.syntax.parse import automaton
+from sjdsl.editor.highlighting import VALUES, patterns, word_groups
 
 ROOT = Path(__file__).parents[2]
 VSCODE = ROOT / "editors" / "vscode"
@@ -23,17 +24,17 @@ def test_what_is_generated_is_up_to_date(path: Path) -> None:
 
 
 def test_every_word_of_the_language_has_one_colour() -> None:
-    groups = GENERATE["word_groups"]()
+    groups = word_groups()
     listed = [word for words in groups.values() for word in words]
     words = {word for word in automaton().words.values() if word.isalpha()}
     assert len(listed) == len(set(listed))
-    assert set(listed) | set(GENERATE["VALUES"]) >= words
+    assert set(listed) | set(VALUES) >= words
     assert set(listed) <= words
     assert all(groups.values())
 
 
 def test_the_patterns_of_the_grammar_are_regular_expressions() -> None:
-    found = [p[key] for p in GENERATE["grammar"]()["patterns"] for key in ("match", "begin", "end") if key in p]
+    found = [p[key] for p in patterns() for key in ("match", "begin", "end") if key in p]
     assert len(found) > 12
     assert all(re.compile(pattern) for pattern in found)
 
