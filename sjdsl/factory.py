@@ -1,4 +1,4 @@
-"""`make`: creates an environment from the name of a bundled game or a `.sj` file."""
+"""`make`: creates an environment from the name of a game or a `.sj` file."""
 
 import linecache
 from collections.abc import Mapping
@@ -35,14 +35,16 @@ def make(
     """Returns the environment of a game.
 
     Args:
-      game: the name of a bundled game, or a path to any `.sj` file.
+      game: the name of a bundled game or of one of an installed package (as `package:game` where several have the name), or a path to
+        any `.sj` file.
       variant: a variant of the file; several, applied left to right, as `"a+b"`.
       num_agents: instead of the file's number; compile-time.
       params: numbers of the game by name. A `param` changes the environment's default `Params`; a `size` is compile-time.
       map: another map for the game's legend: a text file, or its rows.
       observation: `tokens` or `onehot`, uint8 both.
     Raises:
-      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError: the arguments.
+      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError: the arguments, a name
+        that several games have among them.
     """
     source = read_source(find_game(game))
     variants = () if not variant else tuple(variant.split("+"))

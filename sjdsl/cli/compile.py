@@ -52,7 +52,7 @@ def command(
 ) -> int:
     """Writes each game as a Python module: generated/NAME.py, a variant as generated/NAME_VARIANT.py.
 
-    FILE is a `.sj` file or the name of a bundled game. The same game gives the same bytes wherever it is compiled.
+    FILE is a `.sj` file or the name of a bundled or installed game. The same game gives the same bytes wherever it is compiled.
     """
     if everything == bool(files):
         raise click.UsageError("name the games to compile, or say --all", click.get_current_context())

@@ -1,6 +1,7 @@
 """Describes a game as plain values for JSON: agents, actions, observations, parameters, variants."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 from sjdsl.agent_range import agent_range
@@ -9,6 +10,7 @@ from sjdsl.compiler import ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.games_folder import origin
 
 
 def outline(name: str) -> dict[str, Any]:
@@ -37,6 +39,7 @@ def describe(name: str) -> dict[str, Any]:
     return {
         **_outline(game, composed),
         "file": source.name,
+        "from": origin(Path(source.name)),
         "cites": list(game.cites),
         "about": dict(game.about),
         "episode": expression(game.episode),

@@ -20,7 +20,7 @@ DEFAULT = "default"
 def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: bool) -> int:
     """Prints in words and numbers what differs between two variants of GAME, or between GAME and OTHER.
 
-    A game is a `.sj` file or the name of a bundled one. The same rule in other words, or at another
+    A game is a `.sj` file or the name of a bundled or installed one. The same rule in other words, or at another
     position in the file, is no difference.
     """
     if len(games) > 2 or (len(games) == 1 and variants is None):

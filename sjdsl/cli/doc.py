@@ -28,7 +28,7 @@ from sjdsl.doc import read_written, rule_sheet
 @click.option("--fresh", is_flag=True, help="With --all: measure and draw again, also if the rules have not changed.")
 @click.option("--check", "only_check", is_flag=True, help="With --all: write nothing; exit with 1 if the page is not up to date.")
 def command(game: str | None, variant: str | None, output: str | None, everything: bool, fresh: bool, only_check: bool) -> int:
-    """Prints the rule sheet of GAME, a `.sj` file or a bundled game: its rules in words, in the order of the ODD protocol."""
+    """Prints the rule sheet of GAME, a `.sj` file or a bundled or installed game: its rules in words, in the order of the ODD protocol."""
     if everything == (game is not None) or (everything and variant) or ((fresh or only_check) and not everything):
         raise click.UsageError("name one game, perhaps with a variant, or say --all", click.get_current_context())
     if everything:

@@ -12,6 +12,7 @@ import sjdsl
 from sjdsl.cli.game_file import game_path, map_option, open_game, read_map, split_variants, variant_option
 from sjdsl.compiler import Build, build_composition
 from sjdsl.compiler.compose import compose
+from sjdsl.games_folder import is_name
 from sjdsl.interpreter.numbers import real
 from sjdsl.parameters import param_values, split_sizes
 
@@ -68,7 +69,7 @@ def describe_environment(
     """Returns the arguments of `make_environment` as values that JSON can hold and that hold in every folder."""
     path = game_path(game)
     return {
-        "game": game if path.stem == game else str(path.resolve()),
+        "game": game if is_name(game) else str(path.resolve()),
         "variant": variant,
         "map": map_file and str(Path(map_file).resolve()),
         "num_agents": agents,

@@ -20,7 +20,7 @@ EXAMPLES = {
     "fmt": ("sjdsl fmt my_game.sj", "sjdsl fmt --check games"),
     "list": ("sjdsl list", "sjdsl list clean_up my_game.sj"),
     "lsp": ("sjdsl lsp",),
-    "new": ("sjdsl new my_game", "sjdsl new my_game -o games"),
+    "new": ("sjdsl new my_game", "sjdsl new my_game -o games", "sjdsl new --package my_games"),
     "play": ("sjdsl play clean_up --agent 2", "sjdsl play my_game.sj --watch --others runs/mine --record first.json"),
     "plot": ("sjdsl plot runs/coins", "sjdsl plot common=runs/a individual=runs/b -o curves.png --metric equality"),
     "record": ("sjdsl record clean_up --policy runs/clean_up --episodes 100",),

@@ -1,4 +1,4 @@
-"""Opens the game that a command line names: a bundled one, or any `.sj` file."""
+"""Opens the game that a command line names: a bundled one, one of an installed package, or any `.sj` file."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +12,7 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import parse_rows
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
+from sjdsl.games_folder import GamesClash, find_game
 
 
 def open_game(name: str) -> Source:
@@ -24,7 +24,7 @@ def game_path(name: str) -> Path:
     """Returns the file of a game, as short as it can be said from here."""
     try:
         path = find_game(name)
-    except FileNotFoundError as error:
+    except (FileNotFoundError, GamesClash) as error:
         raise click.ClickException(str(error)) from None
     return path.relative_to(Path.cwd()) if path.is_absolute() and path.is_relative_to(Path.cwd()) else path
 

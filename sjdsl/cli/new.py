@@ -1,41 +1,86 @@
-"""`sjdsl new`: writes the files of a new game: a small playable game and its tests."""
+"""`sjdsl new`: writes the files of a new game, a small playable game and its tests, or of a package with one."""
 
+from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.list import align
-from sjdsl.games_folder import bundled
-from sjdsl.starter import starting_files
+from sjdsl.games_folder import bundled, game_names
+from sjdsl.starter import game_of, package_files, starting_files
 
 
 @click.command("new")
 @click.argument("name")
+@click.option("--package", "as_package", is_flag=True, help="Make a folder NAME with a Python package that others can install.")
 @click.option("-o", "folder", metavar="FOLDER", default=".", help="Where to write; by default here.")
-def command(name: str, folder: str) -> int:
-    """Writes NAME.sj, a small commented game, with its map and tests that pass."""
+def command(name: str, as_package: bool, folder: str) -> int:
+    """Writes NAME.sj, a small commented game, with its map and tests that pass.
+
+    With --package, NAME is a package of games, such as river_games, in a folder of its own: the game (river), tests, what `pip` needs to
+    install it, and tests on GitHub after every push. Where it is installed, all commands and `sjdsl.make` find the game by name.
+    """
     try:
-        texts = starting_files(name)
+        texts = package_files(name) if as_package else starting_files(name)
     except ValueError as error:
         raise click.ClickException(str(error)) from None
-    paths = {Path(folder) / file: text for file, text in texts.items()}
-    for path in paths:
-        if path.exists():
-            raise click.ClickException(f"{path} is there already; nothing was written")
-    require_folder(Path(folder))
-    for path, text in paths.items():
-        path.write_text(text, encoding="utf-8", newline="\n")
-        click.echo(path)
-    if name in bundled():
+    return _new_package(name, Path(folder) / name, texts) if as_package else _new_game(name, Path(folder), texts)
+
+
+def _new_game(name: str, folder: Path, texts: Mapping[str, str]) -> int:
+    game, _, tests = _write(folder, texts)
+    if name in game_names():
         click.echo(
-            f"note: there is a bundled game {name} as well. To the commands `{name}` means that one, and `{name}.sj` means yours; "
+            f"note: there is {_sort(name)} game {name} as well. To the commands `{name}` means that one, and `{name}.sj` means yours; "
             "another name would keep them apart"
         )
-    game, _, tests = paths
     for line in align([("next:", ""), *next_steps(game, tests)]):
         click.echo(line)
     return 0
+
+
+def _new_package(package: str, folder: Path, texts: Mapping[str, str]) -> int:
+    name = game_of(package)
+    if name in game_names():
+        raise click.ClickException(f"there is {_sort(name)} game `{name}` already, and one name can have one game: choose another")
+    there = find_spec(package)
+    if there is not None and there.origin is not None:
+        raise click.ClickException(f"there is a Python package `{package}` already, {there.origin}: choose another name")
+    if folder.exists():
+        raise click.ClickException(f"{folder} is there already; nothing was written")
+    require_folder(folder.parent)
+    folder.mkdir()
+    _write(folder, texts)
+    steps = [
+        (f"  cd {folder}", ""),
+        ("  pip install -e '.[test]'", "in the same Python environment as sjdsl; its files stay here, and can be changed"),
+        ("  pytest", "its scenes, and the checks of its games"),
+        (f"  sjdsl list {name}", "from then on the game is known by its name, everywhere"),
+        (f"  sjdsl studio src/{package}/{name}.sj", "change it"),
+    ]
+    for line in align([("next:", ""), *steps]):
+        click.echo(line)
+    return 0
+
+
+def _sort(name: str) -> str:
+    return "a bundled" if name in bundled() else "an installed"
+
+
+def _write(folder: Path, texts: Mapping[str, str]) -> list[Path]:
+    """Writes files into a folder and prints their paths. Raises ClickException if one of them is there."""
+    paths = {folder / file: text for file, text in texts.items()}
+    for path in paths:
+        if path.exists():
+            raise click.ClickException(f"{path} is there already; nothing was written")
+    require_folder(folder)
+    for path, text in paths.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="\n")
+        click.echo(path)
+    return list(paths)
 
 
 def next_steps(game: Path, tests: Path) -> list[tuple[str, str]]:

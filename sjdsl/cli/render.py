@@ -36,7 +36,7 @@ from sjdsl.cli.stages import LOADING, stages
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), metavar="N", default=8.0, show_default=True, help="Frames a second.")
 @environment_options
 def command(game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, **described: Any) -> None:
-    """Plays GAME, a bundled one or a `.sj` file, and draws what happens."""
+    """Plays GAME, a bundled or installed one or a `.sj` file, and draws what happens."""
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix != ".png":
         check_film(path)

@@ -30,7 +30,7 @@ STATUS = {"passed": "passed", "untested": "untested", "failed": "FAILED", "not d
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
 def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, as_json: bool) -> int:
-    """Tests the checks of games: FILE is a `.sj` file or the name of a bundled game.
+    """Tests the checks of games: FILE is a `.sj` file or the name of a bundled or installed game.
 
     A check is proved if possible. Otherwise the game is played: random trajectories on small maps, whole episodes on its own map. A check
     that fails is shown with the shortest counterexample found. A check that depends on a line that never ran is untested, and the line is

@@ -55,7 +55,7 @@ def command(
     params: tuple[str, ...],
     **described: Any,
 ) -> None:
-    """Plays GAME, a bundled one or a `.sj` file, on the reference interpreter and prints what each rule did.
+    """Plays GAME, a bundled or installed one or a `.sj` file, on the reference interpreter and prints what each rule did.
 
     Each step is printed in the order of the schedule: under every rule (file and line) the cells and agents it changed, rewards and
     events, and the draws behind them. The map follows. In actions, a line of a file (or a part up to `;`) is a step, with an

@@ -67,7 +67,7 @@ def command(
     keys: bool,
     **described: Any,
 ) -> None:
-    """Trains agents in GAME, a bundled game or a `.sj` file, and evaluates them.
+    """Trains agents in GAME, a bundled or installed game or a `.sj` file, and evaluates them.
 
     The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation.
     """

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import game_names
 from sjdsl.interop.missing import needs
 from sjdsl.interop.slots import Autoreset, Slots, SlotStep
 from sjdsl.runtime.env import Encoding
@@ -105,7 +105,7 @@ class VectorGame(VectorEnv):
 
 
 def environment_id(game: str) -> str:
-    """Returns the id of a bundled game in Gymnasium's registry: `sjdsl/CleanUp-v0` for `clean_up`."""
+    """Returns the id of a game in Gymnasium's registry: `sjdsl/CleanUp-v0` for `clean_up`."""
     return f"sjdsl/{''.join(word.capitalize() for word in game.split('_'))}-v0"
 
 
@@ -117,6 +117,6 @@ def _mode(given: AutoresetMode | str) -> AutoresetMode:
     return mode
 
 
-for _name in bundled():  # `gymnasium.make("sjdsl/CleanUp-v0")`, once this module is imported
+for _name in game_names():  # `gymnasium.make("sjdsl/CleanUp-v0")`, once this module is imported
     if environment_id(_name) not in gymnasium.registry:
         gymnasium.register(environment_id(_name), "sjdsl.interop.gymnasium_agent:AgentGame", kwargs={"game": _name})

@@ -10,7 +10,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.factory import make as make_environment
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import game_names
 from sjdsl.interop.missing import needs
 from sjdsl.runtime.env import Encoding
 
@@ -182,10 +182,10 @@ def _game(state: GameState) -> Any:
 def register() -> None:
     """Lets `jaxmarl.make` make `sjdsl/NAME` with the arguments of `JaxMARLGame`; calling it again changes nothing.
 
-    NAME is a bundled game, as `jaxmarl.registered_envs` lists them, or the path of a `.sj` file.
+    NAME is a bundled or installed game, as `jaxmarl.registered_envs` lists them, or the path of a `.sj` file.
     """
     known = registration.registered_envs
-    known.extend(name for name in (f"{PREFIX}{game}" for game in bundled()) if name not in known)
+    known.extend(name for name in (f"{PREFIX}{game}" for game in game_names()) if name not in known)
     theirs = registration.make
     if getattr(theirs, "makes_compiled_games", False):
         return

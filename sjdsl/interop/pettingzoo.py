@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from sjdsl.factory import make
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import game_names
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
 from sjdsl.runtime.env import Encoding
@@ -149,7 +149,7 @@ def parallel_env(game: str, **arguments: Any) -> ParallelGame:
     return ParallelGame(game, **arguments)
 
 
-for _name in bundled():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
+for _name in game_names():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
     register("parallel", f"sjdsl/{_name}-v0", f"{__name__}:parallel_env", kwargs={"game": _name})
 
 

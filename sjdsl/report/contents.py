@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from sjdsl.games_folder import bundled
+from sjdsl.games_folder import game_names
 from sjdsl.report.bundled_rules import rules_now
 from sjdsl.report.cells import Index, Setting
 from sjdsl.report.evidence import Evidence
@@ -47,8 +47,9 @@ class Contents:
 
 
 def called(names: Iterable[str]) -> str:
-    """Returns games as a command names them, each once: bundled ones by name, others by their file."""
-    return " ".join(name if name in bundled() else f"{name}.sj" for name in dict.fromkeys(names))
+    """Returns games as a command names them, each once: bundled and installed ones by name, others by their file."""
+    known = set(game_names())
+    return " ".join(name if name in known else f"{name}.sj" for name in dict.fromkeys(names))
 
 
 def contents_of(evidence: Evidence, whole_suite: bool) -> Contents:

@@ -8,6 +8,7 @@ from command_line import Sjdsl
 
 from sjdsl.cli.dump import STAGES
 from sjdsl.games_folder import main_games, melting_pot_games
+from sjdsl.version import __version__
 
 POLICIES = Path(__file__).parents[1] / "cases" / "policies.sj"
 
@@ -16,9 +17,12 @@ def test_all_games_are_listed(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("sjdsl.cli.describe.agent_range", lambda *_: pytest.fail("what the table does not show is not worked out"))
     shown = sjdsl("list")
     assert shown.status == 0
-    own, _, further = shown.out.partition("\nfurther families of Melting Pot\n")
-    assert [line.split()[0] for line in own.splitlines()[1:] if line and not line.startswith("`")] == main_games()
-    assert [line.split()[0] for line in further.splitlines() if line and not line.startswith("`")] == melting_pot_games()
+    _, own, further, rest = shown.out.split("\n\n")
+    assert rest.startswith("`sjdsl list GAME`")
+    assert own.splitlines()[0] == f"of sjdsl {__version__}"
+    assert further.splitlines()[0] == f"of sjdsl {__version__}, further families of Melting Pot"
+    assert [line.split()[0] for line in own.splitlines()[1:]] == main_games()
+    assert [line.split()[0] for line in further.splitlines()[1:]] == melting_pot_games()
 
 
 def test_a_game_as_json(sjdsl: Sjdsl) -> None:

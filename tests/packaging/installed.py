@@ -4,7 +4,6 @@ import importlib.metadata
 import shutil
 import subprocess
 import sys
-import sysconfig
 from pathlib import Path
 
 import pytest
@@ -43,9 +42,10 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     python = folder / "empty/bin/python"
     run_in(sys.executable, "-m", "pip", "--python", python, "install", "-q", "--no-deps", wheel, cwd=folder)
     (folder / "others").mkdir()
-    for path in Path(sysconfig.get_path("purelib")).iterdir():
-        if "sjdsl" not in path.name and path.suffix != ".pth":
-            (folder / "others" / path.name).symlink_to(path)
+    for place in [Path(place) for place in sys.path if Path(place).name == "site-packages"]:
+        for path in place.iterdir():
+            if "sjdsl" not in path.name and path.suffix != ".pth" and not (folder / "others" / path.name).exists():
+                (folder / "others" / path.name).symlink_to(path)
     (site_packages(folder) / "others.pth").write_text(f"{folder / 'others'}\n")
     return folder
 
