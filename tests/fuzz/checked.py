@@ -1,6 +1,7 @@
 """Random `metrics`, `checks` and `observe`."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from sjdsl.compiler.ir.sorts import level_text, sort_of
 from tests.fuzz.conditions import condition
@@ -112,7 +113,8 @@ def _observable_scope(w: World, owner: str) -> Scope:
     if owner in w.movers:
         return scope.having(Variable(owner, sort=owner))
     if owner in w.kinds or owner in w.groups:
-        return scope.having(Variable(owner, w.kinds_of(owner)))
+        scope = scope.having(Variable(owner, w.kinds_of(owner)))
+        return replace(scope, bound=scope.bound | {*w.kinds_of(owner)})  # what a group looks like is said for each kind, by both names
     return scope
 
 
