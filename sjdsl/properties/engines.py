@@ -1,7 +1,7 @@
 """Plays episodes on the game's own map, compiled or, where there is little to play, on the interpreter; both play the same."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -61,6 +61,11 @@ class EpisodeRunner:
         game, agents = self.family.own, self.family.own.agents.number
         own = tuple(policies[agent % len(policies)] for agent in range(agents))
         return Scenario(game.rows, agents, (), self.seed, (), (), own, episode)
+
+    def written_out(self, policies: Sequence[ir.Policy], episode: Episode, steps: int) -> Scenario:
+        """Returns the first steps of an episode as a scenario in which every action is written out."""
+        scenario = self.scenario(policies, episode.number)
+        return replace(scenario, actions=tuple(episode.actions[:steps]), policies=(None,) * scenario.agents)
 
     def world_before(self, episode: Episode, policies: Sequence[ir.Policy], step: int) -> World:
         """Returns the state before a step of an episode."""

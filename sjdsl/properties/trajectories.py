@@ -11,18 +11,26 @@ from sjdsl.properties.monitors import STATES, Violation, find_violation
 from sjdsl.properties.search import FLOATS, Counterexample, SearchRecord, search
 from sjdsl.properties.statements import StatementId, leaf_statements, statements_needed_by
 from sjdsl.properties.symmetry import TransformedGame, compare_step, transformed_games
-from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of
+from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of, up_to
 from sjdsl.properties.verdict import Effort, How, Verdict
 from sjdsl.trace.rules import Rules
 
 
-def make_verdict(family: GameFamily, check: ir.Check, passed: bool | None, how: How, said: str, trace: list[str] | None = None) -> Verdict:
+def make_verdict(
+    family: GameFamily,
+    check: ir.Check,
+    passed: bool | None,
+    how: How,
+    said: str,
+    trace: list[str] | None = None,
+    scenario: Scenario | None = None,
+) -> Verdict:
     """Returns a verdict on a check, with the file and line where it is written."""
     assert check.origin is not None
-    return Verdict(family.text_of(check), check.origin.file, check.origin.line, passed, how, said, tuple(trace or ()))
+    return Verdict(family.text_of(check), check.origin.file, check.origin.line, passed, how, said, tuple(trace or ()), scenario=scenario)
 
 
-def overflow_verdict(family: GameFamily, trajectory: Trajectory, how: How, trace: Sequence[str]) -> Verdict:
+def overflow_verdict(family: GameFamily, trajectory: Trajectory, how: How, trace: Sequence[str], scenario: Scenario) -> Verdict:
     """Returns the verdict on a real that leaves float32 at the end of a trajectory; `trace`: the trajectory in words."""
     assert trajectory.left is not None
     node = trajectory.left.node
@@ -30,7 +38,7 @@ def overflow_verdict(family: GameFamily, trajectory: Trajectory, how: How, trace
     steps = trajectory.left.before
     said = f"a real leaves float32, which ends at {LARGEST}, " + (f"in step {steps}" if trajectory.worlds else "in phase start")
     told = list(trace) if how == "examples" else [*trace, *describe_overflow(family, trajectory)]
-    return Verdict(family.text_of(node), file, line, False, how, said, tuple(told))
+    return Verdict(family.text_of(node), file, line, False, how, said, tuple(told), scenario=scenario)
 
 
 class SmallMapVerdicts:
@@ -52,7 +60,10 @@ class SmallMapVerdicts:
     def faults(self) -> list[Verdict]:
         """Returns the verdict on a real that leaves float32 in a trajectory, if one did."""
         found = (counterexample for counterexample in self._found if counterexample.number == FLOATS)
-        return [overflow_verdict(self.family, b.trajectory, "examples", describe_counterexample(self.family, b)) for b in found]
+        return [
+            overflow_verdict(self.family, b.trajectory, "examples", describe_counterexample(self.family, b), up_to(b.scenario, b.where.at))
+            for b in found
+        ]
 
     def missing(self, number: int) -> tuple[str, ...]:
         """Returns the lines that a check depends on and that never ran, with their text, in the order of the rules."""
@@ -102,7 +113,7 @@ class SmallMapVerdicts:
             trace += describe_asymmetry(
                 self._differing(check, counterexample.trajectory, counterexample.scenario, counterexample.where.at - 1)
             )
-        return make_verdict(self.family, check, False, "examples", said, trace)
+        return make_verdict(self.family, check, False, "examples", said, trace, up_to(counterexample.scenario, counterexample.where.at))
 
     def _violation(self, check: ir.Check, trajectory: Trajectory, scenario: Scenario, since: int) -> Violation | None:
         if check.sort != "symmetric":

@@ -1,7 +1,7 @@
 """Trajectories on the interpreter: a scenario (map, parameters, seed, actions) and every state and outcome it leads to."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -100,6 +100,11 @@ def draws_of(scenario: Scenario, at: int) -> Draws:
     if at < 0:
         return reset_key(key)
     return BiasedDraws(step_key(key, at), scenario.bias[at]) if scenario.bias else step_key(key, at)
+
+
+def up_to(scenario: Scenario, steps: int) -> Scenario:
+    """Returns a scenario that ends after so many steps."""
+    return replace(scenario, actions=scenario.actions[:steps], bias=scenario.bias[:steps])
 
 
 def play(

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from sjdsl.properties.trajectory import Scenario
+
 How = Literal["decided", "proved", "examples", "episodes", "not decided"]
 
 
@@ -14,6 +16,7 @@ class Verdict:
     untested: lines that a passed check depends on and that never ran in any trajectory. Then a fault in them would not have been seen.
     how: `decided` when compiled; `proved` without playing; `examples` on random small maps, and episodes on the game's own; `episodes` of
       the scripted policies. reason: the same in words, with confidence bounds. trace: the counterexample, step by step.
+    scenario: what leads to the counterexample when it is played on the interpreter, every action written out; None where nothing is played.
     """
 
     text: str
@@ -24,6 +27,7 @@ class Verdict:
     reason: str
     trace: tuple[str, ...] = ()
     untested: tuple[str, ...] = ()
+    scenario: Scenario | None = None
 
     @property
     def status(self) -> Literal["passed", "untested", "failed", "not decided"]:

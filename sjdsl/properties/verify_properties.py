@@ -131,7 +131,8 @@ def check_in_episodes(
             if where is not None and number not in found:
                 said = f"fails after step {where.at - 1} of an episode of random play"
                 trace = describe_episode(family, runner, episode, RANDOM, number, where)
-                found[number] = make_verdict(family, family.own.checks[number], False, "episodes", said, trace)
+                scenario = runner.written_out(RANDOM, episode, where.at)
+                found[number] = make_verdict(family, family.own.checks[number], False, "episodes", said, trace, scenario)
     return found, _overflow(family, runner, episodes, RANDOM)
 
 
@@ -141,7 +142,8 @@ def _overflow(family: GameFamily, runner: EpisodeRunner, episodes: Sequence[Epis
     if episode is None:
         return []
     opening = f"episode {episode.number} on the game's own map, the agents in turn: {names_of(family, policies)}"
-    return [overflow_verdict(family, runner.overflow(episode, policies), "episodes", [opening])]
+    scenario = runner.written_out(policies, episode, len(episode.actions))
+    return [overflow_verdict(family, runner.overflow(episode, policies), "episodes", [opening], scenario)]
 
 
 def check_expectation(family: GameFamily, runner: EpisodeRunner, number: int) -> tuple[Verdict, list[Verdict]]:
@@ -166,7 +168,7 @@ def check_expectation(family: GameFamily, runner: EpisodeRunner, number: int) ->
     held = [t for t, value in enumerate(values) if value]
     where = Violation(max(held) + 1) if held else Violation(len(values) - 1)
     trace = describe_episode(family, runner, missed[0], check.policies, number, where)
-    return make_verdict(family, check, False, "episodes", said, trace), []
+    return make_verdict(family, check, False, "episodes", said, trace, runner.written_out(check.policies, missed[0], where.at)), []
 
 
 def _figures(check: ir.Check, episodes: list[Episode], game: ir.Game) -> list[str]:

@@ -3,6 +3,7 @@
 from base64 import b64encode
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from io import BytesIO
 from typing import Any
 
@@ -117,9 +118,14 @@ class Artist:
 
 
 def data_url(pixels: np.ndarray) -> str:
-    """Returns a picture as a PNG file in a URL."""
+    """Returns a picture as a PNG file in a URL. The last ones are kept: writing them takes longer than drawing them."""
+    return _written(pixels.shape, pixels.tobytes())
+
+
+@lru_cache(maxsize=2048)
+def _written(shape: tuple[int, ...], data: bytes) -> str:
     file = BytesIO()
-    Image.fromarray(pixels).save(file, format="PNG", optimize=True)
+    Image.fromarray(np.frombuffer(data, np.uint8).reshape(shape)).save(file, format="PNG", optimize=True)
     return "data:image/png;base64," + b64encode(file.getvalue()).decode("ascii")
 
 

@@ -1,6 +1,6 @@
 """The bench: one game, its episode, and an answer to each request of the page. Nothing here knows how messages travel."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, assert_never
@@ -19,11 +19,15 @@ from sjdsl.render.look import make_look
 from sjdsl.screen.keys import action_keys
 from sjdsl.studio import requests as ask
 from sjdsl.studio.carried import carried
+from sjdsl.studio.counterexample import NoReplay, replayed
 from sjdsl.studio.episode import Episode, TooLong, begun, chooser, resumed
 from sjdsl.studio.examples import place_of
+from sjdsl.studio.knobs import knobs, with_entries
 from sjdsl.studio.opened import Choice, Opened, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint
-from sjdsl.studio.panels import checks_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
+from sjdsl.studio.panels import checks_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
+from sjdsl.studio.runs import PolicyRefused
+from sjdsl.studio.trained import Trained, load_trained
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
@@ -34,16 +38,19 @@ class Refused(Exception):
 
 
 class Bench:
-    """One game and its episode. `folder`: where its maps and bases are.
+    """One game and its episode. `folder`: where its maps, bases and trained policies are.
 
-    Before a text has compiled there is neither; while a text does not compile, the last one that did is played on.
+    opened: the game of the text; on_board: the one that is played, on another map while a counterexample is shown. Before a text has compiled
+    there is none; while a text does not compile, the last one that did is played on.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.opened: Opened | None = None
+        self.on_board: Opened | None = None
         self.episode: Episode | None = None
         self.seed, self.others = 0, "random"
+        self._trained: Trained | None = None
         self._artist: Artist | None = None
         self._sent = 0
 
@@ -51,7 +58,7 @@ class Bench:
         """Returns what a request leads to; `refused` with the reason if it cannot be done."""
         try:
             found = self._done(request)
-        except (Refused, TooLong, CannotPaint) as reason:
+        except (Refused, TooLong, CannotPaint, NoReplay, PolicyRefused) as reason:
             found = {"refused": str(reason)}
         except LeavesFloat32 as left:
             found = {"refused": self._overflow(left)}
@@ -66,16 +73,19 @@ class Bench:
             case ask.Go():
                 self._episode.go(request.to)
             case ask.Begin():
-                self.seed = request.seed
-                self.episode = begun(self._opened.game, self._opened.values, self.seed)
+                return self._begin(request.seed)
             case ask.Others():
-                self._choose(request.policy)
+                return self._choose(request.policy)
             case ask.Number():
                 self._number(request)
             case ask.Put():
                 self._put(request)
             case ask.Paint():
+                if self._shows_counterexample:
+                    raise Refused("this is the map of a counterexample: begin again to see the game's own, and paint there")
                 return {"change": vars(paint(self._opened, request.row, request.col, request.glyph))}
+            case ask.Replay():
+                return self._replay(request)
             case ask.Panel():
                 return {"panel": request.panel, **self._panel(request)}
             case ask.Share():
@@ -95,13 +105,22 @@ class Bench:
             opened = open_text(source, Choice(request.variants, request.agents, request.params))
         except CompileError as error:
             return {"version": request.version, "compiles": False, "errors": sum(d.severity == "error" for d in error.diagnostics)}
-        before, self.opened = self.opened, opened
+        before = self.on_board
         kept = None if request.fresh or before is None or self.episode is None else self._kept(before, opened)
-        self.episode = kept or begun(opened.game, opened.values, self.seed)
-        if self.others not in ("random", "stay", *(policy.name for policy in opened.game.policies)):
-            self.others = "random"
-        self._artist, self._sent = Artist(make_look(opened.game)), 0
+        episode = kept or begun(opened.game, opened.values, self.seed)  # of a start that leaves float32, the board stays as it was
+        self.opened = opened
+        self._put_on_board(opened, episode)
         return {"version": request.version, "compiles": True, "kept": kept is not None, "game": self._described(), **self._scene()}
+
+    def _put_on_board(self, shown: Opened, episode: Episode) -> None:
+        """Shows an episode of a game. Whoever drove the agents goes on if the game has such a policy."""
+        self.on_board, self.episode = shown, episode
+        known = ("random", "stay", *(policy.name for policy in shown.game.policies))
+        if self._trained is not None and self._trained.game != shown.game.name:
+            self._trained = None
+        if self.others not in known and self._trained is None:
+            self.others = "random"
+        self._artist, self._sent = Artist(make_look(shown.game)), 0
 
     def _kept(self, before: Opened, now: Opened) -> Episode | None:
         """Returns the episode under the new rules: as it was if they are the same, else going on from the state that is shown."""
@@ -113,8 +132,10 @@ class Bench:
 
     def _described(self) -> Answer:
         """Returns what the page has to know of a game."""
-        opened, game = self._opened, self._opened.game
+        opened, shown = self._opened, self._shown
+        game = shown.game
         return {
+            "name": game.name,
             "title": game.title or game.name,
             "height": len(game.rows),
             "width": len(game.rows[0]),
@@ -126,49 +147,82 @@ class Bench:
             "seed": self.seed,
             "variants": [[v.name.text, v.title.text if v.title else ""] for v in opened.composition.variants.values()],
             "chosen": list(opened.composition.chosen),
-            "numbers": [_number(p.name, p.type, opened.values[p.name]) for p in game.params if not p.type.by and p.type.kind != "word"],
+            "numbers": knobs(game, shown.values),
             "left": list(opened.left),
             "marks": [{"label": label, "colour": "#{:02x}{:02x}{:02x}".format(*colour)} for label, colour in self._look.marks],
             "glyphs": glyphs(opened),
             "map_file": map_file(opened),
+            "counterexample": self._shows_counterexample,
         }
 
     # ---- the episode
 
+    def _begin(self, seed: int) -> Answer:
+        was_other, opened = self._shows_counterexample, self._opened
+        episode = begun(opened.game, opened.values, seed)
+        self.seed = seed
+        if not was_other:
+            self.episode = episode
+            return self._scene()
+        self._put_on_board(opened, episode)
+        return {"game": self._described(), **self._scene()}
+
+    def _replay(self, request: ask.Replay) -> Answer:
+        self._put_on_board(*replayed(self._opened, request))
+        return {"game": self._described(), **self._scene()}
+
     def _step(self, request: ask.Step) -> Answer:
-        opened, episode = self._opened, self._episode
+        shown, episode = self._shown, self._episode
         if episode.is_over:
             raise Refused("the episode is over: go back, or begin it again")
         driven = {self._agent(agent): action for agent, action in request.actions.items()}
-        if any(not 0 <= action < len(opened.game.agents.actions) for action in driven.values()):
+        if any(not 0 <= action < len(shown.game.agents.actions) for action in driven.values()):
             raise Refused("there is no such action")
-        choose = chooser(opened.game, self.others, self.seed)
+        choose = self._chooser()
         for _ in range(request.many):
-            actions = choose(episode.now.world.step, episode.now.world)
+            actions = list(choose(episode))
             for agent, action in driven.items():
                 actions[agent] = action
-            if episode.step(actions, opened.values):
+            if episode.step(actions, shown.values):
                 break
         return self._scene()
 
-    def _choose(self, policy: str) -> None:
-        try:
-            chooser(self._opened.game, policy, self.seed)
-        except ValueError as error:
-            raise Refused(str(error)) from None
-        self.others = policy
+    def _choose(self, policy: str) -> Answer:
+        """Has a policy drive the agents that nobody does. A trained one is loaded now, so that the next step need not wait for it."""
+        game = self._shown.game
+        if policy in ("random", "stay", *(declared.name for declared in game.policies)):
+            self.others, self._trained = policy, None
+        else:
+            self._trained = load_trained(policy, self._shown, self.folder.resolve())
+            self._trained.actions(self._episode, self.seed)  # JAX compiles it
+            self.others = policy
+        return {"others": self.others, "note": self._trained.note if self._trained else "", **self._scene()}
+
+    def _chooser(self) -> Callable[[Episode], list[int]]:
+        game, seed = self._shown.game, self.seed
+        if self._trained is None:
+            choose = chooser(game, self.others, seed)
+            return lambda episode: choose(episode.now.world.step, episode.now.world)
+        if not self._trained.fits(game):
+            self._trained = load_trained(self.others, self._shown, self.folder.resolve())
+        trained = self._trained
+        return lambda episode: trained.actions(episode, seed)
 
     def _number(self, request: ask.Number) -> None:
-        game = self._opened.game
+        game = self._shown.game
         try:
-            value = param_values(game, {request.name: request.value}, check_requires=False)[request.name]
+            given = with_entries(game, self._shown.values, request.name, request.value)
+            value = param_values(game, {request.name: given}, check_requires=False)[request.name]
         except ValueError as error:
             raise Refused(str(error)) from None
         is_real = next(p for p in game.params if p.name == request.name).type.kind == "real"
-        self.opened = replace(self._opened, values=self._opened.values | {request.name: real(value) if is_real else value})
+        changed = replace(self._shown, values=self._shown.values | {request.name: real(value) if is_real else value})
+        if not self._shows_counterexample:
+            self.opened = changed
+        self.on_board = changed
 
     def _put(self, request: ask.Put) -> None:
-        game, episode, agent = self._opened.game, self._episode, self._agent(request.agent)
+        game, episode, agent = self._shown.game, self._episode, self._agent(request.agent)
         cell, world = Cell(request.row, request.col), episode.now.world
         if not (0 <= cell.row < len(game.rows) and 0 <= cell.col < len(game.rows[0])):
             raise Refused("that is no cell of the map")
@@ -186,7 +240,7 @@ class Bench:
         episode = self._episode
         scene = self._artist.moment(episode.drawn())
         new, self._sent = self._artist.pictures[self._sent :], len(self._artist.pictures)
-        game = self._opened.game
+        game = self._shown.game
         allowed = action_mask(game, episode.now.world) if game.agents.forbids else []
         return {
             "scene": scene | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
@@ -200,17 +254,18 @@ class Bench:
     # ---- beside the board
 
     def _panel(self, request: ask.Panel) -> Answer:
-        opened, moment = self._opened, self._episode.now
+        opened, shown, moment = self._opened, self._shown, self._episode.now
         cell = None if request.row is None or request.col is None else Cell(request.row, request.col)
-        if cell is not None and cell not in {Cell(r, c) for r in range(len(opened.game.rows)) for c in range(len(opened.game.rows[0]))}:
+        if cell is not None and not (0 <= cell.row < len(shown.game.rows) and 0 <= cell.col < len(shown.game.rows[0])):
             raise Refused("that is no cell of the map")
         panels: dict[str, Callable[[], Answer]] = {
             "rules": lambda: rules_panel(opened),
             "python": lambda: python_panel(opened),
-            "state": lambda: state_panel(opened, moment.world, cell),
-            "seen": lambda: seen_panel(opened, moment.world, self._agent(request.agent)),
-            "trace": lambda: trace_panel(opened, self._episode.traced()),
+            "state": lambda: state_panel(shown, moment.world, cell),
+            "seen": lambda: seen_panel(shown, moment.world, self._agent(request.agent)),
+            "trace": lambda: trace_panel(shown, self._episode.traced()),
             "checks": lambda: checks_panel(opened),
+            "diff": lambda: diff_panel(opened),
         }
         try:
             return panels[request.panel]()
@@ -218,7 +273,7 @@ class Bench:
             raise Refused(error.diagnostics[0].message) from None
 
     def _share(self) -> Answer:
-        episode, game = self._episode, self._opened.game
+        episode, game = self._episode, self._shown.game
         shown, moments = episode.at, []
         for number in range(len(episode.moments)):
             episode.go(number)
@@ -235,6 +290,16 @@ class Bench:
         return self.opened
 
     @property
+    def _shown(self) -> Opened:
+        if self.on_board is None:
+            raise Refused("no text has compiled yet")
+        return self.on_board
+
+    @property
+    def _shows_counterexample(self) -> bool:
+        return self._shown is not self._opened
+
+    @property
     def _episode(self) -> Episode:
         if self.episode is None:
             raise Refused("no text has compiled yet")
@@ -246,16 +311,10 @@ class Bench:
         return self._artist.look
 
     def _agent(self, number: int) -> int:
-        if not 0 <= number < self._opened.game.agents.number:
+        if not 0 <= number < self._shown.game.agents.number:
             raise Refused(f"there is no agent {number}")
         return number
 
     def _overflow(self, left: LeavesFloat32) -> str:
         rules = Rules(self._opened.build.sources)
         return f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}"
-
-
-def _number(name: str, type_: Any, value: Any) -> Mapping[str, Any]:
-    """Returns a parameter as a slider has it; limits that are infinite are null."""
-    limits = [limit if abs(limit) < 1e9 else None for limit in (type_.low, type_.high)]
-    return {"name": name, "value": float(value), "whole": type_.kind == "int", "unit": type_.unit, "low": limits[0], "high": limits[1]}

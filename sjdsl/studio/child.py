@@ -1,15 +1,19 @@
 """A worker process seen from the server: one request at a time, each with a time limit, started again when it is over."""
 
 import asyncio
+import contextlib
 import json
 import sys
 from asyncio.subprocess import PIPE, Process
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 LONGEST_LINE = 64 * 2**20  # bytes of one answer
-SECONDS = {"panel": 120.0}  # that a request may take; checks are played for a long time
+# Seconds that a request may take: checks are played for a long time, and so is a long counterexample; a policy is compiled.
+SECONDS = {"panel": 120.0, "replay": 120.0, "others": 120.0, "step": 60.0}
 ANY = 20.0
 START = 90.0  # that Python and the compiler may take to load
+LATER = 10.0  # seconds until the place of a process that a page has taken is filled
 
 
 class Child:
@@ -41,6 +45,13 @@ class Child:
                 return _lost(request, "the process that plays the game ended; it starts again with the next change")
             return line.decode()
 
+    async def begin(self) -> None:
+        """Starts the process ahead of the first request. One that cannot be started is tried again with that."""
+        async with self._turn:
+            if self._process is None:
+                with contextlib.suppress(TimeoutError, OSError):
+                    await self._start()
+
     async def stop(self) -> None:
         """Ends the process; the next request starts another."""
         process, self._process = self._process, None
@@ -56,6 +67,51 @@ class Child:
         assert self._process.stdout is not None
         await asyncio.wait_for(self._process.stdout.readline(), START)  # it has loaded
         return self._process
+
+
+class Spares:
+    """Processes that are started before a page asks for them: to load the compiler takes longer than to open a game.
+
+    number: how many wait; a page takes two.
+    """
+
+    def __init__(self, folder: Path, number: int = 2) -> None:
+        self._folder, self._number = folder, number
+        self._waiting: list[Child] = []
+        self._filling: set[asyncio.Task[None]] = set()
+        self._is_open = False
+
+    def take(self) -> Child:
+        """Returns a process of its own for a page, and has another started in a while, when the page has been served."""
+        child = self._waiting.pop(0) if self._waiting else Child(self._folder)
+        self._fill(LATER)
+        return child
+
+    @contextlib.asynccontextmanager
+    async def kept(self) -> AsyncIterator[None]:
+        """Keeps processes waiting as long as the server runs."""
+        self._is_open = True
+        self._fill(0.0)
+        try:
+            yield
+        finally:
+            self._is_open = False
+            for task in self._filling:
+                task.cancel()
+            for child in self._waiting:
+                await child.stop()
+
+    def _fill(self, after: float) -> None:
+        if self._is_open and not self._filling:
+            task = asyncio.create_task(self._start(after))
+            self._filling.add(task)
+            task.add_done_callback(self._filling.discard)
+
+    async def _start(self, after: float) -> None:
+        await asyncio.sleep(after)
+        missing = [Child(self._folder) for _ in range(self._number - len(self._waiting))]
+        self._waiting += missing
+        await asyncio.gather(*(child.begin() for child in missing))
 
 
 def _part(request: str, name: str) -> str:

@@ -10,6 +10,8 @@ from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.properties.counterexample import take_step
+from sjdsl.properties.trajectory import Scenario, draws_of
 from sjdsl.render.interpreted import snapshot_of
 from sjdsl.render.moment import Moment as Drawn
 from sjdsl.trace.choices import Chosen, no_actions, random_actions, scripted_actions
@@ -27,7 +29,9 @@ class TooLong(Exception):
 class Episode:
     """An episode of a seed, with the draws of `sjdsl play`.
 
-    moments: all so far, the start first; returns: of each agent at each of them; at: the number of the one that is shown. is_put: it begins with a state that somebody has made, not with the phase `start`.
+    moments: all so far, the start first; returns: of each agent at each of them; at: the number of the one that is shown. is_put: it begins
+      with a state that somebody has made, not with the phase `start`.
+    scenario: that of a counterexample, whose draws the start and the first `written` steps have.
     """
 
     game: ir.Game
@@ -36,6 +40,8 @@ class Episode:
     returns: list[list[float]]
     at: int = 0
     is_put: bool = False
+    scenario: Scenario | None = None
+    written: int = 0
     _key: tuple[int, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -62,6 +68,7 @@ class Episode:
         world, outcome = step(self.game, self.now.world, actions, params, Threefry(*key))
         moment, paid = Moment(self.now.world.step, key, world, (), tuple(actions), frozenset(), outcome), map(float, outcome.reward)
         del self.moments[self.at + 1 :], self.returns[self.at + 1 :]
+        self.written = min(self.written, self.at)
         self.moments.append(moment)
         self.returns.append([before + reward for before, reward in zip(self.returns[self.at], paid, strict=True)])
         self.at += 1
@@ -72,6 +79,8 @@ class Episode:
         moment = self.now
         if moment.outcome is not None:
             before = self.moments[self.at - 1].world
+            if self.scenario is not None and self.at <= self.written:
+                return take_step(self.game, before, moment.actions, moment.world.params, draws_of(self.scenario, self.at - 1))
             return follow(self.game, before, moment.world.params, moment.key, list(moment.actions))
         return begin(self.game, moment.world.params, moment.key) if moment.world.step == 0 and not self.is_put else moment
 

@@ -9,6 +9,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.games_folder import games_folder
+from sjdsl.studio import tour
 from sjdsl.studio.folder import FileRefused, Folder
 
 PREFIX = "example:"  # of the path of a bundled game, as the page has it
@@ -20,8 +21,11 @@ def examples() -> list[str]:
 
 
 def place_of(path: str, folder: Path) -> tuple[Path, str]:
-    """Returns the folder that a path of the page is in, and the path there."""
-    return (games_folder().resolve(), path.removeprefix(PREFIX)) if path.startswith(PREFIX) else (folder, path)
+    """Returns the folder that a path of the page is in, and the path there: an example, a game of the tour, or of somebody's own."""
+    for prefix, home in ((PREFIX, games_folder()), (tour.PREFIX, tour.tour_folder())):
+        if path.startswith(prefix):
+            return home.resolve(), path.removeprefix(prefix)
+    return folder, path
 
 
 def copy_beside(example: str, folder: Folder) -> list[str]:
@@ -29,7 +33,8 @@ def copy_beside(example: str, folder: Folder) -> list[str]:
 
     Raises FileRefused: a file of that name is there and says something else; and what `Folder` raises.
     """
-    wanted = dict(_needed(Folder(games_folder().resolve()), PurePosixPath(example.removeprefix(PREFIX))))
+    home, path = place_of(example, folder.root)
+    wanted = dict(_needed(Folder(home), PurePosixPath(path)))
     missing = []
     for needed, text in wanted.items():
         try:

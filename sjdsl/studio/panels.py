@@ -6,12 +6,14 @@ from typing import Any
 
 from sjdsl.compiler import compile_build
 from sjdsl.compiler.ir.queries import kind_named
-from sjdsl.doc import read_written, rule_sheet
+from sjdsl.doc import differences, read_written, rule_sheet
+from sjdsl.doc.report import report
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import HEADINGS, Cell, World
 from sjdsl.properties import GameFamily, verify_properties
+from sjdsl.studio.counterexample import as_json
 from sjdsl.studio.opened import Opened
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
@@ -123,12 +125,20 @@ def _cells(effect: Effect) -> Iterator[Cell]:
     yield from (value for value in (effect.old, effect.new) if isinstance(value, Cell))
 
 
+def diff_panel(opened: Opened) -> dict[str, Any]:
+    """Returns what the chosen variant changes in the game of the file, as `sjdsl diff` has it."""
+    if not opened.composition.chosen:
+        return {"text": None}
+    plain, chosen = read_written(opened.source), read_written(opened.source, opened.composition.chosen)
+    return {"text": report(plain, chosen, differences(plain, chosen))}
+
+
 def checks_panel(opened: Opened) -> dict[str, Any]:
-    """Returns the verdict on each check of the game as its text has it, with the trace of a counterexample."""
+    """Returns the verdict on each check of the game as its text has it, with a counterexample in words and as what leads to it."""
     family = GameFamily(opened.source, opened.composition.chosen)
-    report = verify_properties(family)
+    found = verify_properties(family)
     return {
-        "trajectories": report.trajectories,
+        "trajectories": found.trajectories,
         "verdicts": [
             {
                 "text": verdict.text,
@@ -137,7 +147,8 @@ def checks_panel(opened: Opened) -> dict[str, Any]:
                 "reason": verdict.reason,
                 "untested": list(verdict.untested),
                 "trace": list(verdict.trace),
+                "scenario": None if verdict.scenario is None else as_json(verdict.scenario),
             }
-            for verdict in (*report.verdicts, *report.faults)
+            for verdict in (*found.verdicts, *found.faults)
         ],
     }

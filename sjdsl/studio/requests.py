@@ -4,6 +4,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
+from sjdsl.properties.biased_draws import Bias
+from sjdsl.studio.episode import LONGEST
+
 LARGEST_TEXT = 400_000  # characters
 NAME = Annotated[str, Field(max_length=200)]
 
@@ -55,14 +58,14 @@ class Begin(Request):
 
 
 class Others(Request):
-    """Says what the agents do that nobody drives."""
+    """Says what the agents do that nobody drives: `random`, `stay`, a policy of the file, or a trained one inside the folder."""
 
     do: Literal["others"]
-    policy: NAME
+    policy: Annotated[str, Field(max_length=1000)]
 
 
 class Number(Request):
-    """Sets a number of the game from the next step on."""
+    """Sets a number of the game from the next step on; of a table, the entries that a mapping has: `{"soft": {"hard": 3}}`."""
 
     do: Literal["number"]
     name: NAME
@@ -87,11 +90,24 @@ class Paint(Request):
     glyph: Annotated[str, Field(max_length=2)]
 
 
+class Replay(Request):
+    """Shows the counterexample to a check, as its verdict has it: a map, params that differ from the file's, and all actions."""
+
+    do: Literal["replay"]
+    rows: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(min_length=1, max_length=500)]
+    agents: Annotated[int, Field(ge=1, le=1000)]
+    params: Annotated[tuple[tuple[NAME, Any], ...], Field(max_length=1000)] = ()
+    seed: Annotated[int, Field(ge=0, lt=2**32)]
+    episode: Annotated[int, Field(ge=0, lt=2**32)] = 0
+    bias: Annotated[tuple[Bias, ...], Field(max_length=LONGEST)] = ()
+    actions: Annotated[tuple[Annotated[tuple[int, ...], Field(max_length=1000)], ...], Field(max_length=LONGEST)]
+
+
 class Panel(Request):
     """Asks for what stands beside the board. `agent`, `row`, `col`: of whom, and where, if the panel is about one."""
 
     do: Literal["panel"]
-    panel: Literal["rules", "python", "state", "seen", "trace", "checks"]
+    panel: Literal["rules", "python", "state", "seen", "trace", "checks", "diff"]
     agent: int = 0
     row: int | None = None
     col: int | None = None
@@ -103,5 +119,5 @@ class Share(Request):
     do: Literal["share"]
 
 
-AnyRequest = Text | Step | Go | Begin | Others | Number | Put | Paint | Panel | Share
+AnyRequest = Text | Step | Go | Begin | Others | Number | Put | Paint | Replay | Panel | Share
 READ: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="do")])

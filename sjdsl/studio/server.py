@@ -19,11 +19,13 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from sjdsl.games_folder import games_folder
+from sjdsl.studio import tour
 from sjdsl.studio.access import Access
-from sjdsl.studio.child import Child
+from sjdsl.studio.child import Spares
 from sjdsl.studio.examples import copy_beside, examples, place_of
 from sjdsl.studio.folder import LARGEST, Changed, FileRefused, Folder
 from sjdsl.studio.language import serve_language
+from sjdsl.studio.runs import stored_policies
 
 ASSETS = {
     "studio.js": ("sjdsl.studio", "page/studio.js", "text/javascript"),
@@ -47,17 +49,20 @@ HEADERS = {
 def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlette:
     """Returns the server of a folder. `opened`: the game that the page opens first, by its path inside."""
     inside = Folder(folder.resolve())
+    spares = Spares(inside.root)
     routes = [
         Route("/", _page(opened, inside.root)),
         Route("/assets/{name}", _asset),
         Route("/games", _games(inside)),
+        Route("/tour", lambda _request: JSONResponse({"steps": tour.steps()}, headers=HEADERS)),
+        Route("/policies", _policies(inside)),
         Route("/file", _read(inside), methods=["GET"]),
         Route("/file", _write(inside), methods=["PUT"]),
         Route("/copy", _copy(inside), methods=["POST"]),
-        WebSocketRoute("/bench", _bench(inside)),
+        WebSocketRoute("/bench", _bench(spares)),
         WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
     ]
-    return Starlette(routes=routes, middleware=[Middleware(Guard, access=access)])
+    return Starlette(routes=routes, middleware=[Middleware(Guard, access=access)], lifespan=lambda _app: spares.kept())
 
 
 class Guard:
@@ -87,7 +92,11 @@ def _page(opened: str | None, root: Path) -> Callable[[Request], Response]:
         text = environment.from_string(_text("sjdsl.studio", "page/studio.html"))
         return HTMLResponse(
             text.render(
-                token=request.query_params["token"], opened=opened or "", root=root.as_uri(), examples=games_folder().resolve().as_uri()
+                token=request.query_params["token"],
+                opened=opened or "",
+                root=root.as_uri(),
+                examples=games_folder().resolve().as_uri(),
+                tour=tour.tour_folder().as_uri(),
             ),
             headers=HEADERS,
         )
@@ -108,7 +117,11 @@ def _text(package: str, path: str) -> str:
 
 
 def _games(folder: Folder) -> Callable[[Request], Response]:
-    return lambda _request: JSONResponse({"games": folder.games(), "examples": examples()}, headers=HEADERS)
+    return lambda _request: JSONResponse({"games": folder.games(), "examples": examples(), "tour": tour.games()}, headers=HEADERS)
+
+
+def _policies(folder: Folder) -> Callable[[Request], Response]:
+    return lambda _request: JSONResponse({"policies": [[p.name, p.game] for p in stored_policies(folder.root)]}, headers=HEADERS)
 
 
 def _read(folder: Folder) -> Callable[[Request], Response]:
@@ -160,11 +173,11 @@ def _changing(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Handler:
     return answer
 
 
-def _bench(folder: Folder) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
+def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
     async def bench(socket: WebSocket) -> None:
         """Answers each request of a socket by a worker process of its own, one after the other."""
         await socket.accept()
-        child = Child(folder.root)
+        child = spares.take()
         try:
             while True:
                 await socket.send_text(await child.ask(await socket.receive_text()))

@@ -2,11 +2,13 @@
 
 import contextlib
 import json
+import os
 import sys
 from pathlib import Path
 
 from pydantic import ValidationError
 
+from sjdsl.cache import cache_folder
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
 
@@ -16,6 +18,8 @@ MEMORY = 8 * 2**30  # bytes of addresses that a bench may take; JAX reserves som
 def main() -> None:
     """Says that it is ready, then answers every line of the standard input with one of the standard output, until there are no more."""
     _limit_memory()
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")  # an accelerator is for whoever trains beside the studio
+    os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
     answers = sys.stdout
     sys.stdout = sys.stderr  # what anything prints is no answer
     bench = Bench(Path(sys.argv[1]))

@@ -15,9 +15,9 @@ def test_what_takes_too_long_is_stopped(tmp_path: Path, monkeypatch: pytest.Monk
 
     async def both() -> tuple[dict, dict]:
         worker = Child(tmp_path)
-        first = json.loads(await worker.ask('{"id": 5, "do": "step"}'))
+        first = json.loads(await worker.ask('{"id": 5, "do": "go", "to": 0}'))
         monkeypatch.setattr(child, "ANY", 60.0)
-        second = json.loads(await worker.ask('{"id": 6, "do": "step"}'))
+        second = json.loads(await worker.ask('{"id": 6, "do": "go", "to": 0}'))
         await worker.stop()
         return first, second
 
@@ -42,3 +42,25 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     assert "lost" not in before
     assert during["lost"]
     assert "lost" not in after
+
+
+def test_processes_wait_for_a_page_and_end_with_the_server(tmp_path: Path) -> None:
+    async def one() -> tuple[int, str, list[int | None]]:
+        spares = child.Spares(tmp_path, 1)
+        async with spares.kept():
+            await asyncio.gather(*spares._filling)
+            waiting = spares._waiting[0]._process
+            taken = spares.take()
+            answer = await taken.ask('{"id": 1, "do": "step"}')
+            assert taken._process is waiting, "the one that had been started"
+            left = Child(tmp_path)
+            await left.begin()
+            spares._waiting.append(left)
+            other = left._process
+        await taken.stop()
+        return len(spares._filling), answer, [waiting.returncode, other.returncode]
+
+    filling, answer, codes = asyncio.run(one())
+    assert json.loads(answer)["id"] == 1
+    assert None not in codes, "none is left behind"
+    assert filling <= 1

@@ -61,7 +61,8 @@ def test_a_text_becomes_a_board(bench: Bench) -> None:
     assert (answer["game"]["height"], answer["game"]["width"], answer["game"]["agents"]) == (2, 3, 2)
     assert answer["game"]["policies"] == ["random", "stay", "idler"]
     assert answer["game"]["variants"] == [["poor", "a fruit pays nothing"]]
-    assert answer["game"]["numbers"][0] == {"name": "fine", "value": 1.0, "whole": False, "unit": "reward", "low": 0, "high": 5}
+    (fine,) = answer["game"]["numbers"]
+    assert (fine["name"], fine["unit"], fine["low"], fine["high"], fine["entries"]) == ("fine", "reward", 0, 5, [[[], 1.0]])
     assert len(answer["scene"]["cells"]) == 2 * 6
     assert len(answer["scene"]["figures"]) == 2
     assert all(url.startswith("data:image/png;base64,") for url in answer["pictures"])
@@ -155,6 +156,33 @@ def test_a_number_counts_from_the_next_step_on(bench: Bench) -> None:
     assert "outside 0 .. 5" in ask(bench, do="number", name="fine", value=9)["refused"]
 
 
+def test_a_table_is_set_entry_by_entry(bench: Bench) -> None:
+    text = GAME.replace(
+        "param fine : reward = 1 in 0 .. 5",
+        "param fine : reward = 1\n  param pay : reward = { none: { none: 1, ripe: 2 }, ripe: { none: 3, ripe: 4 } }",
+    )
+    text = text.replace("give fine", "give pay[ripe][none]").replace("set fine = 0", "set fine = 9")
+    answer = opened(bench, text)
+    pay = next(number for number in answer["game"]["numbers"] if number["name"] == "pay")
+    assert pay["entries"] == [[["none", "none"], 1], [["none", "ripe"], 2], [["ripe", "none"], 3], [["ripe", "ripe"], 4]]
+    ask(bench, do="others", policy="stay")
+    ask(bench, do="put", agent=1, row=0, col=2)
+    ask(bench, do="number", name="pay", value={"ripe": {"none": 2.5}})
+    assert ask(bench, do="step")["scene"]["rewards"] == [0, 2.5]
+    kept = opened(bench, text + "# mine\n", params={"pay": {"ripe": {"none": 2.5}}})["game"]["numbers"]
+    assert next(number["entries"][2][1] for number in kept if number["name"] == "pay") == 2.5
+    assert "no entry" in ask(bench, do="number", name="pay", value={"raw": {"none": 2}})["refused"]
+
+
+def test_what_a_variant_changes(bench: Bench) -> None:
+    opened(bench)
+    assert ask(bench, do="panel", panel="diff")["text"] is None
+    opened(bench, variants=["poor"])
+    told = ask(bench, do="panel", panel="diff")["text"]
+    assert "yard  ->  yard, variant poor" in told
+    assert "fine: 1 -> 0" in told
+
+
 def test_why_tells_the_rule_and_the_cells(bench: Bench) -> None:
     opened(bench)
     ask(bench, do="others", policy="stay")
@@ -192,7 +220,7 @@ def test_checks_have_verdicts(bench: Bench) -> None:
 def test_a_variant_and_a_number_are_chosen_together(bench: Bench) -> None:
     answer = opened(bench, variants=["poor"], params={"fine": 2, "gone": 1})
     assert answer["game"]["chosen"] == ["poor"]
-    assert answer["game"]["numbers"][0]["value"] == 2
+    assert answer["game"]["numbers"][0]["entries"] == [[[], 2]]
     assert answer["game"]["left"] == ["gone"]
 
 

@@ -5,9 +5,19 @@ export class Files {
     this.token = token;
   }
 
-  // Resolves to { games, examples }, the paths of both.
+  // Resolves to { games, examples, tour }, the paths of each.
   async games() {
     return (await this.call("/games")).json();
+  }
+
+  // Resolves to { policies }, those trained in the folder, each as [name, game it was trained on].
+  async policies() {
+    return (await this.call("/policies")).json();
+  }
+
+  // Resolves to { steps } of the tour, each { title, text, game }.
+  async tour() {
+    return (await this.call("/tour")).json();
   }
 
   // Resolves to { text, digest } or { refused }.

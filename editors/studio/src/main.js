@@ -8,7 +8,9 @@ import { Board } from "./board.js";
 import { element, find } from "./dom.js";
 import { Files } from "./files.js";
 import { connectLanguage, languageOf } from "./language.js";
+import { showNumbers, withNumber } from "./numbers.js";
 import { ASKED, LASTING, PANELS, fill } from "./panels.js";
+import { showTour } from "./tour.js";
 
 const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
 const socket = (path) => `ws://${location.host}${path}?token=${encodeURIComponent(meta("token"))}`;
@@ -17,7 +19,7 @@ const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: 
 
 const open = { path: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, map: null };
 const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
-let view = null, language = null;
+let view = null, language = null, trained = []; // policies in this folder, each as [name, game it was trained on]
 
 const bench = new Bench(socket("/bench"), { onLost: lost, onOpen: () => sendText(false) });
 const beside = new Bench(socket("/bench"), { onLost: () => {}, onOpen: () => { beside.stale = true; refreshPanel(); } }); // for what takes long
@@ -32,12 +34,32 @@ const board = new Board(find("board"), find("stage"), {
 
 async function openFile(path) {
   const file = await files.read(path);
-  if (file.refused) return say(file.refused);
+  if (file.refused) { find("files").value = open.path; return say(file.refused); }
+  say("");
   Object.assign(open, { path, digest: file.digest, saved: file.text, variants: [], params: {}, map: null });
   find("files").value = path;
   document.title = `${path} · sjdsl studio`;
   makeEditor(file.text);
   sendText(true);
+}
+
+// Opens a file, if need be after asking what becomes of a text that is not saved.
+function openSafely(path) {
+  if (!view || !isUnsaved()) return openFile(path);
+  find("files").value = open.path;
+  const lose = element("button", { onclick: () => openFile(path) }, `Open ${path}, and lose them`);
+  const stay = element("button", { onclick: () => say("") }, "Stay here");
+  find("message").replaceChildren(`${open.path} has changes that are not saved. `, lose, " ", stay);
+}
+
+// Looks whether somebody else has changed the file, another window or an editor; called when this window is come back to.
+async function lookAgain() {
+  if (!view || isExample() || !open.digest) return;
+  const { path, digest } = open, file = await files.read(path).catch(() => ({ refused: true }));
+  if (file.refused || file.digest === digest || open.path !== path || open.digest !== digest) return;
+  if (isUnsaved()) return askAboutChange(`${path} was changed by somebody else since it was opened`, text());
+  await openFile(path);
+  say(`${path} was changed by somebody else, and is shown as it is now`);
 }
 
 function makeEditor(text) {
@@ -55,12 +77,13 @@ function makeEditor(text) {
 }
 
 const text = () => view.state.doc.toString();
-const EXAMPLE = "example:"; // before the path of a bundled game
-const isExample = () => open.path.startsWith(EXAMPLE);
+const HOMES = { "example:": "examples", "tour:": "tour" }; // of bundled games, by what stands before their path
+const prefixOf = (path) => Object.keys(HOMES).find((prefix) => path.startsWith(prefix)) ?? "";
+const isExample = () => prefixOf(open.path) !== "";
 
 function uriOf(path) {
-  const inside = path.startsWith(EXAMPLE) ? path.slice(EXAMPLE.length) : path;
-  return `${meta(inside === path ? "root" : "examples")}/${inside.split("/").map(encodeURIComponent).join("/")}`;
+  const prefix = prefixOf(path);
+  return `${meta(HOMES[prefix] ?? "root")}/${path.slice(prefix.length).split("/").map(encodeURIComponent).join("/")}`;
 }
 
 function sendText(fresh) {
@@ -77,8 +100,14 @@ function sendText(fresh) {
     if (answer.game.left.length) say(`no longer numbers of this game: ${answer.game.left.join(", ")}`);
     showGame(answer.game);
     showScene(answer);
-    refreshPanel();
+    soon();
   });
+}
+
+// Brings the panel up to date a moment after the last of many edits, so that the next one need not wait for it.
+function soon() {
+  clearTimeout(soon.timer);
+  soon.timer = setTimeout(refreshPanel, LASTING.has(shown.panel) ? 300 : 0);
 }
 
 // What there is to open: the text and, if somebody has painted it, the file of its map.
@@ -105,7 +134,7 @@ async function save() {
 
 // A bundled game stays as it is: what somebody makes of it is a file of their own.
 async function saveCopy(sent) {
-  const name = element("input", { value: open.path.slice(open.path.lastIndexOf("/") + 1).replace(EXAMPLE, ""), "aria-label": "Name of the copy" });
+  const name = element("input", { value: open.path.slice(prefixOf(open.path).length).split("/").pop(), "aria-label": "Name of the copy" });
   const write = element("button", { onclick: async () => {
     const answer = await files.copy(open.path, name.value, sent);
     if (answer.refused) return find("message").append(` ${answer.refused}`);
@@ -179,13 +208,15 @@ function showGame(game) {
   open.game = game;
   find("title").textContent = game.title;
   options(find("variant"), [["", "as it is"], ...game.variants], game.chosen.join("+"));
-  options(find("others"), game.policies.map((name) => [name, name]), game.others);
+  find("diff").hidden = !game.chosen.length;
+  find("counterexample").hidden = !game.counterexample;
+  showPolicies();
   const nobody = shown.driven === null || shown.driven >= game.agents;
   if (nobody) shown.driven = null;
   options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], nobody ? "" : String(shown.driven));
   find("seed").value = game.seed;
   options(find("glyph"), [["", "nothing"], ...game.glyphs], game.glyphs.some(([glyph]) => glyph === find("glyph").value) ? find("glyph").value : "");
-  showNumbers(game.numbers);
+  showNumbers(find("numbers"), game.numbers, setNumber);
   board.begin(game);
   shown.agent = Math.min(shown.agent, game.agents - 1);
 }
@@ -194,29 +225,65 @@ function options(select, pairs, chosen) {
   select.replaceChildren(...pairs.map(([value, text]) => new Option(text ? (value && text !== value ? `${value}: ${text}` : text) : value, value, false, value === chosen)));
 }
 
-function showNumbers(numbers) {
-  if (find("numbers").contains(document.activeElement)) return;
-  find("numbers").replaceChildren(...numbers.map((number) => {
-    const ranged = number.low !== null && number.high !== null;
-    const step = number.whole ? 1 : ranged ? (number.high - number.low) / 100 : "any";
-    const value = element("output", {}, String(Number(number.value.toPrecision(6))));
-    const input = element("input", { type: ranged ? "range" : "number", min: number.low, max: number.high, step, value: number.value, "aria-label": number.name, oninput: () => {
-      const chosen = Number(input.value);
-      value.textContent = String(Number(chosen.toPrecision(6)));
-      open.params = { ...open.params, [number.name]: chosen };
-      ask({ do: "number", name: number.name, value: chosen });
-      beside.stale = true;
-    } });
-    return element("label", {}, element("span", {}, `${number.name} (${number.unit})`), input, value);
-  }));
+// Who may drive the agents that nobody does: at random, policies of the file, and those trained in this folder.
+function showPolicies() {
+  const { game } = open;
+  options(find("others"), game.policies.map((name) => [name, name]), game.others);
+  const group = (label, chosen) => {
+    const names = chosen.map(([name, on]) => new Option(on === game.name ? name : `${name} (${on})`, name, false, name === game.others));
+    if (names.length) { const made = element("optgroup", { label }); made.append(...names); find("others").append(made); }
+  };
+  group("trained in this folder", trained.filter(([, on]) => on === game.name));
+  group("trained on other games", trained.filter(([, on]) => on !== game.name));
+  if (find("others").value !== game.others) find("others").append(new Option(game.others, game.others, false, true));
+}
+
+async function listPolicies() {
+  const found = await files.policies().then(({ policies }) => policies, () => trained);
+  if (JSON.stringify(found) === JSON.stringify(trained)) return;
+  trained = found;
+  if (open.game) showPolicies();
+}
+
+async function choosePolicy(policy) {
+  stop();
+  say(`loading ${policy}…`);
+  const answer = await ask({ do: "others", policy });
+  if (answer.refused) return showPolicies();
+  open.game.others = answer.others;
+  say(answer.note);
+}
+
+async function setNumber(name, value) {
+  const answer = await ask({ do: "number", name, value });
+  if (answer.refused || open.game.counterexample) return;
+  open.params = withNumber(open.params, name, value);
+  beside.stale = true;
+}
+
+// Shows what led to the failure of a check, from its start.
+async function showIt(verdict) {
+  stop();
+  const answer = await ask({ do: "replay", ...verdict.scenario });
+  if (answer.refused) return;
+  const back = element("button", { onclick: () => begin() }, "Back to the game");
+  find("counterexample").replaceChildren(`The counterexample to `, element("code", {}, verdict.text), `: it ${verdict.reason}. `, back);
+  find("forward").focus();
+}
+
+function begin() {
+  stop();
+  return ask({ do: "begin", seed: Number(find("seed").value) });
 }
 
 async function ask(request) {
   const answer = await bench.ask(request);
   if (answer.lost) sendText(false);
-  if (answer.refused) { shown.running = false; markRunning(); return say(answer.refused); }
+  if (answer.refused) { shown.running = false; markRunning(); say(answer.refused); return answer; }
   say("");
+  if (answer.game) showGame(answer.game);
   if (answer.scene) { showScene(answer); refreshPanel(); }
+  return answer;
 }
 
 function showScene(answer) {
@@ -267,13 +334,17 @@ find("run").addEventListener("click", run);
 find("back").addEventListener("click", () => { stop(); ask({ do: "go", to: shown.at - 1 }); });
 find("forward").addEventListener("click", () => { stop(); ask(shown.at + 1 < shown.moments ? { do: "go", to: shown.at + 1 } : { do: "step" }); });
 find("scrub").addEventListener("input", () => { stop(); ask({ do: "go", to: Number(find("scrub").value) }); });
-find("again").addEventListener("click", () => { stop(); ask({ do: "begin", seed: Number(find("seed").value) }); });
-find("seed").addEventListener("change", () => { stop(); ask({ do: "begin", seed: Number(find("seed").value) }); });
-find("others").addEventListener("change", () => ask({ do: "others", policy: find("others").value }));
+find("again").addEventListener("click", begin);
+find("seed").addEventListener("change", begin);
+find("others").addEventListener("change", () => choosePolicy(find("others").value));
+find("others").addEventListener("pointerenter", listPolicies);
+find("others").addEventListener("focus", listPolicies);
+find("diff").addEventListener("click", () => find("tabs").querySelector('[data-panel="diff"]').click());
 find("driven").addEventListener("change", () => { shown.driven = find("driven").value === "" ? null : Number(find("driven").value); find("board").focus(); showKeys(); });
 find("variant").addEventListener("change", () => { open.variants = find("variant").value ? find("variant").value.split("+") : []; sendText(false); });
 find("glyph").addEventListener("change", () => { board.painting = find("glyph").value !== ""; });
-find("files").addEventListener("change", () => openFile(find("files").value));
+find("files").addEventListener("change", () => openSafely(find("files").value));
+window.addEventListener("focus", lookAgain);
 find("save").addEventListener("click", () => save());
 find("share").addEventListener("click", async () => {
   const answer = await bench.ask({ do: "share" });
@@ -293,6 +364,7 @@ function showKeys() {
 
 async function refreshPanel() {
   const name = shown.panel, lasting = LASTING.has(name);
+  if (name === "tour") { if (beside.kept !== name) { beside.kept = name; showTour(find("panel"), files, openSafely, () => shown.panel === "tour"); } return; }
   if (!open.game || (lasting && !beside.stale && beside.kept === name)) return;
   const asked = { do: "panel", panel: ASKED[name] ?? name, agent: shown.agent };
   if (name === "state" && shown.cell) Object.assign(asked, { row: shown.cell[0], col: shown.cell[1] });
@@ -304,7 +376,7 @@ async function refreshPanel() {
   if (answer.refused) return find("panel").replaceChildren(element("p", {}, answer.refused));
   beside.kept = name;
   const cell = shown.cell, agent = cell ? board.agentAt(cell) : null;
-  fill(find("panel"), name, { answer, cell, agent, toLine, line: lineHere(), count: open.game.agents, chooseAgent: (chosen) => { shown.agent = chosen; refreshPanel(); } });
+  fill(find("panel"), name, { answer, cell, agent, toLine, showIt, line: lineHere(), count: open.game.agents, chooseAgent: (chosen) => { shown.agent = chosen; refreshPanel(); } });
 }
 
 async function openBeside(name) {
@@ -365,15 +437,18 @@ async function speak() {
 }
 
 async function listGames() {
-  const { games, examples } = await files.games();
+  const { games, examples, tour } = await files.games();
   const group = (label, paths) => {
     const made = element("optgroup", { label });
-    made.append(...paths.map((path) => new Option(path.replace(EXAMPLE, ""), path)));
+    made.append(...paths.map((path) => new Option(path.slice(prefixOf(path).length), path)));
     return made;
   };
-  find("files").replaceChildren(group("in this folder", games), group("examples", examples));
-  return meta("opened") || games[0] || examples[0];
+  find("files").replaceChildren(group("in this folder", games), group("tour", tour), group("examples", examples));
+  return meta("opened") || games[0] || tour[0];
 }
 
-openFile(await listGames());
+const first = await listGames();
+if (prefixOf(first) === "tour:") find("tabs").querySelector('[data-panel="tour"]').click(); // somebody who has no game yet
+openFile(first);
+listPolicies();
 speak();

@@ -11,13 +11,15 @@ export const PANELS = {
   seen: "Seen",
   python: "Python",
   checks: "Checks",
+  diff: "Variant",
+  tour: "Tour",
 };
 export const ASKED = { why: "trace" }; // where the request has another name
-export const LASTING = new Set(["rules", "python", "checks"]); // depend on the text alone
+export const LASTING = new Set(["rules", "python", "checks", "diff"]); // depend on the text alone
 
-// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent }.
+// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent, showIt }.
 export function fill(place, name, about) {
-  const made = { rules, why, state, seen, python, checks }[name](about);
+  const made = { rules, why, state, seen, python, checks, diff }[name](about);
   place.replaceChildren(...(Array.isArray(made) ? made : [made]));
 }
 
@@ -85,12 +87,19 @@ function meaning(plane, value) {
   return String(value);
 }
 
-function checks({ answer, toLine }) {
+function diff({ answer }) {
+  if (answer.text === null) return element("p", {}, "Choose a variant to see what it changes.");
+  const sign = (line) => ({ "+": "added", "-": "gone" })[line.trim()[0]] ?? "";
+  return element("pre", { class: "diff" }, ...answer.text.split("\n").map((line) => element("div", { class: sign(line) }, line || " ")));
+}
+
+function checks({ answer, toLine, showIt }) {
   if (!answer.verdicts.length) return element("p", {}, "This game has no checks.");
   return answer.verdicts.map((verdict) => {
     const rule = element("button", { class: "rule", disabled: verdict.line === null, onclick: () => toLine(verdict.line) }, verdict.text);
     const told = [element("p", {}, element("b", { class: verdict.status.replace(" ", "-") }, verdict.status), `: ${verdict.reason}`)];
     if (verdict.untested.length) told.push(element("p", {}, `Lines that never ran: ${verdict.untested.join("; ")}`));
+    if (verdict.scenario) told.push(element("button", { onclick: () => showIt(verdict) }, "Show it on the board"));
     if (verdict.trace.length) told.push(element("pre", {}, verdict.trace.join("\n")));
     return element("section", {}, rule, ...told);
   });

@@ -1,0 +1,127 @@
+"""Measures `sjdsl studio` in headless Chromium: how soon a keystroke is answered on the board, and how soon the first page is there.
+
+    python bench/studio_latency.py --keystrokes 40
+
+It needs requirements-browser.txt and the system's Chromium. An answer counts from the key going down until the page has the new game and has
+drawn its board. The first page counts from asking for the address until the board of its game is drawn, with a server that has just started and
+has had its time to load. Processor time is that of the process that plays the game; it depends less on what else the machine does.
+"""
+
+import argparse
+import os
+import re
+import shutil
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+from playwright.sync_api import Page, sync_playwright
+
+GAMES = [
+    "coins",
+    "harvest_open",
+    "harvest_closed",
+    "harvest_partnership",
+    "clean_up",
+    "coop_mining",
+    "mushrooms",
+    "gift_refinement",
+    "pd_arena",
+]
+LOADED = 4.0  # seconds that a server has before its first page
+WATCH = """() => {
+  window.answers = [];
+  let pressed = null;
+  document.addEventListener("keydown", () => { pressed = performance.now(); }, true);
+  new MutationObserver(() => {
+    if (pressed === null) return;
+    const began = pressed;
+    pressed = null;
+    requestAnimationFrame(() => window.answers.push(performance.now() - began));
+  }).observe(document.body, { attributes: true, attributeFilter: ["data-version"] });
+}"""
+
+
+@contextmanager
+def served(game: str) -> Iterator[tuple[str, psutil.Process]]:
+    """Yields the address of a studio with a bundled game, and its process."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "sjdsl", "studio", game, "--no-browser", "--port", "0"]
+        environment = os.environ | {"XDG_CACHE_HOME": str(Path(folder) / "cache")}
+        server = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True)
+        try:
+            assert server.stdout is not None
+            yield re.findall(r"http\S+", server.stdout.readline())[0], psutil.Process(server.pid)
+        finally:
+            os.killpg(server.pid, signal.SIGKILL)
+            server.wait()
+
+
+def first_page(page: Page, address: str) -> float:
+    """Returns the seconds until the board is there."""
+    began = time.perf_counter()
+    page.goto(address)
+    page.locator("body[data-compiles=true]").wait_for(timeout=120_000)
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    return time.perf_counter() - began
+
+
+def keystrokes(page: Page, count: int, pause: float) -> list[float]:
+    """Returns the milliseconds until each of so many letters, typed into a remark at the top, is answered."""
+    page.locator(".cm-line").first.click()
+    page.keyboard.press("End")
+    page.keyboard.type("  # ", delay=300)
+    page.wait_for_timeout(3000)
+    page.evaluate(WATCH)
+    for number in range(count):
+        page.keyboard.press("abcdefghij"[number % 10])
+        page.wait_for_function("wanted => window.answers.length >= wanted", arg=number + 1, timeout=60_000)
+        page.wait_for_timeout(1000 * pause)
+    return list(page.evaluate("window.answers"))
+
+
+def processor_time(server: psutil.Process) -> dict[int, float]:
+    """Returns the seconds that each process of the server that plays a game has taken."""
+    workers = [child for child in server.children(recursive=True) if any("sjdsl.studio.worker" in part for part in child.cmdline())]
+    return {worker.pid: sum(worker.cpu_times()[:2]) for worker in workers}
+
+
+def main() -> None:
+    """Prints a row of a Markdown table for each game."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--games", default=",".join(GAMES))
+    parser.add_argument("--keystrokes", type=int, default=40)
+    parser.add_argument("--pause", type=float, default=0.25, help="seconds between an answer and the next key")
+    given = parser.parse_args()
+    path = next(found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name)))
+    print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f} at the start\n")
+    print("| game | keystroke to answer, median | 9 of 10 within | processor time of one answer | first page |\n|---|---|---|---|---|")
+    medians = []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        for game in given.games.split(","):
+            with served(game) as (address, server):
+                time.sleep(LOADED)
+                page = browser.new_page(viewport={"width": 1400, "height": 900})
+                opened = first_page(page, address)
+                before = processor_time(server)
+                answers = keystrokes(page, given.keystrokes, given.pause)
+                taken = max(after - before.get(pid, 0.0) for pid, after in processor_time(server).items())
+                page.close()
+            medians.append(statistics.median(answers))
+            tenth = statistics.quantiles(answers, n=10)[-1]
+            each = 1000 * taken / (given.keystrokes + 4)
+            print(f"| {game} | {medians[-1]:.0f} ms | {tenth:.0f} ms | {each:.0f} ms | {opened:.1f} s |", flush=True)
+        browser.close()
+    print(f"\nmedian of the games {statistics.median(medians):.0f} ms; load {os.getloadavg()[0]:.1f} at the end")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,86 @@
+"""The counterexample to a check on the board: what leads to it as JSON has it, and the episode that comes of it."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sjdsl.compiler import Build
+from sjdsl.interpreter.state import Value
+from sjdsl.properties import GameFamily
+from sjdsl.properties.trajectory import Scenario, draws_of, play
+from sjdsl.studio.episode import LONGEST, Episode, TooLong
+from sjdsl.studio.opened import Opened
+from sjdsl.studio.requests import Replay
+from sjdsl.trace.episode import Moment
+
+
+class NoReplay(Exception):
+    """The rules as they are now do not take a counterexample; the text says why."""
+
+
+def as_json(scenario: Scenario) -> dict[str, Any]:
+    """Returns a scenario whose actions are written out, as `Replay` reads it."""
+    return {
+        "rows": list(scenario.rows),
+        "agents": scenario.agents,
+        "params": [[name, _plain(value)] for name, value in scenario.params],
+        "seed": scenario.seed,
+        "episode": scenario.episode,
+        "bias": list(scenario.bias),
+        "actions": [list(actions) for actions in scenario.actions],
+    }
+
+
+def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
+    """Returns the game on the map of a counterexample, and the episode that leads to it, at its start.
+
+    Raises NoReplay, TooLong, and LeavesFloat32 if a real leaves float32 at the very start.
+    """
+    if len(request.actions) >= LONGEST:
+        raise TooLong(f"the studio keeps {LONGEST} moments of an episode, and this counterexample has more")
+    family = GameFamily(opened.source, opened.composition.chosen)
+    game = family.on(request.rows, request.agents)
+    names = {} if game is None else {param.name for param in game.params}
+    if game is None or any(name not in names for name, _ in request.params):
+        raise NoReplay(
+            "the rules have changed since: they do not take the map or the numbers of this counterexample; test the checks again"
+        )
+    count = len(game.agents.actions)
+    if any(len(step) != request.agents or not all(0 <= action < count for action in step) for step in request.actions):
+        raise NoReplay("the rules have changed since: they do not take the actions of this counterexample; test the checks again")
+    scenario = Scenario(
+        rows=request.rows,
+        agents=request.agents,
+        params=tuple((name, _held(value)) for name, value in request.params),
+        seed=request.seed,
+        bias=request.bias,
+        actions=request.actions,
+        policies=(None,) * request.agents,
+        episode=request.episode,
+    )
+    trajectory = play(game, scenario)
+    if not trajectory.worlds:
+        assert trajectory.left is not None
+        raise trajectory.left
+    start = draws_of(scenario, -1)
+    moments = [Moment(None, (getattr(start, "k0", 0), getattr(start, "k1", 0)), trajectory.worlds[0], ())]
+    returns = [[0.0] * request.agents]
+    for before, after, actions, outcome in zip(
+        trajectory.worlds, trajectory.worlds[1:], trajectory.actions, trajectory.outcomes, strict=False
+    ):
+        moments.append(Moment(before.step, (0, 0), after, (), actions, frozenset(), outcome))
+        returns.append([so_far + float(reward) for so_far, reward in zip(returns[-1], outcome.reward, strict=True)])
+    on_board = replace(opened, build=Build(game, opened.build.warnings, opened.build.sources), values=dict(trajectory.params))
+    return on_board, Episode(game, 0, moments, returns, scenario=scenario, written=len(moments) - 1)
+
+
+def _plain(value: Value) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(entry) for entry in value]
+    return float(value) if isinstance(value, np.floating) else value
+
+
+def _held(value: Any) -> Any:
+    """Returns a value with its tables as tuples, as the interpreter has them."""
+    return tuple(_held(entry) for entry in value) if isinstance(value, list) else value

@@ -1,0 +1,60 @@
+"""The numbers of a game as the page has them: one slider or field for each param, and for each entry of a table."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import Level, entry_name
+
+INFINITE = 1e9  # a limit beyond it is none
+MOST = 400  # entries of one table that are shown
+
+
+def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
+    """Returns every param with its unit and limits (null for none), and its entries: `[[names], value]`, without names if it is no table.
+
+    words: what the param can be, if it is one of several words; else empty. A table of more than 400 entries has its first.
+    """
+    return [_knob(param.name, param.type, values[param.name]) for param in game.params]
+
+
+def _knob(name: str, type_: ir.Type, value: Any) -> dict[str, Any]:
+    low, high = (limit if abs(limit) < INFINITE else None for limit in (type_.low, type_.high))
+    entries = list(_entries(value, type_.by, type_.kind == "word"))
+    return {
+        "name": name,
+        "whole": type_.kind == "int",
+        "unit": type_.unit,
+        "low": low,
+        "high": high,
+        "words": list(type_.words) if type_.kind == "word" else [],
+        "entries": entries[:MOST],
+        "left_out": max(0, len(entries) - MOST),
+    }
+
+
+def _entries(value: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[Any]]:
+    if not by:
+        yield [[], value if is_word else float(value)]
+        return
+    for entry, inner in zip(by[0], value, strict=True):
+        for names, found in _entries(inner, by[1:], is_word):
+            yield [[entry_name(entry), *names], found]
+
+
+def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, given: Any) -> Any:
+    """Returns what is given for a param; of a table, where a mapping is given, with the entries that it leaves out as they are now."""
+    param = next((param for param in game.params if param.name == name), None)
+    return given if param is None else _filled(values[name], param.type.by, given)
+
+
+def _filled(now: Any, by: tuple[Level, ...], given: Any) -> Any:
+    if not by or not isinstance(given, Mapping):
+        return given
+    before = {str(entry_name(entry)): value for entry, value in zip(by[0], now, strict=True)}
+    inner = {key: _filled(before[key], by[1:], value) if key in before else value for key, value in given.items()}
+    return {key: _plain(value, by[1:]) for key, value in before.items()} | inner
+
+
+def _plain(value: Any, by: tuple[Level, ...]) -> Any:
+    return {str(entry_name(entry)): _plain(inner, by[1:]) for entry, inner in zip(by[0], value, strict=True)} if by else value

@@ -1,0 +1,141 @@
+"""Trained policies in the folder of the studio: which there are, and whether one may be loaded. Needs no JAX."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sjdsl.trainers.policy_names import UNTRAINED
+
+SUFFIX, POLICIES = ".safetensors", "policies"
+LARGEST_DESCRIPTION = 1_000_000  # bytes of the .json beside a policy
+MOST = 200  # policies that are listed
+DEEPEST = 8  # runs whose partners act by other runs
+
+
+class PolicyRefused(Exception):
+    """A trained policy cannot drive agents here; the text says why."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A stored policy. name: `RUN`, `RUN@best`, `RUN@120`, or a `.safetensors` file, inside the folder; game: it was trained on."""
+
+    name: str
+    game: str
+
+
+def stored_policies(root: Path) -> list[Stored]:
+    """Returns the policies in a folder and all below it, at most 200; of a run the last, the best, and those stored by number.
+
+    Those whose description cannot be read are left out, and so are hidden folders.
+    """
+    found: list[Stored] = []
+    for folder, inner, files in os.walk(root):
+        inner[:] = sorted(name for name in inner if not name.startswith((".", "_")) and name != "node_modules")
+        for file in sorted(Path(folder) / name for name in files if name.endswith(SUFFIX)):
+            try:
+                found.append(Stored(_name_of(file, root), str(_description(file, root)["game"]["name"])))
+            except (PolicyRefused, KeyError, TypeError):
+                continue
+        if len(found) >= MOST:
+            break
+    return sorted(found, key=lambda stored: stored.name)[:MOST]
+
+
+def policy_file(root: Path, name: str, game: str) -> Path:
+    """Returns the file of a policy by its name, as `Stored` has it, if it was trained on the game of that name.
+
+    Raises PolicyRefused: it is outside the folder, or not there, or of another game; or to load it would run Python code that its run
+    names, or read a policy outside the folder.
+    """
+    return _checked(root, name, game, DEEPEST)
+
+
+def _checked(root: Path, name: str, game: str, deep: int) -> Path:
+    file = _file_of(root, name)
+    described = _description(file, root)
+    try:
+        trained_on, config = str(described["game"]["name"]), dict(described["config"])
+        partners = [str(policy) for _, policy in config.get("partners") or ()]
+    except (KeyError, TypeError, ValueError):
+        raise PolicyRefused(f"`{name}` does not say which game it was trained on: the file {file.stem}.json beside it is damaged") from None
+    if trained_on != game:
+        raise PolicyRefused(f"`{name}` was trained on the game `{trained_on}`, and this is `{game}`: choose a run of this game")
+    own = next((thing for thing in (str(config.get("network", "")), *partners) if ":" in thing), None)
+    if own is not None:
+        raise PolicyRefused(f"`{name}` needs Python code of your own ({own}), which the studio does not run; `sjdsl play --others` does")
+    for partner in partners:
+        if partner not in UNTRAINED and (not partner.isidentifier() or _is_there(root, partner)):  # else the file declares it
+            if not deep:
+                raise PolicyRefused(f"`{name}` has partners that have partners in turn, too many times")
+            _checked(root, _inside(root, partner), game, deep - 1)
+    return file
+
+
+def _is_there(root: Path, name: str) -> bool:
+    return any((place / name).exists() for place in (root, Path()))
+
+
+def _inside(root: Path, name: str) -> str:
+    """Returns the name of a partner, which runs have as a whole path, relative to the folder."""
+    path, at, which = name.rpartition("@") if "@" in name else (name, "", "")
+    place = Path(path).resolve() if Path(path).is_absolute() else (root / path).resolve()
+    if not place.is_relative_to(root):
+        raise PolicyRefused(f"a partner of this run, `{name}`, is outside the folder that the studio was started in")
+    return f"{place.relative_to(root).as_posix()}{at}{which}"
+
+
+def _file_of(root: Path, name: str) -> Path:
+    before, at, which = name.rpartition("@")
+    path, which = (before, which) if at else (name, "last")
+    place = root / path
+    if place.suffix != SUFFIX:
+        place = (
+            place / POLICIES / f"{int(which):08d}{SUFFIX}" if which.isascii() and which.isdigit() else place / POLICIES / f"{which}{SUFFIX}"
+        )
+    try:
+        file = place.resolve()
+    except (OSError, RuntimeError, ValueError):
+        raise PolicyRefused(f"`{name}` is no path") from None
+    if not file.is_relative_to(root) or file.suffix != SUFFIX:
+        raise PolicyRefused(f"`{name}` is outside the folder that the studio was started in: start it where both the game and the run are")
+    try:
+        there = file.is_file()
+    except (OSError, ValueError):
+        there = False
+    if not there:
+        near = [stored.name for stored in stored_policies(root)]
+        raise PolicyRefused(f"there is no policy `{name}`, neither in the game's file nor trained in this folder, where {_listed(near)}")
+    return file
+
+
+def _listed(names: list[str]) -> str:
+    if not names:
+        return "there is none"
+    return f"there {'are' if len(names) > 1 else 'is'} {', '.join(names[:5])}{', …' if len(names) > 5 else ''}"
+
+
+def _name_of(file: Path, root: Path) -> str:
+    inside = file.relative_to(root)
+    if inside.parent.name != POLICIES or inside.parent.parent == Path():
+        return inside.as_posix()
+    run, which = inside.parent.parent.as_posix(), str(int(file.stem)) if file.stem.isdigit() else file.stem
+    return run if which == "last" else f"{run}@{which}"
+
+
+def _description(file: Path, root: Path) -> Mapping[str, Any]:
+    path = file.with_suffix(".json")
+    try:
+        if not path.resolve().is_relative_to(root) or not file.resolve().is_relative_to(root):
+            raise PolicyRefused(f"`{file.name}` leads outside the folder that the studio was started in")
+        if path.stat().st_size > LARGEST_DESCRIPTION:
+            raise PolicyRefused(f"`{path.name}` is too large to be the description of a policy")
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        raise PolicyRefused(f"`{path.name}` beside the policy cannot be read") from None
+    if not isinstance(found, dict):
+        raise PolicyRefused(f"`{path.name}` is no description of a policy")
+    return found
