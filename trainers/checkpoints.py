@@ -1,7 +1,8 @@
 """Checkpoints: saves and restores the whole state of a run with orbax, so that a stopped run continues exactly.
 
 A checkpoint is a folder that orbax names only when all of it is written. Beside the arrays it has their digest: what does not
-read back as it was written is not gone on from.
+read back as it was written is not gone on from. Damaged files, and arrays of other shapes, are refused before orbax reads any array:
+where one array fails, it closes its event loop under those that are still being read, and their threads complain to nobody.
 """
 
 import os
@@ -16,7 +17,9 @@ import jax.numpy as jnp
 from jax.tree_util import keystr, tree_flatten_with_path
 
 from .digest import digest_of
+from .processes import is_first
 from .run_files import naming
+from .seal import damage_of, seal
 
 CHECKPOINTS = "checkpoints"
 KEPT = 2  # the last one, and the one before should the last be damaged
@@ -45,11 +48,13 @@ class Checkpoints:
     def save(self, update: int, state: Any, known: Mapping[str, Any]) -> None:
         """Writes the state after an update, and what else is known, JSON values. Raises OSError when there is no room."""
         arrays = _named_arrays(state)
-        known = {**known, "digest": digest_of(arrays)}
+        known = {**known, "digest": digest_of(arrays), "arrays": _kinds(arrays)}
         parts = self._ocp.args.Composite(state=self._ocp.args.StandardSave(arrays), known=self._ocp.args.JsonSave(known))
         try:
             with naming(self.folder / str(update)):
                 self._manager.save(update, args=parts, force=True)
+                if is_first():
+                    seal(self.folder / str(update))
         except ValueError as error:  # tensorstore has no class for what the system refuses, but says its number
             said = re.search(r"os_error_code='(\d+)'", str(error))
             if said is None:
@@ -62,17 +67,25 @@ class Checkpoints:
         Raises:
           CheckpointError: it is damaged, or of another run.
         """
-        ocp = self._ocp
-        wanted = {name: ocp.utils.to_shape_dtype_struct(leaf) for name, leaf in _named_arrays(like).items()}
-        parts = ocp.args.Composite(state=ocp.args.StandardRestore(wanted), known=ocp.args.JsonRestore())
+        ocp, folder = self._ocp, self.folder / str(update)
+        if (file := damage_of(folder)) is not None:
+            raise CheckpointError(f"{folder} is damaged: {file} is not as it was written")
+        named = _named_arrays(like)
+        wanted = {name: ocp.utils.to_shape_dtype_struct(leaf) for name, leaf in named.items()}
+        known = dict(self._read(update, known=ocp.args.JsonRestore())["known"])
+        if known.pop("arrays", _kinds(named)) != _kinds(named):
+            raise CheckpointError(f"{folder} cannot be read: its arrays have other names, shapes or dtypes than this run's")
+        arrays = self._read(update, state=ocp.args.StandardRestore(wanted))["state"]
+        if digest_of(arrays) != known.pop("digest", None):
+            raise CheckpointError(f"{folder} is damaged: its arrays are not those that were written")
+        return _with_arrays(like, arrays), known
+
+    def _read(self, update: int, **parts: Any) -> Any:
+        """Returns parts of a checkpoint. Raises CheckpointError."""
         try:
-            found = self._manager.restore(update, args=parts)
-            arrays, known = found["state"], dict(found["known"])
+            return self._manager.restore(update, args=self._ocp.args.Composite(**parts))
         except Exception as error:  # orbax and tensorstore have no common class of errors
             raise CheckpointError(f"{self.folder / str(update)} cannot be read: {_first_line(error)}") from None
-        if digest_of(arrays) != known.pop("digest", None):
-            raise CheckpointError(f"{self.folder / str(update)} is damaged: its arrays are not those that were written")
-        return _with_arrays(like, arrays), known
 
     def drop(self, update: int) -> None:
         """Removes a checkpoint that cannot be read, so that the run may write it anew."""
@@ -88,6 +101,11 @@ def _named_arrays(state: Any) -> dict[str, Any]:
     """Returns the leaves of a state by their paths; keys as the words they are made of."""
     leaves, _ = tree_flatten_with_path(state)
     return {keystr(place): _words(leaf) for place, leaf in leaves}
+
+
+def _kinds(arrays: Mapping[str, Any]) -> dict[str, str]:
+    """Returns dtype and shape of each array, as text: `float32[4,2]`."""
+    return {name: f"{array.dtype}[{','.join(map(str, array.shape))}]" for name, array in arrays.items()}
 
 
 def _words(leaf: Any) -> Any:

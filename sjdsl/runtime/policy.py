@@ -63,7 +63,8 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
         after = []
         for (agents, policy), own, own_key in zip(policies, memory, jax.random.split(key, len(policies)), strict=True):
             own, taken = policy.act(own, own_key, observation, *policy.needs(allowed, state))
-            actions = actions.at[jnp.asarray(agents)].set(jnp.asarray(taken, jnp.int32)[jnp.asarray(agents)])
+            theirs = jnp.asarray(agents, jnp.int32)  # a part may be of nobody
+            actions = actions.at[theirs].set(jnp.asarray(taken, jnp.int32)[theirs])
             after.append(own)
         return tuple(after), actions
 

@@ -88,3 +88,35 @@ def test_an_unfinished_one_is_none(tmp_path: Path) -> None:
     assert _bits(again.restore(2, _state(0))[0]) == _bits(_state(2))
     again.close()
     assert sorted(path.name for path in (tmp_path / "checkpoints").iterdir()) == ["1", "2"]
+
+
+def _flipped(content: bytes) -> bytes:
+    return bytes([content[0] ^ 0xFF]) + content[1:]
+
+
+def test_damage_in_any_file_is_found_before_an_array_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reading it would leave an event loop of orbax that is closed while threads still use it."""
+    checkpoints = Checkpoints(tmp_path)
+    checkpoints.save(1, _state(1), {})
+    folder = tmp_path / "checkpoints" / "1"
+    monkeypatch.setattr(checkpoints, "_read", lambda *_, **__: pytest.fail("orbax was asked"))
+    files = [path for path in folder.rglob("*") if path.is_file() and path.stat().st_size]
+    assert len(files) > 5
+    for path in files:
+        content = path.read_bytes()
+        path.write_bytes(_flipped(content))
+        with pytest.raises(CheckpointError, match=f"is damaged: .*{path.name}"):
+            checkpoints.restore(1, _state(1))
+        path.write_bytes(content)
+    monkeypatch.undo()
+    assert _bits(checkpoints.restore(1, _state(0))[0]) == _bits(_state(1))
+    checkpoints.close()
+
+
+def test_a_checkpoint_without_its_seal_is_read(tmp_path: Path) -> None:
+    """As an older version wrote it, or a process that was killed just before."""
+    checkpoints = Checkpoints(tmp_path)
+    checkpoints.save(1, _state(1), {})
+    (tmp_path / "checkpoints" / "1" / "files.json").unlink()
+    assert _bits(checkpoints.restore(1, _state(0))[0]) == _bits(_state(1))
+    checkpoints.close()
