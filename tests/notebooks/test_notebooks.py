@@ -1,0 +1,132 @@
+"""The notebooks run from their first cell to their last with what `pip install sjdsl` brings, and are kept without outputs."""
+
+import ast
+import os
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+REPOSITORY = Path(__file__).parents[2]
+EXAMPLES = REPOSITORY / "examples"
+NOTEBOOKS = sorted(path.stem for path in EXAMPLES.glob("*.ipynb"))
+URL = "https://github.com/sjdsl/sjdsl"
+HAS_JUPYTER = {"ipython"}  # what shows a notebook has it
+
+
+def executed(name: str) -> nbformat.NotebookNode:
+    """Returns a notebook with its outputs. Its process compiles as quickly as the tests do: it has their variables."""
+    notebook = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4)
+    assert os.environ["JAX_COMPILATION_CACHE_DIR"]
+    NotebookClient(notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(EXAMPLES)}}).execute()
+    return notebook
+
+
+def printed(notebook: nbformat.NotebookNode, start: str) -> str:
+    """Returns what the cell printed or showed whose code begins so."""
+    (cell,) = (cell for cell in notebook.cells if cell.cell_type == "code" and cell.source.startswith(start))
+    return "".join(
+        output.get("text") or output.get("data", {}).get("text/markdown") or output["data"]["text/plain"] for output in cell.outputs
+    )
+
+
+def shown(notebook: nbformat.NotebookNode, kind: str) -> list[str]:
+    """Returns everything of a media type that the notebook shows."""
+    data = [output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", ())]
+    return [each[kind] for each in data if kind in each]
+
+
+def test_a_dilemma_is_written_and_changed() -> None:
+    """Two keep the fire and two sit by it: the idlers earn more, until a log pays."""
+    notebook = executed("write_a_dilemma")
+    mistakes = printed(notebook, "mistaken =")
+    assert "did you mean `wood`" in mistakes and "a reward is wanted here, and this is a probability" in mistakes
+    assert "no problems" in printed(notebook, 'command(["check", str(rules)])')
+    before, after = (_numbers(printed(notebook, cell).splitlines()[0]) for cell in ("def returns", "again ="))
+    assert max(before[:2]) < min(before[2:])
+    assert min(after[:2]) > 1.5 * max(before[:2])
+    assert after[2:] == before[2:]  # the idlers' walks and draws are the same
+    assert "The agent receives a reward of 6" in printed(notebook, "thankful =")
+    pages = shown(notebook, "text/html")
+    assert len(pages) == 2 and all(page.startswith("<iframe") for page in pages)
+    assert len(shown(notebook, "image/png")) == 1
+
+
+@pytest.mark.thorough
+def test_what_the_tour_shows() -> None:
+    notebook = executed("tour")
+    assert "orchard" in printed(notebook, "rules =")
+    assert printed(notebook, "observation, state").startswith("((2,")
+    assert printed(notebook, "def rollout").count("steps a second") == 2
+    assert "regrow" in printed(notebook, "from sjdsl.cli")
+    assert printed(notebook, "from sjdsl.trainers import evaluate").count("reward, seed") == 4
+    assert any(word in printed(notebook, "from sjdsl.experiments") for word in ("dilemma", "undecided"))
+    assert "| orchard |" in printed(notebook, "from sjdsl.report")
+    assert len(shown(notebook, "image/png")) == 3
+
+
+@pytest.mark.thorough
+def test_schelling_diagrams_tell_a_dilemma_from_none() -> None:
+    notebook = executed("schelling")
+    assert "dilemma - the lower bounds of A, B and greed are above 0" in printed(notebook, "env = sjdsl.make")
+    assert printed(notebook, "for others in").count("others cooperate") == 4
+    verdicts = printed(notebook, "coins = sjdsl.make")
+    assert "harm -2.0: dilemma" in verdicts and "harm 0.0: no dilemma" in verdicts
+    assert len(shown(notebook, "image/png")) == 3
+
+
+@pytest.mark.thorough
+def test_a_payoff_is_swept_in_one_program() -> None:
+    notebook = executed("sweep")
+    assert "17 payoffs, 24 episodes each; compiled programs: 1" in printed(notebook, "def episode")
+    verdicts = printed(notebook, "is_dilemma")
+    assert "harm -2.0: a dilemma" in verdicts and "harm  0.0: no dilemma" in verdicts
+    assert len(shown(notebook, "image/png")) == 1
+
+
+def _numbers(text: str) -> list[int]:
+    return [int(number) for number in re.findall(r"-?\d+", text)]
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_it_is_kept_without_outputs(name: str) -> None:
+    kept = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4)
+    nbformat.validate(kept)
+    assert [cell for cell in kept.cells if cell.cell_type == "code" and (cell.outputs or cell.execution_count)] == []
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_it_opens_in_colab_and_imports_only_what_is_installed_with_sjdsl(name: str) -> None:
+    first, install, *cells = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells
+    assert f"(https://colab.research.google.com/github/sjdsl/sjdsl/blob/main/examples/{name}.ipynb)" in first.source
+    assert install.source.endswith("%pip install --quiet sjdsl")
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+    brought = {re.split(r"[\[>=<; ]", wanted)[0].lower() for wanted in project["dependencies"]} | HAS_JUPYTER
+    owners = packages_distributions()
+    for module in _imported("\n".join(cell.source for cell in cells if cell.cell_type == "code")):
+        if module not in sys.stdlib_module_names and module != "sjdsl":
+            assert brought & {owner.lower() for owner in owners[module]}, f"{module} is not installed with sjdsl"
+
+
+def _imported(code: str) -> set[str]:
+    """Returns the names of the packages that a code imports."""
+    found = set()
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add(str(node.module).split(".")[0])
+    return found
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_its_links_lead_to_files_of_the_repository(name: str) -> None:
+    text = "\n".join(cell.source for cell in nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells)
+    paths = re.findall(rf"{re.escape(URL)}/blob/main/([^)#\s]+)", text)
+    assert paths
+    assert [path for path in paths if not (REPOSITORY / path).exists()] == []
