@@ -13,6 +13,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import decode, read_source
 from sjdsl.format import format_source
+from sjdsl.format.upgrade import upgrade
 
 STDIN = "-"
 STDIN_NAME = "standard input"
@@ -21,7 +22,8 @@ STDIN_NAME = "standard input"
 @click.command("fmt")
 @click.argument("paths", nargs=-1, required=True, metavar="FILE|FOLDER|-...")
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that would be reformatted.")
-def command(paths: tuple[str, ...], only_check: bool) -> int:
+@click.option("--upgrade", "raises", is_flag=True, help="Also raise the first line, such as `sj 1`, to the language that the file needs.")
+def command(paths: tuple[str, ...], only_check: bool, raises: bool) -> int:
     """Formats `.sj` files: spaces, line ends and columns. Comments stay, and so do line ends between statements.
 
     A FOLDER stands for all `.sj` files in it and below, hidden folders left out. `-` reads a game from standard input and writes it
@@ -30,12 +32,11 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
     if STDIN in paths:
         if len(paths) > 1:
             raise click.UsageError("`-` reads the standard input: name no files beside it", click.get_current_context())
-        return _format_stdin(only_check)
+        return _format_stdin(only_check, raises)
     changed, unchanged, problems = 0, 0, 0
     for path in files_of(paths):
         try:
-            source = read_source(path)
-            text = format_source(source)
+            text, raised = _laid_out(read_source(path), raises)
         except CompileError as error:
             print_diagnostics(error.diagnostics, err=True)
             problems += 1
@@ -45,12 +46,20 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
             continue
         changed += 1
         if only_check:
-            click.echo(f"{path} would be reformatted")
+            click.echo(f"{path} would be reformatted{raised}")
         else:
             write_whole(path, text)
-            click.echo(f"{path} was reformatted")
+            click.echo(f"{path} was reformatted{raised}")
     click.echo(_summary(changed, unchanged, problems, only_check))
     return int(problems > 0 or (only_check and changed > 0))
+
+
+def _laid_out(source: Source, raises: bool) -> tuple[str, str]:
+    """Returns the text of a file as it should be, and what is to be said of a new first line, if there is one. Raises CompileError."""
+    raised = upgrade(source) if raises else None
+    if raised is None:
+        return format_source(source), ""
+    return format_source(raised.source), f", and its first line is `sj {raised.version}`: line {raised.line} has {raised.reason}"
 
 
 def files_of(paths: Iterable[str]) -> list[Path]:
@@ -86,12 +95,12 @@ def write_whole(path: Path, text: str) -> None:
         unfinished.unlink(missing_ok=True)
 
 
-def _format_stdin(only_check: bool) -> int:
+def _format_stdin(only_check: bool, raises: bool) -> int:
     data = sys.stdin.buffer.read()
     source = Source(STDIN_NAME, "")
     try:
         source = decode(data, STDIN_NAME)
-        text = format_source(source)
+        text, _ = _laid_out(source, raises)
     except CompileError as error:
         print_diagnostics(error.diagnostics, {STDIN_NAME: source}, err=True)
         return 1

@@ -46,7 +46,7 @@ CLAUSES = {
 }  # fmt: skip
 
 RULES: dict[str, node_builders.Build] = {
-    "start": lambda span, version, game: ast.File(span, int(version), game),
+    "start": lambda span, version, game: ast.File(span, int(version.split(".")[0]), game),
     "game": node_builders.game,
     "cite": ast.Cite,
     "about": node_builders.several(ast.About, 1),

@@ -6,11 +6,12 @@ from sjdsl.compiler.diagnostics.source import Span
 
 
 class NewerLanguage(Diagnostic, code="SJ001", title="A file for another version of the language"):
-    says = "this file is for `sj {version}`, and this compiler reads `sj {known}`"
-    hints = ("get a newer compiler, or write the file for `sj {known}`",)
-    instead = ("sj {known}",)
+    says = "this file is for `sj {version}`, and this compiler reads `sj {oldest}` to `sj {newest}`"
+    hints = ("get a newer compiler (`pip install --upgrade sjdsl`), or write the file for `sj {newest}`",)
+    instead = ("sj {newest}",)
     version: str
-    known: str
+    oldest: str
+    newest: str
 
 
 class Unexpected(Diagnostic, code="SJ002", title="Something unexpected"):
