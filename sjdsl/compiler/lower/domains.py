@@ -205,7 +205,7 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
         step = Value(Index(name, (facing.node,)), "i32", (*at.axes, axis))
     cells = w.keep(f"{ident}_cells", _plus(at, step, axis, w))
     ok = _reached(shape, ident, at, facing, cells, axis, w)
-    if axis in scope.axes:  # the same shape of the same agent once more inside itself
+    if any(a.order >= axis.order for a in scope.axes):  # the same shape of the same agent once more inside itself, or in a later statement
         other = replace(w.axis(ident, axis.size), constant=axis.constant)
         cells, ok = (replace(v, axes=tuple(other if a == axis else a for a in v.axes)) for v in (cells, ok))
         axis = other
