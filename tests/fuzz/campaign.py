@@ -5,6 +5,7 @@
 
 import argparse
 import gc
+import signal
 import time
 from collections import Counter
 from contextlib import suppress
@@ -40,6 +41,8 @@ def main() -> None:
     found: Counter[str] = Counter()
     grammar = Grammar()
     begun = time.process_time()
+    for stop in (signal.SIGINT, signal.SIGTERM):  # also where the shell has it run in the background, without interrupts
+        signal.signal(stop, signal.default_int_handler)
     with suppress(KeyboardInterrupt):  # a campaign that is stopped tells what it has seen
         for number in range(given.seed, given.seed + given.examples):
             made = program(Random(number))
