@@ -34,6 +34,7 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
     field taste : { red, green } = red
     field bag   : { red, green, blue } = red         # the colour last sown
     field coat  : { none, red, green, blue } = none  # the colour last planted: everybody sees it
+    field fed   : { no, yes } = no                   # has it eaten on this bush since it came?
     field hits : 0 .. strikes capped = 0  timer recovering  timer stunned  timer hot  timer empty
     forbid zap when agent.hot > 0  forbid sow_red, sow_green, sow_blue when agent.empty > 0
     forbid forward, backward, step_left, step_right, turn_left, turn_right when agent.stunned > 0  # Melting Pot: who is stunned can sow
@@ -54,11 +55,13 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
 
   phase ripen { each bush as b where b.fruit is unripe and b.young == 0 { chance growth * alike(b) { set b.fruit = ripe } } }
   phase walk { move each agent }
-  phase eat {  # Melting Pot: who enters
-    each agent on bush where agent.moved and bush.fruit is ripe {
-      set bush.fruit = unripe  set bush.young = patience  tally eaten[bush.colour] for agent
-      give case bush.colour is agent.taste { yes: liked, no: disliked } to agent
-      chance certain * (1 - max(share(red), share(green), share(blue))) { set agent.coat = none }
+  phase eat {  # Melting Pot: who enters, or stands where a berry ripens; but each only once on a bush, until it leaves it
+    each agent on bush {
+      when bush.fruit is ripe and (agent.moved or agent.fed is no) {
+        set bush.fruit = unripe  set bush.young = patience  set agent.fed = yes  tally eaten[bush.colour] for agent
+        give case bush.colour is agent.taste { yes: liked, no: disliked } to agent
+        chance certain * (1 - max(share(red), share(green), share(blue))) { set agent.coat = none }
+      } otherwise when agent.moved { set agent.fed = no }
     }
   }
   phase sow(deed, hue) { each agent where agent chose deed { mark seeds of agent  set agent.bag = hue  set agent.empty = loading } }

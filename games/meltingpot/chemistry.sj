@@ -102,13 +102,13 @@ game chemistry "Chemistry" {
     each dish as d where d.next is not none {
       when d.mol is hot { set d.mol = d.next  set d.next = none  set d.fresh = 3 } otherwise { set d.mol = hot }
     }
-    each agent as v where v.next is not none {
-      when v.mol is hot { set v.mol = v.next  set v.next = none  set v.fresh = 3  give v.due to v } otherwise { set v.mol = hot }
-    }
+    each agent as v where v.mol is hot and v.next is not none { set v.mol = v.next  set v.next = none  set v.fresh = 3  give v.due to v }
+    each agent as v where v.mol is not hot and v.next is not none { set v.mol = hot }
   }
   observe { show agent.mol  show other.mol  hide dish.next  hide dish.held  hide dish.plan  hide dish.site  hide dish.lit  hide dish.spark }
   metrics { event lit by { background, low, medium, high }  mean energy_left = count(dish where dish.mol is energy) }
   checks { symmetric agents  always count(dish as d where d.plan is not idle or d.site is not idle or d.lit is yes or d.spark is yes) == 0 }
+  checks hot { always count(dish as d where d.mol is hot and d.next is none or d.mol is not hot and d.next is not none) == 0 }
   define joins(a, m) = a.mol is empty and m is x or a.mol is x and m is y
   define above(a, m) = a.mol is empty and count(agent as b on dish as d where b is a and d.mol is m) > 0
   define fed(a)      = above(a, food1) or above(a, food2) or above(a, food3)

@@ -52,8 +52,8 @@ game paintball "Paintball: Capture the Flag" {
   }
   schedule tick -> walk -> carry -> fire -> settle -> fall -> heal -> restore -> signal
   phase walk { move each agent }
-  phase carry {  # who comes to a flag
-    each agent as a on land where a.moved and land.flag is not none {
+  phase carry {  # who comes to a flag, or stands where one comes
+    each agent as a on land where land.flag is not none {
       let flag_of = land.flag
       when flag_of is not a.team or not safe(a.team) { set land.flag = none }
       when flag_of is not a.team { set a.load = flag  tally taken for a }
@@ -94,6 +94,7 @@ game paintball "Paintball: Capture the Flag" {
         chance healing { add 1 to a.health }
       }
     }
+    each agent as a on barrier where a.health < most { chance healing { add 1 to a.health } }  # Melting Pot: as on clean ground
   }
   phase restore {  # a flag that is nowhere else is at home
     each ground where ground.site is red_home and lost(red) { set ground.flag = red }

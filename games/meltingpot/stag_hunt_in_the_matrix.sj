@@ -37,8 +37,9 @@ game stag_hunt_in_the_matrix "Stag Hunt in the Matrix" extends "prisoners_dilemm
     seek patch where patch.class is hare and patch.stock is ripe avoiding patch where patch.class is stag
   }
   variant repeated "Two players meet again and again; all resources are back when both are away" {
-    set players = 2  set absence = 5  set ending = 0.1  set regrow = 0.02  map "maps/stag_hunt_repeated.txt"  # Melting Pot
-    observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }  # Melting Pot
+    set players = 2  set absence = 5  set longest = 2500  set ending = 0.1  set regrow = 0.02  # Melting Pot
+    map "maps/stag_hunt_repeated.txt"  # Melting Pot
+    observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }                    # Melting Pot
     schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close
     phase refill { when count(agent) == 0 { each patch { set patch.stock = ripe } } }
   }

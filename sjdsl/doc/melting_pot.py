@@ -30,6 +30,7 @@ EVERYWHERE = (
     "Here, such a window has 121 bytes a plane of tokens; a game has 2 to 16 planes. One-hot observations have 121 floats a channel, 11 to 106 channels.",
     "Random numbers are others.",
     "All agents act at once on the state before the step; there, they act in a random order within it.",
+    "Waits are counted from the step in which they begin; there mostly from the next, so that they last a step longer.",
 )
 
 

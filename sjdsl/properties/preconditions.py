@@ -183,6 +183,8 @@ def roles_towards(
     seen |= {focus.statement_id}
     found: list[Role] = []
     for test in random.sample(unmet, min(len(unmet), MOST)):
+        if len(found) >= MOST:  # no more are taken, and each further one may need many of its own
+            break
         gathered = [focus.fitting_agents(name, game, world) for name, condition in focus.gathers if condition is test]
         read = set(reads(test))
         writers = [i for i, r in enumerate(preconditions) if r.statement_id not in seen and r.writes & read and can_make(r, test)]

@@ -106,6 +106,11 @@ def test_one_shot_of_the_mining_ray_in_three_steps() -> None:
     scene.step("mine").has({"allowed mine": [True, True]})
 
 
+def test_all_who_reach_iron_in_one_step_are_paid() -> None:
+    scene = MINE.put(">i<OOO", "PPPPPP", params={"spawn_iron": 0.0, "spawn_gold": 0.0}).step("mine, mine")
+    scene.has({"reward": 1, "event iron_mined": 1, "rock.ore": "none"})
+
+
 def test_gifts_reach_five_cells_and_are_of_the_finest_level() -> None:
     """Agent 0 holds all levels, agent 2 raw ones; agent 1 is five cells from the one and beside the other. Cut and raw become five."""
     bags = {"agent.bag[raw]": [1, 0, 1], "agent.bag[cut]": [1, 0, 0], "agent.bag[fine]": [1, 0, 0]}

@@ -28,9 +28,20 @@ def test_a_berry_is_eaten_by_who_enters_and_is_worth_two_to_who_likes_it() -> No
     below.step().has({"reward": 0})
 
 
-def test_a_berry_that_ripens_under_a_player_is_not_eaten_by_it() -> None:
-    scene = put("^23..<..  01", "........", "..1123..", "......<<  23", params={"growth": 0.001}, fields={"bush.fruit": "ripe"}).step()
-    scene.has({"reward": 0, "event eaten[red]": 0})
+def test_a_berry_that_ripens_under_a_player_is_eaten_by_it_once() -> None:
+    """Who has eaten on a bush waits there in vain for the next berry; it eats again when it comes anew."""
+    picture = ("123..<..  1", "^.......  0", "..1123..", "......<<  23")
+    facts = {"agent.taste": "red", "bush.fruit": "ripe"}
+    below = put("^23..<..  01", "........", "..1123..", "......<<  23", fields=facts).step().has({"reward": [2, 0, 0, 0]})
+    below.has({"agent.fed": {0: "yes"}, "bush.fruit": {(0, 0): "unripe"}})
+    fed = {**facts, "agent.fed": {0: "yes"}}
+    put("^23..<..  01", "........", "..1123..", "......<<  23", fields=fed).step().has({"reward": 0, "bush.fruit": "ripe"})
+    put(*picture, fields=fed).step("forward").has({"reward": [2, 0, 0, 0]}).step().has({"reward": 0})
+
+
+def test_who_comes_to_an_unripe_bush_may_eat_there() -> None:
+    scene = put("123..<..  1", "^.......  0", "..1123..", "......<<  23", fields={"agent.fed": {0: "yes"}}).step("forward")
+    scene.has({"agent.fed": {0: "no"}, "reward": 0})
 
 
 def test_eating_may_cost_the_coat() -> None:
