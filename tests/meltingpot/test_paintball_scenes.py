@@ -120,7 +120,7 @@ def test_a_flag_that_comes_home_is_met_by_who_stands_there() -> None:
 
 
 def test_health_comes_back_on_a_broken_wall() -> None:
-    facts = {"fields": {"agent.health": 1, "barrier.health": 0}, "params": {"healing": 1}, "under": {1: "D"}}
+    facts: dict[str, Any] = {"fields": {"agent.health": 1, "barrier.health": 0}, "params": {"healing": 1}, "under": {1: "D"}}
     scene = put("PP..R...", "v......v  03", "..>.#...  1", "QQ..B..^  2", **facts).step().has({"agent.health": 2}).step()
     scene.has({"agent.health": 2})
 
