@@ -22,6 +22,7 @@ from sjdsl.studio.carried import carried
 from sjdsl.studio.counterexample import NoReplay, replayed
 from sjdsl.studio.episode import Episode, TooLong, begun, chooser, resumed
 from sjdsl.studio.examples import place_of
+from sjdsl.studio.folder import FileRefused, Folder
 from sjdsl.studio.knobs import knobs, with_entries
 from sjdsl.studio.opened import Choice, Opened, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint
@@ -58,7 +59,7 @@ class Bench:
         """Returns what a request leads to; `refused` with the reason if it cannot be done."""
         try:
             found = self._done(request)
-        except (Refused, TooLong, CannotPaint, NoReplay, PolicyRefused) as reason:
+        except (Refused, TooLong, CannotPaint, NoReplay, PolicyRefused, FileRefused) as reason:
             found = {"refused": str(reason)}
         except LeavesFloat32 as left:
             found = {"refused": self._overflow(left)}
@@ -98,7 +99,9 @@ class Bench:
 
     def _text(self, request: ask.Text) -> Answer:
         """Opens a text; the answer says whether the state was kept. A text with errors leaves everything as it is."""
-        folder, path = place_of(request.path, self.folder)
+        folder, path = place_of(request.path, self.folder.resolve())
+        if Folder(folder).inside(path).suffix != ".sj":
+            raise FileRefused(f"`{path}` is no game: its name does not end in .sj")
         over = {(folder / name).resolve(): text for name, text in request.over.items()}
         source = Source(path, request.text, (folder / path).parent, lambda wanted: over.get(wanted.resolve()))
         try:

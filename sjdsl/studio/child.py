@@ -117,7 +117,7 @@ class Spares:
 def _part(request: str, name: str) -> str:
     try:
         return str(json.loads(request)[name])
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         return ""
 
 

@@ -47,6 +47,8 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
             "the rules have changed since: they do not take the map or the numbers of this counterexample; test the checks again"
         )
     count = len(game.agents.actions)
+    if request.bias and len(request.bias) < len(request.actions):
+        raise NoReplay("the counterexample is not whole: test the checks again")
     if any(len(step) != request.agents or not all(0 <= action < count for action in step) for step in request.actions):
         raise NoReplay("the rules have changed since: they do not take the actions of this counterexample; test the checks again")
     scenario = Scenario(

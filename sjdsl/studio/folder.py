@@ -2,12 +2,15 @@
 
 import hashlib
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
 MOST = 500  # files that are listed
+MOST_FOLDERS = 3000
 
 
 class FileRefused(Exception):
@@ -25,21 +28,20 @@ class Folder:
     root: Path
 
     def games(self) -> list[str]:
-        """Returns the games, by their paths inside; at most 500. Hidden folders are left out."""
-        found = []
-        for folder, inner, files in os.walk(self.root):
-            inner[:] = sorted(name for name in inner if not name.startswith((".", "_")))
-            found += [(Path(folder) / name).relative_to(self.root).as_posix() for name in sorted(files) if name.endswith(".sj")]
-            if len(found) >= MOST:
-                break
-        return found[:MOST]
+        """Returns the games, by their paths inside, those in nearer folders first; at most 500."""
+        found = (path.relative_to(self.root).as_posix() for path in files_below(self.root, ".sj"))
+        return list(islice(found, MOST))
 
     def read(self, name: str) -> tuple[str, str]:
         """Returns the text of a file and its digest. Raises FileRefused."""
-        path = self._inside(name)
+        path = self.inside(name)
         if not path.is_file():
             raise FileRefused(f"there is no file `{name}`")
-        data = path.read_bytes()
+        try:
+            with open(path, "rb") as file:
+                data = file.read(LARGEST + 1)
+        except OSError as error:
+            raise FileRefused(f"`{name}` cannot be read: {error.strerror}") from None
         if len(data) > LARGEST:
             raise FileRefused(f"`{name}` is larger than {LARGEST // 1000} kB")
         try:
@@ -52,7 +54,7 @@ class Folder:
 
         before: the digest when it was read; None for a file that is new. Raises Changed if it is not so any more, and FileRefused.
         """
-        path, data = self._inside(name), text.encode("utf-8")
+        path, data = self.inside(name), text.encode("utf-8")
         if len(data) > LARGEST:
             raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
         now = digest(path.read_bytes()) if path.is_file() else None
@@ -66,14 +68,41 @@ class Folder:
             raise FileRefused(f"`{name}` cannot be written: {error.strerror}") from None
         return digest(data)
 
-    def _inside(self, name: str) -> Path:
+    def inside(self, name: str) -> Path:
         """Returns the path of a file in the folder. Raises FileRefused for one that is, or leads, outside, and for other sorts of files."""
-        path = (self.root / name).resolve()
+        try:
+            name.encode("utf-8")  # what JSON cannot hold, the page cannot either
+            path = (self.root / name).resolve()
+            path.is_file()  # the system refuses some names only when it is asked
+        except (OSError, RuntimeError, ValueError):
+            raise FileRefused(f"`{ascii(name[:80])[1:-1]}` is no path of a file") from None
         if not path.is_relative_to(self.root):
             raise FileRefused(f"`{name}` is outside the folder that the studio was started in")
         if path.suffix not in SUFFIXES:
             raise FileRefused(f"`{name}` is neither a game (.sj) nor a map (.txt)")
         return path
+
+
+def files_below(root: Path, suffix: str) -> Iterator[Path]:
+    """Yields the files of a suffix in a folder and those below it, nearer ones first.
+
+    At most 3,000 folders are looked into, so that a studio started in somebody's home answers soon. Hidden ones, those whose name begins with
+    `_`, links to folders, packages of JavaScript, and names that cannot be shown are left out.
+    """
+    waiting, looked = [root], 0
+    while waiting and looked < MOST_FOLDERS:
+        folder, looked = waiting.pop(0), looked + 1
+        try:
+            entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+        except OSError:
+            continue
+        entries = [entry for entry in entries if entry.name.isprintable() and not entry.name.startswith(".")]
+        yield from (Path(entry.path) for entry in entries if entry.name.endswith(suffix) and entry.is_file())
+        waiting += [
+            Path(entry.path)
+            for entry in entries
+            if entry.is_dir(follow_symlinks=False) and not entry.name.startswith("_") and entry.name != "node_modules"
+        ]
 
 
 def digest(data: bytes) -> str:

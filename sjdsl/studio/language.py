@@ -22,7 +22,7 @@ async def serve_language(socket: WebSocket, folder: Path) -> None:
             assert process.stdin is not None
             process.stdin.write(HEADER + str(len(message)).encode() + END + END + message)
             await process.stdin.drain()
-    except (WebSocketDisconnect, ConnectionError, asyncio.CancelledError):
+    except (WebSocketDisconnect, ConnectionError, asyncio.CancelledError, KeyError):  # KeyError: bytes in place of text
         pass
     finally:
         back.cancel()

@@ -1,12 +1,12 @@
 """Trained policies in the folder of the studio: which there are, and whether one may be loaded. Needs no JAX."""
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sjdsl.studio.folder import files_below
 from sjdsl.trainers.policy_names import UNTRAINED
 
 SUFFIX, POLICIES = ".safetensors", "policies"
@@ -30,16 +30,14 @@ class Stored:
 def stored_policies(root: Path) -> list[Stored]:
     """Returns the policies in a folder and all below it, at most 200; of a run the last, the best, and those stored by number.
 
-    Those whose description cannot be read are left out, and so are hidden folders.
+    Those whose description cannot be read are left out.
     """
     found: list[Stored] = []
-    for folder, inner, files in os.walk(root):
-        inner[:] = sorted(name for name in inner if not name.startswith((".", "_")) and name != "node_modules")
-        for file in sorted(Path(folder) / name for name in files if name.endswith(SUFFIX)):
-            try:
-                found.append(Stored(_name_of(file, root), str(_description(file, root)["game"]["name"])))
-            except (PolicyRefused, KeyError, TypeError):
-                continue
+    for file in files_below(root, SUFFIX):
+        try:
+            found.append(Stored(_name_of(file, root), str(_description(file, root)["game"]["name"])))
+        except (PolicyRefused, KeyError, TypeError):
+            continue
         if len(found) >= MOST:
             break
     return sorted(found, key=lambda stored: stored.name)[:MOST]

@@ -34,6 +34,7 @@ ASSETS = {
 }
 Handler = Callable[[Request], Coroutine[Any, Any, Response]]
 REFUSED = 4403  # close code of a socket that may not be opened
+UNREADABLE = 1003  # of one that has sent something other than text
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -146,7 +147,7 @@ def _write(folder: Folder) -> Handler:
 def _copy(folder: Folder) -> Handler:
     def copy(given: dict[str, Any]) -> dict[str, Any]:
         """Writes the text of an example, as it has been changed, as a new file, with the files that it needs."""
-        if (folder.root / str(given["path"])).exists():
+        if folder.inside(str(given["path"])).exists():
             raise FileRefused(f"there is a file `{given['path']}` already: choose another name")
         copied = copy_beside(str(given["example"]), folder)
         return {"digest": folder.write(str(given["path"]), str(given["text"]), None), "copied": copied}
@@ -164,13 +165,28 @@ def _changing(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Handler:
             if len(body) > 2 * LARGEST:
                 return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
         try:
-            return JSONResponse(change(json.loads(body)), headers=HEADERS)
+            return JSONResponse(change(_fields(body)), headers=HEADERS)
         except Changed as reason:
             return JSONResponse({"refused": str(reason), "changed": True}, 409, HEADERS)
-        except (FileRefused, KeyError, TypeError, ValueError) as reason:
+        except FileRefused as reason:
             return JSONResponse({"refused": str(reason)}, 400, HEADERS)
+        except KeyError as missing:
+            return JSONResponse({"refused": f"the request has no {missing}"}, 400, HEADERS)
+        except UnicodeEncodeError:
+            return JSONResponse({"refused": "the text has a character that no file can hold"}, 400, HEADERS)
 
     return answer
+
+
+def _fields(body: bytes) -> dict[str, Any]:
+    """Returns the fields of a request. Raises FileRefused if it is no object of JSON."""
+    try:
+        given = json.loads(body)
+    except (ValueError, RecursionError):
+        given = None
+    if not isinstance(given, dict):
+        raise FileRefused("the request is no object of JSON")
+    return given
 
 
 def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
@@ -183,6 +199,8 @@ def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
                 await socket.send_text(await child.ask(await socket.receive_text()))
         except (WebSocketDisconnect, asyncio.CancelledError):
             pass
+        except KeyError:  # bytes in place of text
+            await socket.close(UNREADABLE)
         finally:
             with contextlib.suppress(ProcessLookupError):
                 await child.stop()

@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import sys
+import traceback
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -33,20 +34,29 @@ def _answer(bench: Bench, line: str) -> dict[str, object]:
     try:
         request = READ.validate_json(line)
     except ValidationError as error:
-        return {"id": _number(line), "refused": f"the page asked for something unknown: {error.errors()[0]['msg']}"}
+        wrong = error.errors()[0]
+        place = ".".join(map(str, wrong["loc"]))
+        return {
+            "id": _number(line),
+            "refused": f"the page asked for something unknown{f', {place}' if place else ''}: {wrong['msg']}"[:1000],
+        }
     try:
         return bench.answer(request)
     except MemoryError:
         return {"id": request.id, "do": request.do, "refused": f"this takes more memory than the studio allows, {MEMORY // 2**30} GiB"}
     except RecursionError:
         return {"id": request.id, "do": request.do, "refused": "the text is nested too deeply"}
+    except Exception as error:  # what somebody has made so far is not lost for it
+        traceback.print_exc()
+        told = f"this is a fault of sjdsl, not of yours; the terminal has more: {type(error).__name__}: {error}"
+        return {"id": request.id, "do": request.do, "refused": told[:1000]}
 
 
 def _number(line: str) -> int:
     """Returns the number of a request that is not understood, 0 without one."""
     try:
         return int(json.loads(line)["id"])
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
         return 0
 
 

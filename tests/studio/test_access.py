@@ -1,7 +1,9 @@
 """Who gets in: the studio's own page with its token; nobody else's page, no other name of this machine, no file outside the folder."""
 
 import json
+import os
 from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 from starlette.testclient import TestClient
@@ -10,6 +12,7 @@ from starlette.websockets import WebSocketDisconnect
 from sjdsl.compiler import check
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.studio.access import Access, kept_token
+from sjdsl.studio.folder import Folder
 from sjdsl.studio.server import make_app
 
 ACCESS = Access(8123, "secret")
@@ -155,3 +158,60 @@ def test_the_token_of_a_user_is_kept_and_read_by_nobody_else(tmp_path: Path) -> 
     assert path.stat().st_mode & 0o077 == 0
     path.chmod(0o644)
     assert kept_token(tmp_path / "cache") != token, "somebody may have read it"
+
+
+@pytest.mark.parametrize("path", ["\0", "x" * 5000 + ".sj", "a/" * 3000 + "x.sj", "\ud800.sj", "maps"])
+def test_a_name_that_no_file_can_have_is_refused(client: TestClient, path: str) -> None:
+    for answer in (
+        client.get("/file?token=secret&path=" + quote(path.encode("utf-8", "surrogatepass"))),
+        client.put("/file" + TOKEN, content=json.dumps({"path": path, "text": "x", "digest": None})),
+        client.post("/copy" + TOKEN, content=json.dumps({"example": "example:coins.sj", "path": path, "text": "x"})),
+    ):
+        assert answer.status_code in (400, 404)
+        assert answer.json()["refused"]
+
+
+@pytest.mark.parametrize(
+    "body", ["", "[]", '"x"', "null", "[" * 100_000, "{}", '{"path": "yard.sj"}', '{"path": 1, "text": {}}'], ids=lambda b: b[:12]
+)
+def test_a_request_of_nonsense_is_refused_in_words(client: TestClient, folder: Path, body: str) -> None:
+    before = (folder / "yard.sj").read_text(encoding="utf-8")
+    for answer in (client.put("/file" + TOKEN, content=body), client.post("/copy" + TOKEN, content=body)):
+        assert answer.status_code in (400, 409)
+        assert answer.json()["refused"].startswith(("the request", "`", "there is"))
+    assert (folder / "yard.sj").read_text(encoding="utf-8") == before
+
+
+def test_a_large_file_is_not_read_whole(client: TestClient, folder: Path) -> None:
+    with open(folder / "huge.sj", "wb") as file:
+        file.truncate(2**40)  # of holes
+    assert "larger than" in client.get("/file?token=secret&path=huge.sj").json()["refused"]
+
+
+def test_a_vast_folder_is_listed_in_part_nearest_first(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sjdsl.studio.folder.MOST_FOLDERS", 5)
+    for number in range(20):
+        (folder / f"far{number:02d}" / "deep").mkdir(parents=True)
+        (folder / f"far{number:02d}" / "deep" / "x.sj").touch()
+        (folder / f"far{number:02d}" / "y.sj").touch()
+    (folder / "loop").symlink_to(folder)
+    (folder / os.fsdecode(b"\xff.sj")).touch()
+    listed = Folder(folder.resolve()).games()
+    assert listed[:3] == ["link.sj", "yard.sj", "far00/y.sj"]
+    assert len(listed) == 6
+
+
+def test_a_socket_outlives_messages_that_break_readers(client: TestClient) -> None:
+    with client.websocket_connect("/bench" + TOKEN, headers=OWN) as socket:
+        for message in (
+            '{"id": Infinity, "do": "step"}',
+            "[" * 100_000,
+            '{"id": "٣", "do": 7}',
+            '{"id": 1, "do": "text", "text": "\\ud800"}',
+        ):
+            socket.send_text(message)
+            assert "unknown" in json.loads(socket.receive_text())["refused"]
+        socket.send_bytes(b"\xff\x00")
+        with pytest.raises(WebSocketDisconnect) as closed:
+            socket.receive_text()
+    assert closed.value.code == 1003

@@ -10,6 +10,7 @@ from sjdsl.screen.interpreted import Interpreted
 from sjdsl.screen.session import Session, choice_of
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
+from sjdsl.studio.worker import _answer
 from sjdsl.trace.choices import random_actions
 
 GAME = """sj 1
@@ -290,3 +291,18 @@ def test_an_episode_is_that_of_play(bench: Bench) -> None:
         scene = ask(bench, do="step")["scene"]
         played = session.step()
         assert (tuple(scene["actions"]), scene["places"]) == (played.actions, [list(at) for at in played.world.position])
+
+
+@pytest.mark.parametrize("path", ["../yard.sj", "/tmp/yard.sj", "yard.txt", "\0.sj", "example:../yard.sj", "tour:/etc/yard.sj"])
+def test_a_text_is_of_a_game_in_the_folder(bench: Bench, path: str) -> None:
+    """Else the maps and bases beside it would be read from anywhere."""
+    assert "`" in ask(bench, do="text", version=1, path=path, text=GAME)["refused"]
+
+
+def test_a_fault_of_our_own_is_told_and_nothing_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = Bench(tmp_path)
+    opened(made)
+    ask(made, do="step")
+    monkeypatch.setattr("sjdsl.studio.bench.state_panel", lambda *_: 1 / 0)
+    assert "a fault of sjdsl" in str(_answer(made, '{"do": "panel", "panel": "state"}')["refused"])
+    assert _answer(made, '{"do": "step"}')["at"] == 2

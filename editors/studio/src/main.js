@@ -6,9 +6,11 @@ import { basicSetup } from "codemirror";
 import { Bench } from "./bench.js";
 import { Board } from "./board.js";
 import { element, find } from "./dom.js";
+import { Drivers } from "./drivers.js";
 import { Files } from "./files.js";
 import { connectLanguage, languageOf } from "./language.js";
 import { showNumbers, withNumber } from "./numbers.js";
+import { painter } from "./painting.js";
 import { ASKED, LASTING, PANELS, fill } from "./panels.js";
 import { showTour } from "./tour.js";
 
@@ -19,7 +21,7 @@ const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: 
 
 const open = { path: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, map: null };
 const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
-let view = null, language = null, trained = []; // policies in this folder, each as [name, game it was trained on]
+let view = null, language = null;
 
 const bench = new Bench(socket("/bench"), { onLost: lost, onOpen: () => sendText(false) });
 const beside = new Bench(socket("/bench"), { onLost: () => {}, onOpen: () => { beside.stale = true; refreshPanel(); } }); // for what takes long
@@ -27,8 +29,12 @@ beside.stale = true;
 const board = new Board(find("board"), find("stage"), {
   onCell: (row, col) => { shown.cell = [row, col]; shown.agent = board.agentAt([row, col]) ?? shown.agent; board.choose(row, col); find("board").focus(); refreshPanel(); },
   onPut: (agent, row, col) => ask({ do: "put", agent, row, col }),
-  onPaint: paint,
+  onPaint: painter({
+    open, files, bench, say, isExample: () => isExample(), glyph: () => find("glyph").value, view: () => view,
+    changed: () => { markUnsaved(); sendText(false); },
+  }),
 });
+const drivers = new Drivers({ files, say, ask: (request) => { stop(); return ask(request); } });
 
 // ---- the text
 
@@ -91,11 +97,11 @@ function sendText(fresh) {
   const version = ++open.version;
   const request = { version, ...asItIs(), fresh };
   bench.text(request, (answer) => {
-    if (answer.lost) return sendText(false);
+    if (answer.lost && !bench.isOpen) return; // it is sent again as soon as there is a connection
     beside.stale = true;
     find("verdict").textContent = answer.refused ?? (answer.compiles ? "" : `${answer.errors} error${answer.errors > 1 ? "s" : ""}: the board shows the last rules that compiled`);
-    document.body.dataset.version = answer.version;
-    document.body.dataset.compiles = answer.compiles;
+    document.body.dataset.version = version;
+    document.body.dataset.compiles = answer.compiles === true;
     if (answer.refused || !answer.compiles) return;
     if (answer.game.left.length) say(`no longer numbers of this game: ${answer.game.left.join(", ")}`);
     showGame(answer.game);
@@ -164,44 +170,6 @@ function toLine(number) {
   view.focus();
 }
 
-// ---- painting
-
-let painted = Promise.resolve();
-
-// Puts the chosen glyph on a cell, one after the other: each change is of the text that the one before has made.
-function paint(row, col) {
-  painted = painted.then(async () => {
-    const file = open.game.map_file;
-    if (file && isExample()) return say("The map of an example is in a file of its own: save a copy first.");
-    if (file && open.map?.path !== file) {
-      const read = await files.read(file);
-      if (read.refused) return say(read.refused);
-      open.map = { path: file, text: read.text, saved: read.text, digest: read.digest };
-    }
-    const answer = await bench.ask({ do: "paint", row, col, glyph: find("glyph").value });
-    if (answer.refused) return say(answer.refused);
-    const { path, start, end, before, glyph } = answer.change;
-    if (path === file) {
-      if (open.map.text.slice(start, end) !== before) return say("the file of the map has changed, or its lines end as on Windows: change it in an editor");
-      open.map.text = open.map.text.slice(0, start) + glyph + open.map.text.slice(end);
-      markUnsaved();
-      sendText(false);
-    } else {
-      if (view.state.doc.sliceString(start, end) !== before) return; // the text has changed in the meantime
-      view.dispatch({ changes: { from: start, to: end, insert: glyph } });
-    }
-    await answered();
-  });
-}
-
-// Resolves when the newest text is answered.
-function answered() {
-  return new Promise((resolve) => {
-    const look = () => (bench.textOnItsWay ? setTimeout(look, 5) : resolve());
-    look();
-  });
-}
-
 // ---- the board
 
 function showGame(game) {
@@ -210,7 +178,7 @@ function showGame(game) {
   options(find("variant"), [["", "as it is"], ...game.variants], game.chosen.join("+"));
   find("diff").hidden = !game.chosen.length;
   find("counterexample").hidden = !game.counterexample;
-  showPolicies();
+  drivers.show(game);
   const nobody = shown.driven === null || shown.driven >= game.agents;
   if (nobody) shown.driven = null;
   options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], nobody ? "" : String(shown.driven));
@@ -223,35 +191,6 @@ function showGame(game) {
 
 function options(select, pairs, chosen) {
   select.replaceChildren(...pairs.map(([value, text]) => new Option(text ? (value && text !== value ? `${value}: ${text}` : text) : value, value, false, value === chosen)));
-}
-
-// Who may drive the agents that nobody does: at random, policies of the file, and those trained in this folder.
-function showPolicies() {
-  const { game } = open;
-  options(find("others"), game.policies.map((name) => [name, name]), game.others);
-  const group = (label, chosen) => {
-    const names = chosen.map(([name, on]) => new Option(on === game.name ? name : `${name} (${on})`, name, false, name === game.others));
-    if (names.length) { const made = element("optgroup", { label }); made.append(...names); find("others").append(made); }
-  };
-  group("trained in this folder", trained.filter(([, on]) => on === game.name));
-  group("trained on other games", trained.filter(([, on]) => on !== game.name));
-  if (find("others").value !== game.others) find("others").append(new Option(game.others, game.others, false, true));
-}
-
-async function listPolicies() {
-  const found = await files.policies().then(({ policies }) => policies, () => trained);
-  if (JSON.stringify(found) === JSON.stringify(trained)) return;
-  trained = found;
-  if (open.game) showPolicies();
-}
-
-async function choosePolicy(policy) {
-  stop();
-  say(`loading ${policy}…`);
-  const answer = await ask({ do: "others", policy });
-  if (answer.refused) return showPolicies();
-  open.game.others = answer.others;
-  say(answer.note);
 }
 
 async function setNumber(name, value) {
@@ -273,7 +212,9 @@ async function showIt(verdict) {
 
 function begin() {
   stop();
-  return ask({ do: "begin", seed: Number(find("seed").value) });
+  const { value, validity } = find("seed");
+  if (value === "" || !validity.valid) return say("a seed is a whole number from 0 to 4294967295");
+  return ask({ do: "begin", seed: Number(value) });
 }
 
 async function ask(request) {
@@ -336,9 +277,6 @@ find("forward").addEventListener("click", () => { stop(); ask(shown.at + 1 < sho
 find("scrub").addEventListener("input", () => { stop(); ask({ do: "go", to: Number(find("scrub").value) }); });
 find("again").addEventListener("click", begin);
 find("seed").addEventListener("change", begin);
-find("others").addEventListener("change", () => choosePolicy(find("others").value));
-find("others").addEventListener("pointerenter", listPolicies);
-find("others").addEventListener("focus", listPolicies);
 find("diff").addEventListener("click", () => find("tabs").querySelector('[data-panel="diff"]').click());
 find("driven").addEventListener("change", () => { shown.driven = find("driven").value === "" ? null : Number(find("driven").value); find("board").focus(); showKeys(); });
 find("variant").addEventListener("change", () => { open.variants = find("variant").value ? find("variant").value.split("+") : []; sendText(false); });
@@ -444,11 +382,15 @@ async function listGames() {
     return made;
   };
   find("files").replaceChildren(group("in this folder", games), group("tour", tour), group("examples", examples));
-  return meta("opened") || games[0] || tour[0];
+  if (open.path) find("files").value = open.path;
+  return games[0] || tour[0];
 }
 
-const first = await listGames();
+const wanted = meta("opened");
+const listed = listGames();
+if (wanted) openFile(wanted); // without waiting for the list
+const first = wanted || (await listed);
 if (prefixOf(first) === "tour:") find("tabs").querySelector('[data-panel="tour"]').click(); // somebody who has no game yet
-openFile(first);
-listPolicies();
+if (!wanted) openFile(first);
+drivers.list();
 speak();

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from lark import Lark, Token, Tree, UnexpectedCharacters, UnexpectedToken
 
@@ -231,20 +232,33 @@ def _beginning(table: Automaton, begun: bool) -> Stack:
 def _tree(found: Scan) -> Tree[Token] | None:
     """Returns the tree of the tokens, None if there is an error in them; soft words become names if they have to."""
     try:
-        return _feed(found.tokens)
+        found.tokens, tree = _feed(found.tokens)
     except UnexpectedToken:
-        if not any(token.type in SOFT for token in found.tokens):
-            return None
-    found.tokens = as_names(automaton(), found.tokens)
-    try:
-        return _feed(found.tokens)
-    except UnexpectedToken:
+        found.tokens = as_names(automaton(), found.tokens)
         return None
-
-
-def _feed(tokens: list[Token]) -> Tree[Token]:
-    reader = parser().parse_interactive("")
-    for token in tokens:
-        reader.feed_token(token)
-    tree: Tree[Token] = reader.feed_eof(tokens[-1])
     return tree
+
+
+def _feed(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
+    """Returns the tokens, soft words as names where only a name can stand, and their tree. Raises UnexpectedToken."""
+    reader = parser().parse_interactive("")
+    at, resolved = reader.parser_state, list[Token]()
+    for token in tokens:
+        if token.type in SOFT and not _can_come(at, token.type) and _can_come(at, "NAME"):
+            token = Token.new_borrow_pos("NAME", token, token)
+        reader.feed_token(token)
+        resolved.append(token)
+    tree: Tree[Token] = reader.feed_eof(tokens[-1])
+    return resolved, tree
+
+
+def _can_come(at: Any, kind: str) -> bool:
+    """Returns whether a token of this kind can be the next, of a parser's state, which stays as it is."""
+    states, stack = at.parse_conf.parse_table.states, list(at.state_stack)
+    while True:
+        _, argument = states[stack[-1]].get(kind, (None, None))
+        if not hasattr(argument, "expansion"):
+            return argument is not None
+        if argument.expansion:
+            del stack[-len(argument.expansion) :]
+        stack.append(states[stack[-1]][argument.origin.name][1])
