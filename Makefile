@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser studio-page check bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser studio-page lint check bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -63,12 +63,15 @@ types: .venv/ready
 	ln -s $(CURDIR)/trainers build/types/sjdsl/trainers
 	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p sjdsl
 
-check: types
+# Layout, lint, and that what is generated is up to date.
+lint: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/sjdsl fmt --check games tests/cases tests/differential tests/runtime tests/statistics
 	$(BIN)/sjdsl compile --all --check
 	$(BIN)/sjdsl doc --all --check
+
+check: types lint
 	$(PYTEST)
 
 # As many random programs as one likes, each in every way it can be compiled; what fails is made small and kept in runs/fuzz.
@@ -124,9 +127,9 @@ diagrams: .venv/ready
 	done
 	$(BIN)/python docs/schelling/tables.py
 
-# Installs the wheel where nothing else is, and uses it far from this folder.
+# Installs the wheel where nothing else is, and uses it far from this folder; with WHEEL=FILE that one, as it has been built.
 wheel-test: .venv/ready
-	$(BIN)/python -m pytest tests/packaging
+	SJDSL_WHEEL="$(abspath $(WHEEL))" $(BIN)/python -m pytest tests/packaging
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

@@ -1,6 +1,7 @@
-"""The wheel, built from this tree and installed where nothing of the tree can be seen."""
+"""The wheel, built from this tree, or the one that `SJDSL_WHEEL` names, and installed where nothing of the tree can be seen."""
 
 import importlib.metadata
+import os
 import shutil
 import subprocess
 import sys
@@ -26,18 +27,30 @@ game my_game "Mine" {
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Returns a fresh environment that holds the wheel, and sees the other packages of this one."""
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Returns a copy of what the wheel is made of, where building leaves nothing behind in the tree."""
     if SETUPTOOLS < (77,):
         pytest.skip("building a wheel takes setuptools 77 or newer")
-    source, folder = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("installed")
+    copied = tmp_path_factory.mktemp("source")
     for name in SHIPPED:
         if (REPOSITORY / name).is_dir():
-            shutil.copytree(REPOSITORY / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(REPOSITORY / name, copied / name, ignore=shutil.ignore_patterns("__pycache__"))
         elif (REPOSITORY / name).is_file():
-            shutil.copy(REPOSITORY / name, source / name)
-    run_in(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", "dist", ".", cwd=source)
-    (wheel,) = (source / "dist").glob("*.whl")
+            shutil.copy(REPOSITORY / name, copied / name)
+    return copied
+
+
+@pytest.fixture(scope="module")
+def wheel(request: pytest.FixtureRequest) -> Path:
+    """Returns the wheel that is tested: one that has been built already, or one of this tree."""
+    named = os.environ.get("SJDSL_WHEEL")
+    return Path(named) if named else build_wheel(request.getfixturevalue("source"))
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Returns a fresh environment that holds the wheel, and sees the other packages of this one."""
+    folder = tmp_path_factory.mktemp("installed")
     run_in(sys.executable, "-m", "venv", "--without-pip", "empty", cwd=folder)
     python = folder / "empty/bin/python"
     run_in(sys.executable, "-m", "pip", "--python", python, "install", "-q", "--no-deps", wheel, cwd=folder)
@@ -48,6 +61,13 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
                 (folder / "others" / path.name).symlink_to(path)
     (site_packages(folder) / "others.pth").write_text(f"{folder / 'others'}\n")
     return folder
+
+
+def build_wheel(source: Path) -> Path:
+    """Returns the wheel of a source tree or an unpacked sdist, in its folder `dist`."""
+    run_in(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", "dist", ".", cwd=source)
+    (wheel,) = (source / "dist").glob("*.whl")
+    return wheel
 
 
 def run_in(*command: str | Path, cwd: Path) -> str:

@@ -5,9 +5,9 @@ from zipfile import ZipFile
 
 import pytest
 
-from tests.packaging.installed import installed, run_in
+from tests.packaging.installed import installed, run_in, source, wheel
 
-__all__ = ["installed"]  # a fixture
+__all__ = ["installed", "source", "wheel"]  # fixtures
 
 
 @pytest.mark.thorough
@@ -17,10 +17,10 @@ def test_the_package_is_built_installed_and_tested(installed: Path, tmp_path: Pa
     home, site = tmp_path / "river_games", tmp_path / "site"
     build = ("-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", "../dist", ".")
     run_in(python, *build, cwd=home)
-    (wheel,) = (tmp_path / "dist").glob("*.whl")
-    names = set(ZipFile(wheel).namelist())
+    (built,) = (tmp_path / "dist").glob("*.whl")
+    names = set(ZipFile(built).namelist())
     assert {"river_games/river.sj", "river_games/river.txt"} <= names
-    run_in(python, "-m", "pip", "install", "-q", "--no-deps", "--target", site, wheel, cwd=tmp_path)
+    run_in(python, "-m", "pip", "install", "-q", "--no-deps", "--target", site, built, cwd=tmp_path)
     there = ("env", f"PYTHONPATH={site}")
     listed = run_in(*there, sjdsl, "list", "river", cwd=tmp_path)
     assert "from     river-games 0.1.0" in listed

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.installed import GAME, installed, run_in, site_packages
+from tests.packaging.installed import GAME, installed, run_in, site_packages, source, wheel
 
-__all__ = ["installed"]  # a fixture
+__all__ = ["installed", "source", "wheel"]  # fixtures
 
 USE = """
 import pathlib, sjdsl, sjdsl.trainers, sjdsl.bench, sjdsl.render
