@@ -26,7 +26,7 @@ game my_game "Mine" {
 """
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Returns a copy of what the wheel is made of, where building leaves nothing behind in the tree."""
     if SETUPTOOLS < (77,):
@@ -40,14 +40,14 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return copied
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def wheel(request: pytest.FixtureRequest) -> Path:
     """Returns the wheel that is tested: one that has been built already, or one of this tree."""
     named = os.environ.get("SJDSL_WHEEL")
     return Path(named) if named else build_wheel(request.getfixturevalue("source"))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Returns a fresh environment that holds the wheel, and sees the other packages of this one."""
     folder = tmp_path_factory.mktemp("installed")

@@ -8,9 +8,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from tests.packaging.installed import REPOSITORY, build_wheel, installed, run_in, source, wheel
-
-__all__ = ["installed", "source", "wheel"]  # fixtures
+from tests.packaging.installed import REPOSITORY, build_wheel, run_in
 
 # Everything in these folders but Python's own files has to be there: a rule in pyproject.toml that misses one is found.
 DATA = {"sjdsl": "sjdsl", "games": "sjdsl/games", "trainers": "sjdsl/trainers"}

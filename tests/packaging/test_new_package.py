@@ -5,9 +5,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from tests.packaging.installed import installed, run_in, source, wheel
-
-__all__ = ["installed", "source", "wheel"]  # fixtures
+from tests.packaging.installed import run_in
 
 
 @pytest.mark.thorough

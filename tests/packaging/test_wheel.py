@@ -4,9 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.installed import GAME, installed, run_in, site_packages, source, wheel
-
-__all__ = ["installed", "source", "wheel"]  # fixtures
+from tests.packaging.installed import GAME, run_in, site_packages
 
 USE = """
 import pathlib, sjdsl, sjdsl.trainers, sjdsl.bench, sjdsl.render
