@@ -27,7 +27,8 @@ def test_two_updates_of_ippo(entry: Substrate) -> None:
         num_epochs=1,
     )
     program = make_train(env, config)
-    state = program.init(jax.random.key(0))
+    key = jax.random.key(0)
+    state = jax.jit(program.init).lower(key).compile(compiler_options=FAST_TO_COMPILE)(key)
     before = jax.device_get(program.parameters(state))
     update = jax.jit(program.update).lower(state).compile(compiler_options=FAST_TO_COMPILE)
     for _ in range(UPDATES):
