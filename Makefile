@@ -1,15 +1,15 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser studio-page lint check bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser studio-page lint check newcomer bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
   then echo $$p; break; fi; done)
 BIN := .venv/bin
 RUN := runs/first
-# A file is one worker's: what its tests share is made once.
-PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
+# A file is one worker's: what its tests share is made once. Files come in the order of tests/conftest.py: the longest first.
+PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 BENCH := $(BIN)/sjdsl bench
 ENVS ?= 1,128,1024,4096
 NINE := coins harvest_open harvest_closed harvest_partnership clean_up coop_mining gift_refinement mushrooms pd_arena
@@ -38,6 +38,10 @@ test-thorough: .venv/ready
 # Also every variant and crowd, with XLA's optimisations: takes much longer.
 test-all: .venv/ready
 	$(PYTEST) --all
+
+# The path of a newcomer, timed: from `pip install` of the wheel to a changed rule that moves, under two minutes.
+newcomer: .venv/ready
+	$(BIN)/python -m tests.packaging.newcomer
 
 # The adapters for other libraries, which are installed for it; with SOCIALJAX=CHECKOUT also that suite's own training scripts.
 test-interop: .venv/ready

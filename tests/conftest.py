@@ -13,6 +13,35 @@ from jax.experimental.compilation_cache import compilation_cache
 
 # Half the seconds of compiling, and the programs run as fast: two of XLA's ways to make fast programs that tests do not need.
 QUICK_TO_COMPILE = "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1"
+# The files that take longest, of which the workers take the first ones first: a long one that comes last keeps one of them waiting.
+LONGEST = (
+    "games/test_contract.py",
+    "differential/test_equal.py",
+    "experiments/test_crossplay.py",
+    "manual/test_manual.py",
+    "runtime/test_placing.py",
+    "properties/test_games.py",
+    "fuzz/test_programs.py",
+    "trainers/test_ppo_update.py",
+    "trainers/test_networks.py",
+    "trainers/test_resuming.py",
+    "trainers/test_probe_learning.py",
+    "games/test_numbers_of_agents.py",
+    "games/test_scripted_policies.py",
+    "runtime/test_environment.py",
+    "bench/test_bench.py",
+    "doc/test_sheets.py",
+    "policies/test_equal.py",
+    "packaging/test_wheel.py",
+    "differential/test_on_numpy.py",
+    "statistics/test_independence.py",
+    "trainers/test_train_run.py",
+    "trainers/test_vdn.py",
+    "properties/test_plugin.py",
+    "render/test_episodes.py",
+    "notebooks/test_notebooks.py",
+    "fuzz/test_found.py",
+)
 MUCH_MEMORY = 1_000_000_000  # bytes of a worker, beyond which it gives back what it can between files
 
 
@@ -42,7 +71,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leaves out the slow tests, and the thorough ones or all others, unless all are asked for or one is named."""
+    """Puts the longest files first; leaves out the slow tests, and the thorough ones or all others, unless all are asked for or one is named."""
+    rank = {config.rootpath / "tests" / name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.path, len(rank)))
     if config.getoption("--all"):
         return
     thorough, named = config.getoption("--thorough"), any("::" in argument for argument in config.args)

@@ -14,9 +14,16 @@ from tests.fuzz.programs import Program, programs
 few = partial(settings, derandomize=True, deadline=None, database=None, phases=[Phase.generate])
 
 
-@few(max_examples=16)
+@few(max_examples=6)
 @given(programs)
 def test_interpreter_equals_compiled(made: Program) -> None:
+    examine(made)
+
+
+@pytest.mark.thorough
+@few(max_examples=30)
+@given(programs)
+def test_interpreter_equals_compiled_in_more_programs(made: Program) -> None:
     examine(made)
 
 

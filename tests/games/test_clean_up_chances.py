@@ -149,6 +149,7 @@ def test_home_is_every_free_gate_alike(counted: Any) -> None:
     assert_uniform(seen["heading"][1], 0.04)
 
 
+@pytest.mark.thorough
 def test_who_was_away_comes_to_every_free_gate_alike() -> None:
     """As in Melting Pot, some time after the hit: on two of the 19 gates stand others."""
     env = environment("clean_up", "meltingpot")

@@ -38,7 +38,13 @@ def is_rare(form: Form) -> bool:
     return form.agents is not None or not usual or form.game not in NINE or form.game in HARVESTS[1:]
 
 
-@pytest.fixture(scope="module", params=[pytest.param(f, marks=pytest.mark.slow) if is_rare(f) else f for f in programs()], ids=str)
+def how_often(form: Form) -> list[pytest.MarkDecorator]:
+    if is_rare(form):
+        return [pytest.mark.slow]
+    return [pytest.mark.thorough] if form.variant else []
+
+
+@pytest.fixture(scope="module", params=[pytest.param(f, marks=how_often(f)) for f in programs()], ids=str)
 def form(request: pytest.FixtureRequest) -> Form:
     """Of module scope, so that the tests of one form follow one another and share its runs."""
     return request.param

@@ -70,6 +70,7 @@ def test_orange_kills_each_red_one_alike() -> None:
     assert_share(gone, 5 * (RUNS // 3), 0.5, 0.3)
 
 
+@pytest.mark.thorough
 def test_who_is_hit_twice_comes_back_on_any_bare_cell() -> None:
     """Agent 1 was hit before; it is away for a step, and then stands on each free cell without a mushroom equally often."""
     found: Counter[tuple[int, int]] = Counter()

@@ -90,6 +90,7 @@ def test_what_grows_after_a_meal(kind: int, variant: str | None) -> None:
     assert_grown(seen, (TRIALS_OF_THREE if variant else TRIALS)[kind], 0.03)
 
 
+@pytest.mark.thorough
 def test_meals_of_one_step_add_up() -> None:
     env = environment(GAME)
     for kinds in ([RED, BLUE], [GREEN, ORANGE]):

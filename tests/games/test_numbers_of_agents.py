@@ -1,6 +1,7 @@
 """How many agents a game admits: from 2 up to the starts of its map; one more, or one alone, is refused with the reason."""
 
 import re
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -40,7 +41,15 @@ MOST_OF_A_CROWD = {
 }
 # the five others: the starts of their maps, or the limit of the language. Melting Pot has no other maps of them
 MOST_OF_OTHERS = {"allelopathic_harvest": 64, "chicken": 64, "predator_prey": 34, "stag_hunt": 64, "territory": 9}
-NAMED = [form for form in forms() if form.game in NINE and form.agents is None]
+
+
+def seldom(form: Form) -> Any:
+    """Variants of one map have one answer: most of them come with the thorough tests."""
+    return form if form.variant in (None, "crowd") else pytest.param(form, marks=pytest.mark.thorough)
+
+
+EVERY = [seldom(form) for form in forms() if form.agents is None]
+NAMED = [seldom(form) for form in forms() if form.game in NINE and form.agents is None]
 
 
 def most_of(form: Form) -> tuple[int, str]:
@@ -70,7 +79,7 @@ def test_one_alone_is_told_why(form: Form) -> None:
     assert re.fullmatch(rf"SJ214 `players` is 1, outside 2 \.\. {high}( \(.*\))?", refusal(form._replace(agents=1)))
 
 
-@pytest.mark.parametrize("form", [form for form in forms() if form.agents is None], ids=str)
+@pytest.mark.parametrize("form", EVERY, ids=str)
 def test_the_printed_range_is_what_is_accepted(form: Form) -> None:
     """Of every game on every map: both ends are taken, one beyond is not."""
     source = read_source(find_game(form.game))

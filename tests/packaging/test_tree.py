@@ -4,6 +4,8 @@ import ast
 import tomllib
 from pathlib import Path
 
+from tests.conftest import LONGEST
+
 REPOSITORY = Path(__file__).parents[2]
 CEILING = 400
 LONGEST_FUNCTION = 60  # lines, decorators not counted
@@ -44,3 +46,9 @@ def test_requirements_are_pinned() -> None:
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
     wanted = project["dependencies"] + project["optional-dependencies"]["test"]
     assert {text.split(">=")[0] for text in wanted} <= names
+
+
+def test_the_longest_files_of_tests_are_there() -> None:
+    """A file that was renamed would come late, and one worker would wait for the other."""
+    assert [name for name in LONGEST if not (REPOSITORY / "tests" / name).is_file()] == []
+    assert len(set(LONGEST)) == len(LONGEST)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.packaging.installed import GAME, run_in, site_packages
+from tests.packaging.newcomer import differs, walk
 
 USE = """
 import pathlib, sjdsl, sjdsl.trainers, sjdsl.bench, sjdsl.render
@@ -49,3 +50,9 @@ def test_a_new_game_begins_in_an_empty_folder(installed: Path, tmp_path: Path) -
     run_in(shell / "sjdsl", "new", "pond", cwd=tmp_path)
     run_in(shell / "sjdsl", "compile", "--standalone", "pond.sj", cwd=tmp_path)
     run_in(shell / "python", "-c", "from pond_standalone import Environment; assert Environment().num_agents == 3", cwd=tmp_path)
+
+
+@pytest.mark.thorough
+def test_a_newcomer_sees_a_changed_rule(installed: Path, tmp_path: Path) -> None:
+    """What `make newcomer` times: a new game, its page, a changed rule, and the page of that."""
+    assert differs(*walk(lambda *command: run_in(*command, cwd=tmp_path), installed / "empty/bin/sjdsl", tmp_path))

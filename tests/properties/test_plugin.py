@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -33,31 +34,36 @@ def orchard(checks: str) -> str:
     return text
 
 
-def run(folder: Path, *arguments: str) -> tuple[int, list[str]]:
-    """Returns the exit status and the lines of a pytest of its own."""
+OPTIONS = ("-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:asyncio", "--sj-examples", "20")
+
+
+@pytest.fixture
+def run(folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, list[str]]]:
+    """Runs pytest in the folder, in this process; returns the exit status and the lines."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("COLUMNS", "140")
+
+    def run_here(*arguments: str) -> tuple[int, list[str]]:
+        capfd.readouterr()
+        status = pytest.main([*OPTIONS, "--rootdir", str(folder), *arguments])
+        said = capfd.readouterr()
+        return int(status), (said.out + said.err).splitlines()
+
+    return run_here
+
+
+def run_apart(folder: Path, *arguments: str) -> tuple[int, list[str]]:
+    """Returns the exit status and the lines of a pytest in a process of its own."""
     home = str(Path(sjdsl.__file__).parents[1])
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-p",
-        "no:cacheprovider",
-        "-p",
-        "no:xdist",
-        "-p",
-        "no:asyncio",
-        "--sj-examples",
-        "20",
-        *arguments,
-    ]
+    command = [sys.executable, "-m", "pytest", *OPTIONS, *arguments]
     done = subprocess.run(
         command, cwd=folder, env={**os.environ, "PYTHONPATH": home, "COLUMNS": "140"}, capture_output=True, text=True, check=False
     )
     return done.returncode, (done.stdout + done.stderr).splitlines()
 
 
-def test_a_check_is_a_test_under_its_own_text(folder: Path) -> None:
-    status, lines = run(folder, "--sj", "-v")
+def test_a_check_is_a_test_under_its_own_text(run: Callable[..., tuple[int, list[str]]]) -> None:
+    status, lines = run("--sj", "-v")
     assert status == 1
     said = [line.split("::", 1)[1].rsplit("[", 1)[0].strip() for line in lines if line.startswith("orchard.sj::")]
     assert said == [
@@ -76,8 +82,8 @@ def test_a_check_is_a_test_under_its_own_text(folder: Path) -> None:
     assert not any("Traceback" in line or "pytest_plugin.py" in line for line in lines)
 
 
-def test_one_check_can_be_chosen(folder: Path) -> None:
-    status, lines = run(folder, "--sj", "-v", "orchard.sj::always apples[ripe] >= 0.0")
+def test_one_check_can_be_chosen(run: Callable[..., tuple[int, list[str]]]) -> None:
+    status, lines = run("--sj", "-v", "orchard.sj::always apples[ripe] >= 0.0")
     assert status == 0
     assert "1 passed" in lines[-1]
 
@@ -102,9 +108,9 @@ def test_an_untested_check_is_skipped_and_fails_if_strict(
     assert "set tree.fruit = ripe" in said
 
 
-def test_mistakes_are_told_without_a_traceback(folder: Path) -> None:
+def test_mistakes_are_told_without_a_traceback(folder: Path, run: Callable[..., tuple[int, list[str]]]) -> None:
     (folder / "orchard.sj").write_text(orchard("always appels[ripe] >= 0"))
-    status, lines = run(folder, "--sj")
+    status, lines = run("--sj")
     assert status == 2
     assert any("`appels`" in line for line in lines)
     assert not any("Traceback" in line for line in lines)
@@ -114,9 +120,9 @@ def test_without_the_option_nothing_happens(folder: Path) -> None:
     (folder / "test_own.py").write_text(
         "import sys\n\n\ndef test_own():\n    assert not {'jax', 'lark', 'sjdsl.properties'} & set(sys.modules)\n"
     )
-    status, lines = run(folder)
+    status, lines = run_apart(folder)
     assert status == 0
     assert "1 passed" in lines[-1]
-    status, lines = run(folder, "orchard.sj")
+    status, lines = run_apart(folder, "orchard.sj")
     assert status != 0
     assert not any("always" in line for line in lines)

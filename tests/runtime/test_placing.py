@@ -16,13 +16,18 @@ PLACE_FITTING = jax.jit(jax.vmap(place_fitting, in_axes=(None, 0, 0, 0, 0, 0)))
 CHOOSE = jax.jit(jax.vmap(choose))
 
 
+def sizes(usual: list[tuple], more: list[tuple]) -> list:
+    """Returns parameters: small, large and uneven sizes; more of them come with the thorough tests."""
+    return [*usual, *(pytest.param(*size, marks=pytest.mark.thorough) for size in more)]
+
+
 def random_ranks(random: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
     """Returns ranks of which a third are 0 (not free) and many are equal."""
     few = random.integers(1, 4, shape)
     return np.choose(random.integers(0, 3, shape), [np.zeros(shape, int), few, random.integers(1, 2**31 + 1, shape)])
 
 
-@pytest.mark.parametrize(("cells", "agents"), [(1, 1), (1, 3), (4, 2), (3, 5), (6, 6), (60, 7), (9, 20), (300, 3)])
+@pytest.mark.parametrize(("cells", "agents"), sizes([(1, 3), (4, 2), (60, 7)], [(1, 1), (3, 5), (6, 6), (9, 20), (300, 3)]))
 def test_place(cells: int, agents: int) -> None:
     """Distinct free cells, for agents in id order, each by its own word; who finds none stays."""
     random = np.random.default_rng(100 * cells + agents)
@@ -77,7 +82,7 @@ def test_place_by_hand() -> None:
     assert placed.tolist() == [False, True, True, False]
 
 
-@pytest.mark.parametrize("members", [1, 2, 6, 32, 33, 147, 600])
+@pytest.mark.parametrize("members", [1, 33, 600, *(pytest.param(size, marks=pytest.mark.thorough) for size in (2, 6, 32, 147))])
 def test_pick(members: int) -> None:
     """One of the members; nobody if there are none."""
     random = np.random.default_rng(members)
@@ -147,7 +152,7 @@ def test_pick_of_many_sets(several: bool, batched: str) -> None:
     assert number.dtype == np.uint8
 
 
-@pytest.mark.parametrize(("members", "turns"), [(1, 1), (2, 5), (6, 3), (40, 8), (100, 20)])
+@pytest.mark.parametrize(("members", "turns"), sizes([(1, 1), (6, 3), (40, 8)], [(2, 5), (100, 20)]))
 def test_choose(members: int, turns: int) -> None:
     random = np.random.default_rng(members)
     cases = 200
@@ -180,7 +185,10 @@ def test_choose_is_uniform() -> None:
 
 @pytest.mark.parametrize(
     ("left", "right", "alike"),
-    [(1, 1, False), (1, 1, True), (3, 5, False), (5, 3, False), (2, 2, True), (4, 4, True), (5, 5, True), (7, 7, True)],
+    sizes(
+        [(1, 1, False), (3, 5, False), (5, 5, True)],
+        [(1, 1, True), (5, 3, False), (2, 2, True), (4, 4, True), (7, 7, True)],
+    ),
 )
 def test_pair(left: int, right: int, alike: bool) -> None:
     """Best pair first, nobody twice, and no pair left over whose two sides are free."""
@@ -202,7 +210,7 @@ def test_pair(left: int, right: int, alike: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("left", "right", "alike"), [(1, 1, False), (3, 5, False), (6, 3, False), (2, 2, True), (5, 5, True), (7, 7, True)]
+    ("left", "right", "alike"), sizes([(3, 5, False), (5, 5, True)], [(1, 1, False), (6, 3, False), (2, 2, True), (7, 7, True)])
 )
 @pytest.mark.parametrize("few", [1, 3])
 def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> None:

@@ -36,9 +36,9 @@ VARIANTS = {
     "per agent": {"sharing": "per_agent"},
     "memory": {"memory": "gru"},
 }
-USUAL = ("ippo", "per agent")  # the others only with all tests
+SELDOM = {"ippo": [], "per agent": [pytest.mark.thorough]}  # the others only with all tests
 ALL_VARIANTS = pytest.mark.parametrize(
-    "changes", [pytest.param(v, id=name, marks=[] if name in USUAL else [pytest.mark.slow]) for name, v in VARIANTS.items()]
+    "changes", [pytest.param(v, id=name, marks=SELDOM.get(name, [pytest.mark.slow])) for name, v in VARIANTS.items()]
 )
 
 

@@ -11,7 +11,9 @@ TOLERANCE = 0.1
 CENTRAL = {"algorithm": "mappo"}
 OF_STATE = {"algorithm": "mappo", "critic": "state"}
 CRITICS = pytest.mark.parametrize(
-    "changes", [{}, pytest.param(CENTRAL, marks=pytest.mark.slow), OF_STATE], ids=["own window", "all windows", "state"]
+    "changes",
+    [{}, pytest.param(CENTRAL, marks=pytest.mark.slow), pytest.param(OF_STATE, marks=pytest.mark.thorough)],
+    ids=["own window", "all windows", "state"],
 )
 
 

@@ -87,6 +87,7 @@ def names_in(folder: Path) -> list[str]:
     return [str(path) for path in paths if "checkpoints" not in path.parts[:-2]]
 
 
+@pytest.mark.thorough
 def test_runs_differ_as_their_numbers_do(together: Path) -> None:
     for number, seed, rate in ((0, 3, 1e-3), (1, 0, 5e-3)):
         rows = read_lines(together / str(number) / f"seed_{seed}" / "metrics.jsonl")

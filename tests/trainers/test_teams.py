@@ -160,7 +160,7 @@ def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
         {"sharing": "per_agent"},
         pytest.param({"sharing": "by_role", "roles": (0, 1, 0)}, marks=pytest.mark.slow),
         pytest.param({"sharing": "by_role", "roles": (0, 1, 0), "algorithm": "mappo"}, marks=pytest.mark.slow),
-        {"sharing": "by_role", "roles": (0, 1, 0), "memory": "gru", "agent_id": True},
+        pytest.param({"sharing": "by_role", "roles": (0, 1, 0), "memory": "gru", "agent_id": True}, marks=pytest.mark.thorough),
     ],
     ids=["per agent", "by role", "mappo", "memory and numbers"],
 )
