@@ -1,12 +1,13 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser studio-page lint check newcomer bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser studio-page site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
   then echo $$p; break; fi; done)
 BIN := .venv/bin
+export NO_MKDOCS_2_WARNING := 1
 RUN := runs/first
 # A file is one worker's: what its tests share is made once. Files come in the order of tests/conftest.py: the longest first.
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
@@ -58,6 +59,24 @@ test-browser: .venv/ready
 # The script of the studio's page, from editors/studio; needs npm.
 studio-page:
 	cd editors/studio && npm ci --no-audit --no-fund && npm run build
+
+# docs/ and what is made from the code, as a site with search: build/site/index.html. Pictures of games are drawn once, into build/site-boards.
+site: .venv/site
+	$(BIN)/python -m mkdocs build
+
+# Builds the site and checks its links, its reference and its gallery.
+test-site: site
+	$(PYTEST) -o addopts=-q -n 0 tests/site
+
+# Puts the site of a version on the branch gh-pages, beside those of others: make site-version VERSION=0.1. Nothing is pushed.
+site-version: .venv/site
+	@test -n "$(VERSION)" || { echo "name the version: make site-version VERSION=0.1"; exit 1; }
+	$(BIN)/mike deploy --update-aliases $(VERSION) latest
+	$(BIN)/mike set-default latest
+
+.venv/site: .venv/ready requirements-site.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-site.txt
+	@touch $@
 
 # mypy finds `sjdsl.trainers` where it is when installed: inside sjdsl.
 types: .venv/ready

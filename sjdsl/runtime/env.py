@@ -28,7 +28,7 @@ class Environment:
 
     Attributes:
       name, title, hash: the game; two games share a hash if and only if their rules are equal.
-      num_agents, num_actions, action_names, episode_length.
+      num_agents, num_actions, action_names, episode_length: as the rules have them.
       observation_shape: `(N, P, rows, cols)` for tokens, `(N, C, rows, cols)` for onehot; observation_dtype: uint8.
       token_planes: what each of the P planes means; channel_names: names of the C one-hot channels.
       params: the run-time parameters, a pytree; the defaults of `reset` and `step`.

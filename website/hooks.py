@@ -1,0 +1,128 @@
+"""What MkDocs asks while it builds the site: pages that are made from other files take their place among those of docs/."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+import sjdsl
+from website import boards, gallery
+from website.chapters import Chapter, slug, split
+from website.links import DOCS, PAGES, SOURCE, Places, plain_fences, source_page
+from website.reference import MODULES, reference_pages
+from website.source_pages import source_text
+
+ROOT = Path(__file__).resolve().parents[1]
+MANUAL = "docs/language.md"
+CACHE = ROOT / "build" / "site-boards"
+MODULES_FOLDER = ROOT / "build" / "site-modules"  # in which `sjdsl.trainers` is where it is when installed
+STRIP = ("clean_up", "harvest_open", "coins", "coop_mining", "mushrooms", "territory")  # on the front page
+OTHER_PAGES = "Other pages"
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Completes the table of contents, and says what version this is."""
+    config.mdx_configs.setdefault("toc", {})["slugify"] = slug
+    config.copyright = f"sjdsl {sjdsl.__version__}, Apache-2.0"
+    if "MIKE_DOCS_VERSION" in os.environ:  # only a site of several versions has a list of them to choose from
+        config.extra["version"] = {"provider": "mike", "default": "latest"}
+    _, chapters = _manual()
+    _extend(config.nav, "language.md", [f"language/{chapter.name}.md" for chapter in chapters])
+    _extend(config.nav, gallery.INDEX, [f"{gallery.FOLDER}/{shown.name}.md" for shown in gallery.shown_games()])
+    _extend(config.nav, "reference/messages.md", [{module: f"reference/{module}.md"} for module in MODULES])
+    tour, *others = _notebooks()
+    _extend(config.nav, tour, others)
+    named = set(_pages_of(config.nav))
+    found = (path.relative_to(ROOT / DOCS).as_posix() for path in sorted((ROOT / DOCS).rglob("*.md")))
+    missing = [page for page in found if page not in named]
+    config.nav += [{OTHER_PAGES: missing}] if missing else []
+    _link_modules()
+    return config
+
+
+def _extend(nav: list[Any], page: str, pages: list[Any]) -> None:
+    """Puts pages after one, in the section in which it is."""
+    for entry in nav:
+        for section in entry.values() if isinstance(entry, dict) else ():
+            if isinstance(section, list):
+                if page in section or any(isinstance(e, dict) and page in e.values() for e in section):
+                    section += pages
+                    return
+                _extend(section, page, pages)
+
+
+def _pages_of(nav: Any) -> Iterator[str]:
+    if isinstance(nav, str):
+        yield nav
+    else:
+        for entry in nav.values() if isinstance(nav, dict) else nav:
+            yield from _pages_of(entry)
+
+
+def _notebooks() -> list[str]:
+    """Returns the pages of the notebooks in examples/, the tour first."""
+    paths = sorted((ROOT / "examples").glob("*.ipynb"), key=lambda path: (path.stem != "tour", path.stem))
+    return [source_page(path.relative_to(ROOT).as_posix()) for path in paths]
+
+
+def _manual() -> tuple[str, list[Chapter]]:
+    return split((ROOT / MANUAL).read_text("utf-8"))
+
+
+def _link_modules() -> None:
+    package = MODULES_FOLDER / "sjdsl"
+    package.mkdir(parents=True, exist_ok=True)
+    for path in [*(ROOT / "sjdsl").iterdir(), ROOT / "trainers"]:
+        link = package / path.name
+        if not link.is_symlink():
+            link.symlink_to(path)
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Adds the pages that are made, and takes those out of which they are made."""
+    for page, text in _pages().items():
+        before = files.get_file_from_path(page)
+        if before is not None:
+            files.remove(before)
+        files.append(File.generated(config, page, content=text))
+    shown = [board for game in gallery.shown_games() for board in game.boards]
+    boards.write_all(shown, CACHE)
+    for board in shown:
+        for ending in (".html", ".gif", ".png"):
+            name = f"{board.name}{ending}"
+            files.append(File.generated(config, f"{gallery.BOARDS}/{name}", abs_src_path=str(CACHE / name)))
+    return files
+
+
+def _pages() -> dict[str, str]:
+    """Returns every page as Markdown, by its place on the site."""
+    introduction, chapters = _manual()
+    places = Places(ROOT, MANUAL, chapters, gallery.game_pages(ROOT))
+    texts = {MANUAL: introduction}
+    for path in [*PAGES, *(f"{DOCS}{page.relative_to(ROOT / DOCS).as_posix()}" for page in sorted((ROOT / DOCS).rglob("*.md")))]:
+        texts.setdefault(path, (ROOT / path).read_text("utf-8"))
+    texts["README.md"] = with_strip(texts["README.md"])
+    made = {
+        page: plain_fences(places.relinked(text, path, page))
+        for path, text in texts.items()
+        for page in [PAGES.get(path, path.removeprefix(DOCS))]
+    }
+    made |= {page: plain_fences(places.relinked(c.text, MANUAL, page)) for c in chapters for page in [places.chapter_page(c)]}
+    made |= {gallery.INDEX: gallery.gallery_page(), **reference_pages(ROOT)}
+    made |= {f"{gallery.FOLDER}/{shown.name}.md": gallery.game_page(shown, ROOT) for shown in gallery.shown_games()}
+    places.wanted |= {page.removeprefix(f"{SOURCE}/").removesuffix(".md") for page in _notebooks()}
+    done = set[str]()
+    while todo := sorted(places.wanted - done):
+        done |= {*todo}
+        made |= {source_page(path): source_text(places, path, source_page(path)) for path in todo}
+    return made
+
+
+def with_strip(readme: str) -> str:
+    """Returns the front page with moving pictures of some games after its introduction."""
+    head, mark, rest = readme.partition("\n## ")
+    cards = [f'<a href="{gallery.FOLDER}/{name}.html">{gallery.picture(boards.Board(name, name), ".")}</a>' for name in STRIP]
+    return f'{head}\n<div class="strip">\n' + "\n".join(cards) + f"\n</div>\n{mark}{rest}"
