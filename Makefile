@@ -71,8 +71,8 @@ test-site: site
 # Puts the site of a version on the branch gh-pages, beside those of others: make site-version VERSION=0.1. Nothing is pushed.
 site-version: .venv/site
 	@test -n "$(VERSION)" || { echo "name the version: make site-version VERSION=0.1"; exit 1; }
-	$(BIN)/mike deploy --update-aliases $(VERSION) latest
-	$(BIN)/mike set-default latest
+	PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=. mike deploy --update-aliases $(VERSION) latest
+	PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=. mike set-default latest
 
 .venv/site: .venv/ready requirements-site.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-site.txt
