@@ -8,9 +8,10 @@ from pathlib import Path
 
 from website.chapters import Chapter, anchors
 
-CODE_OR_LINK = re.compile(
-    r"^(?P<indent> *)(?P<fence>`{3,}).*?^(?P=indent)(?P=fence) *$|(?P<tick>`+).+?(?P=tick)|\]\((?P<target>[^)\s]+)\)", re.S | re.M
-)
+CODE = r"^(?P<indent> *)(?P<fence>`{3,}).*?^(?P=indent)(?P=fence) *$|(?P<tick>`+).+?(?P=tick)"
+PICTURE_ELSEWHERE = r"!\[(?P<said>[^\]]*)\]\(https?://[^)]*\)"
+LINK = r"\]\((?P<target>[^)\s]+)\)"
+CODE_OR_LINK = re.compile(f"{CODE}|{PICTURE_ELSEWHERE}|{LINK}", re.DOTALL | re.MULTILINE)
 ELSEWHERE = re.compile(r"[a-z]+:|//")
 SOURCE = "source"  # the folder of the pages of files
 PAGES = {
@@ -60,7 +61,7 @@ class Places:
         return f"{self.manual.removeprefix(DOCS).removesuffix('.md')}/{chapter.name}.md"
 
     def relinked(self, text: str, path: str, page: str) -> str:
-        """Returns a page whose links lead to pages of the site.
+        """Returns a page whose links lead to pages of the site. Of pictures of other servers, such as badges, only the text stays.
 
         Args:
           text: Markdown; links in code are left as they are.
@@ -72,6 +73,8 @@ class Places:
         """
 
         def lead(found: re.Match[str]) -> str:
+            if found.group("said") is not None:
+                return found.group("said")
             target = found.group("target")
             if target is None or ELSEWHERE.match(target):
                 return found.group()

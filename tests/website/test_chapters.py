@@ -68,6 +68,13 @@ def test_links_lead_to_the_page_that_has_the_anchor() -> None:
     assert places().relinked("[x](../language.md)", "docs/interop/rllib.md", "interop/rllib.md") == "[x](../language.md)"
 
 
+def test_of_pictures_of_other_servers_the_text_stays() -> None:
+    badge = "[![Open in Colab](https://example.org/badge.svg)](https://example.org/open) `![x](https://example.org/y.png)`"
+    assert places().relinked(badge, "README.md", "index.md") == badge.replace(
+        "![Open in Colab](https://example.org/badge.svg)", "Open in Colab"
+    )
+
+
 def test_links_out_of_docs_lead_to_pages_of_files() -> None:
     known = places()
     assert (
