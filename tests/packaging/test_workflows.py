@@ -30,7 +30,7 @@ def steps(path: Path) -> list[dict[str, Any]]:
 
 
 def test_all_parts_are_there() -> None:
-    assert {path.stem for path in WORKFLOWS} >= {"tests", "style", "interop", "browser", "release"}
+    assert {path.stem for path in WORKFLOWS} >= {"tests", "style", "interop", "browser", "site", "release"}
 
 
 @every
