@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser studio-page site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
@@ -77,6 +77,16 @@ site-version: .venv/site
 .venv/site: .venv/ready requirements-site.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-site.txt
 	@touch $@
+
+# The studio as static files that need no server, in build/playground; needs npm, and Node to try it out.
+playground: .venv/ready
+	cd editors/playground && npm ci --no-audit --no-fund
+	$(BIN)/python editors/playground/build.py build/playground
+
+# The playground as it is built, in a headless Chromium.
+test-playground: playground
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
+	$(BIN)/python -m pytest -o addopts=-q tests/browser/test_playground.py
 
 # mypy finds `sjdsl.trainers` where it is when installed: inside sjdsl.
 types: .venv/ready

@@ -14,7 +14,10 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.replay import Recording, RecordingError, load_recording
 from sjdsl.replay.recording import check_returns, check_rules
+from sjdsl.screen.board import board_text
+from sjdsl.screen.looks import make_screen_looks
 from sjdsl.screen.session import written_choice
+from sjdsl.screen.sidebar import event_line
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -71,10 +74,6 @@ def show(recording: "Recording", speed: float) -> None:
 
 def make_printer(game: "ir.Game") -> Callable[["Display"], None]:
     """Returns what prints a moment: the map in letters, the step, the returns, what was tallied."""
-    from sjdsl.screen.board import board_text
-    from sjdsl.screen.looks import make_screen_looks
-    from sjdsl.screen.sidebar import event_line
-
     looks = make_screen_looks(game)
 
     def show(display: "Display") -> None:

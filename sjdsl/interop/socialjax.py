@@ -17,6 +17,7 @@ from sjdsl.interop.socialjax_observation import make_channels
 from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 from sjdsl.interop.socialjax_table import Entry, Figure, entries
 from sjdsl.interop.spaces import make_box, make_discrete
+from sjdsl.render.look import make_look
 from sjdsl.render.snapshot import take_snapshot
 
 __all__ = [
@@ -146,7 +147,6 @@ class SocialJaxGame:
         import numpy as np
 
         from sjdsl.render.board import draw_board
-        from sjdsl.render.look import make_look
 
         return draw_board(make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents)), {})
 

@@ -6,14 +6,13 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from sjdsl.render.colours import INK, PAPER, Colour, mixed
-from sjdsl.render.drawings import Figure
+from sjdsl.render.drawings import PALE, Figure
 from sjdsl.render.sprites import draw_sprite
 from sjdsl.render.tiles import badges_at, put_badges
 from sjdsl.runtime.actions import DIRECTIONS
 
 SMALLEST_WITH_NUMBER = 15  # pixels of a tile
 FINE = 4  # numbers are drawn this many times larger, then shrunk
-PALE = 0.62
 
 
 def put_figure(tile: np.ndarray, figure: Figure) -> None:

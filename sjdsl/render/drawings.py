@@ -12,6 +12,7 @@ from sjdsl.render.usual import Picture
 BAR_STEPS = 8
 BARS = (INKS[7], *INKS[1:4])  # of the numbers of a cell, in order: at its foot, its head, its left and its right side
 TINTED = 0.45
+PALE = 0.62  # how much of a held agent is white
 CORNERS = 4  # badges that have room
 Key = tuple[int, ...]  # a number for each field: a word's, an agent's and 1, eighths of a bar; 0 or 1 for each rule: whether it applies
 

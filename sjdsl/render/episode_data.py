@@ -1,35 +1,30 @@
 """An episode as plain data for a page in a browser: pictures once, and for each moment which of them stand where."""
 
-from base64 import b64encode
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import lru_cache
-from io import BytesIO
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from sjdsl.compiler import ir
-from sjdsl.render.agents import draw_figure
-from sjdsl.render.colours import Colour
-from sjdsl.render.drawings import cell_keys, draw_cell, draw_figures, draw_movers
-from sjdsl.render.legend import legend_entries
+from sjdsl.render.colours import PAPER, Colour, mixed
+from sjdsl.render.drawings import Drawing, Figure, cell_keys, draw_cell, draw_figures, draw_movers
+from sjdsl.render.entries import cell_entries, figure_entries
 from sjdsl.render.look import Look, make_look
 from sjdsl.render.moment import Moment
 from sjdsl.render.snapshot import Snapshot
-from sjdsl.render.tiles import draw_tile
+from sjdsl.render.vector import SIZE, svg_url, vector_figure, vector_tile
 
 FORMAT = 1  # of the data; the page refuses another
-SIZE = 48  # pixels of a picture's side: sharp where a cell has 24 on a screen of double density
 DIGITS = 6  # of rewards
+MARKED = 0.6  # how much of a marked cell has the colour of its mark, in the legend
 
 
 def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
     """Returns an episode, or several one after the other, as JSON can hold it.
 
     Keys: `format`; `title`; `height`, `width` of the map in cells, `size` of a picture in pixels;
-    `actions`: names by number; `agents`: a colour for each; `marks`: label and colour for each phase that marks; `pictures`: PNG files
+    `actions`: names by number; `agents`: a colour for each; `marks`: label and colour for each phase that marks; `pictures`: SVG files
     as data URLs; `legend`: [picture, text]; `moments`: see `Artist.moment`.
     """
     artist = Artist(make_look(game))
@@ -46,7 +41,7 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
         "actions": list(game.agents.actions),
         "agents": artist.colours,
         "marks": [{"label": label, "colour": _css(colour)} for label, colour in look.marks],
-        "legend": [[artist.picture_of(entry.picture), entry.text] for entry in legend_entries(look)],
+        "legend": [[artist.picture_of(picture), text] for picture, text in _legend(look)],
         "moments": told,
         "pictures": artist.pictures,
     }
@@ -59,8 +54,9 @@ class Artist:
     look: Look
     pictures: list[str] = field(default_factory=list)
     colours: list[str] = field(default_factory=list)
-    _numbers: dict[tuple[tuple[int, ...], bytes], int] = field(default_factory=dict)
+    _numbers: dict[str, int] = field(default_factory=dict)
     _tiles: dict[tuple[str, tuple[int, ...]], int] = field(default_factory=dict)
+    _bodies: dict[Figure, int] = field(default_factory=dict)
     _last: np.ndarray | None = None
 
     def moment(self, moment: Moment) -> dict[str, Any]:
@@ -87,13 +83,12 @@ class Artist:
             "done": moment.done,
         }
 
-    def picture_of(self, pixels: np.ndarray) -> int:
-        """Returns the number of a picture, `[rows, columns, 3 or 4]` uint8; equal ones have one number."""
-        key = (pixels.shape, pixels.tobytes())
-        if key not in self._numbers:
-            self._numbers[key] = len(self.pictures)
-            self.pictures.append(data_url(pixels))
-        return self._numbers[key]
+    def picture_of(self, svg: str) -> int:
+        """Returns the number of a picture; equal ones have one number."""
+        if svg not in self._numbers:
+            self._numbers[svg] = len(self.pictures)
+            self.pictures.append(svg_url(svg))
+        return self._numbers[svg]
 
     def _cells(self, shot: Snapshot) -> np.ndarray:
         """Returns the picture of each cell in reading order."""
@@ -102,7 +97,7 @@ class Artist:
             keys, number_of = cell_keys(kind, shot.values)
             for key in keys:
                 if (kind.name, key) not in self._tiles:
-                    self._tiles[kind.name, key] = self.picture_of(draw_tile(draw_cell(kind, key), SIZE))
+                    self._tiles[kind.name, key] = self.picture_of(vector_tile(draw_cell(kind, key)))
             found[kind.rows, kind.cols] = np.array([self._tiles[kind.name, key] for key in keys])[number_of]
         return found.reshape(-1)
 
@@ -114,19 +109,19 @@ class Artist:
             standing += zip(draw_movers(herd, shot.values), *shot.movers[herd.name], strict=True)
         for figure, row, col in standing:
             if 0 <= row < self.look.height and 0 <= col < self.look.width:
-                yield [self.picture_of(draw_figure(figure, SIZE)), int(row), int(col)]
+                if figure not in self._bodies:
+                    self._bodies[figure] = self.picture_of(vector_figure(figure))
+                yield [self._bodies[figure], int(row), int(col)]
 
 
-def data_url(pixels: np.ndarray) -> str:
-    """Returns a picture as a PNG file in a URL. The last ones are kept: writing them takes longer than drawing them."""
-    return _written(pixels.shape, pixels.tobytes())
-
-
-@lru_cache(maxsize=2048)
-def _written(shape: tuple[int, ...], data: bytes) -> str:
-    file = BytesIO()
-    Image.fromarray(np.frombuffer(data, np.uint8).reshape(shape)).save(file, format="PNG", optimize=True)
-    return "data:image/png;base64," + b64encode(file.getvalue()).decode("ascii")
+def _legend(look: Look) -> Iterator[tuple[str, str]]:
+    """Yields the pictures of what can be seen, each with its text: cells, marks, then agents and movers."""
+    for drawing, text in cell_entries(look):
+        yield vector_tile(drawing), text
+    for label, colour in look.marks:
+        yield vector_tile(Drawing(mixed(look.kinds[0].ground, colour, MARKED))), label
+    for figure, text in figure_entries(look):
+        yield vector_figure(figure, PAPER), text
 
 
 def _css(colour: Colour) -> str:

@@ -5,7 +5,6 @@ from importlib.resources import files
 from io import BytesIO
 
 import numpy as np
-from PIL import Image
 
 from sjdsl.render.colours import Colour
 
@@ -21,16 +20,18 @@ def draw_sprite(name: str, colour: Colour, size: int, turns: int = 0) -> np.ndar
       name: of a file in `sprites/`; what is drawn there in `currentColor` takes `colour`.
       turns: quarter turns to the right.
     """
-    from resvg_py import svg_to_bytes  # a game that is never drawn needs no rasteriser
+    from PIL import Image  # a game that is never drawn needs no rasteriser, nor one that a browser draws
+    from resvg_py import svg_to_bytes
 
-    svg = _source(name).replace("currentColor", "#{:02x}{:02x}{:02x}".format(*colour))
+    svg = sprite_source(name).replace("currentColor", "#{:02x}{:02x}{:02x}".format(*colour))
     png = svg_to_bytes(svg_string=svg, width=size, height=size, skip_system_fonts=True)
     with Image.open(BytesIO(bytes(png))) as image:
         return np.rot90(np.asarray(image.convert("RGBA")), -turns)
 
 
 @cache
-def _source(name: str) -> str:
+def sprite_source(name: str) -> str:
+    """Returns the SVG text of a sprite; `currentColor` stands where its colour goes."""
     return files("sjdsl.render").joinpath(f"sprites/{name}.svg").read_text(encoding="utf-8")
 
 

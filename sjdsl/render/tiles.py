@@ -12,6 +12,8 @@ from sjdsl.render.usual import Picture
 EDGE = 0.12  # of a cell's side
 BAR = 0.13
 BODY, OBJECT, HALF, BADGE = 0.88, 0.74, 0.5, 0.42  # sides of sprites, as shares of a cell's side
+BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))  # row and column of the corner of each badge, in order
+BADGE_INSIDE = 0.74  # of the disc that a badge lies on
 GRIDDED = 8  # pixels from which on cells are told apart by lines
 
 
@@ -27,7 +29,7 @@ def draw_tile(drawing: Drawing, size: int) -> np.ndarray:
         width = max(1, round(size * EDGE))
         for part in (tile[:width], tile[-width:], tile[:, :width], tile[:, -width:]):
             part[...] = drawing.edge
-    for picture, (side, centre) in zip(drawing.objects, _slots(len(drawing.objects)), strict=False):
+    for picture, (side, centre) in zip(drawing.objects, slots(len(drawing.objects)), strict=False):
         _put(tile, picture, side, centre)
     for place, eighths in drawing.bars:
         _bar(tile, place, eighths)
@@ -44,14 +46,14 @@ def put_badges(tile: np.ndarray, badges: tuple[Picture, ...]) -> None:
 def badges_at(badges: tuple[Picture, ...], size: int) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
     """Yields top, left and pixels of small sprites in the corners of a cell: bottom right, bottom left, top right, top left."""
     side = max(3, round(size * BADGE))
-    for picture, (row, col) in zip(badges, ((1, 1), (1, 0), (0, 1), (0, 0)), strict=False):
+    for picture, (row, col) in zip(badges, BADGE_CORNERS, strict=False):
         yield (row * (size - side), col * (size - side)), _badge(picture, side)
 
 
 def _badge(picture: Picture, side: int) -> np.ndarray:
     """Returns a sprite on a pale disc, so that it is seen on any ground."""
     disc = draw_sprite("disc", PAPER, side)
-    inner = max(2, round(side * 0.74))
+    inner = max(2, round(side * BADGE_INSIDE))
     badge = disc.copy()
     edge = (side - inner) // 2
     lay(badge[..., :3], draw_sprite(picture.sprite, picture.colour, inner), edge, edge)
@@ -65,7 +67,7 @@ def _put(tile: np.ndarray, picture: Picture, share: float, centre: tuple[float, 
     lay(tile, draw_sprite(picture.sprite, picture.colour, side), top, left)
 
 
-def _slots(count: int) -> list[tuple[float, tuple[float, float]]]:
+def slots(count: int) -> list[tuple[float, tuple[float, float]]]:
     """Returns side and centre of each of `count` objects: the middle, two halves, or four quarters."""
     if count == 1:
         return [(OBJECT, (0.5, 0.5))]

@@ -27,10 +27,11 @@ def main() -> None:
     with contextlib.suppress(BrokenPipeError, KeyboardInterrupt):  # the server has gone
         print(json.dumps({"ready": True}), file=answers, flush=True)
         for line in sys.stdin:
-            print(json.dumps(_answer(bench, line)), file=answers, flush=True)
+            print(json.dumps(answered(bench, line)), file=answers, flush=True)
 
 
-def _answer(bench: Bench, line: str) -> dict[str, object]:
+def answered(bench: Bench, line: str) -> dict[str, object]:
+    """Returns the answer to a request, a line of JSON; one that is not understood, or takes too much, is refused with the reason."""
     try:
         request = READ.validate_json(line)
     except ValidationError as error:

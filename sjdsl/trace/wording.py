@@ -39,6 +39,8 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
             return say_cell(value)
         case Mover():
             return f"{value.sort} {value.number}"
+        case tuple():
+            return "[" + ", ".join(say_value(entry, type_) for entry in value) + "]"
         case bool():
             return "yes" if value else "no"
         case int() if kind == "agent":

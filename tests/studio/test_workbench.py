@@ -66,7 +66,7 @@ def test_a_text_becomes_a_board(bench: Bench) -> None:
     assert (fine["name"], fine["unit"], fine["low"], fine["high"], fine["entries"]) == ("fine", "reward", 0, 5, [[[], 1.0]])
     assert len(answer["scene"]["cells"]) == 2 * 6
     assert len(answer["scene"]["figures"]) == 2
-    assert all(url.startswith("data:image/png;base64,") for url in answer["pictures"])
+    assert all(url.startswith("data:image/svg+xml;base64,") for url in answer["pictures"])
 
 
 def test_a_text_with_errors_leaves_the_board_as_it_is(bench: Bench) -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from sjdsl.compiler import build
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
@@ -13,6 +15,7 @@ from sjdsl.trace.episode import play
 from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.picture import make_looks
 from sjdsl.trace.rules import Rules
+from sjdsl.trace.wording import say_value
 
 from .test_trace import SMALL
 
@@ -52,3 +55,8 @@ def test_rules_are_told_as_they_are_written() -> None:
     assert rules.branch(chance, 1) == "otherwise chance 0.5"
     assert rules.place(chance) == "small.sj:17"
     assert rules.text(chance.branches[0].body[0]) == "set tree.fruit = ripe"
+
+
+def test_a_row_is_told_entry_by_entry() -> None:
+    assert say_value((np.float32(1), np.float32(0.5))) == "[1, 0.5]"
+    assert say_value(((1, 2), (3, 4))) == "[[1, 2], [3, 4]]"

@@ -1,9 +1,11 @@
 // The bench: the process that plays the game. Requests go one at a time; of many changes of the text only the last is sent.
 
+import { openSocket } from "./transport.js";
+
 export class Bench {
-  // address: of the socket; onLost: called with whether there is no connection; onOpen: called whenever there is a new one.
-  constructor(address, { onLost, onOpen }) {
-    Object.assign(this, { address, onLost, onOpen });
+  // path: of the socket; onLost: called with whether there is no connection; onOpen: called whenever there is a new one.
+  constructor(path, { onLost, onOpen }) {
+    Object.assign(this, { path, onLost, onOpen });
     this.waiting = new Map();
     this.number = 0;
     this.nextText = null;
@@ -12,7 +14,7 @@ export class Bench {
   }
 
   connect() {
-    this.socket = new WebSocket(this.address);
+    this.socket = openSocket(this.path);
     this.socket.addEventListener("open", () => { this.onLost(false); this.onOpen(); });
     this.socket.addEventListener("message", (event) => this.receive(JSON.parse(event.data)));
     this.socket.addEventListener("close", () => {

@@ -4,11 +4,12 @@ import { LSPClient, languageServerExtensions } from "@codemirror/lsp-client";
 import { StateEffect, StateField } from "@codemirror/state";
 import { Decoration, EditorView, ViewPlugin } from "@codemirror/view";
 import DOMPurify from "dompurify";
+import { openSocket } from "./transport.js";
 
 // Resolves to a client that is connected. lost: called when the connection ends.
-export function connectLanguage(address, lost) {
+export function connectLanguage(path, lost) {
   return new Promise((resolve, reject) => {
-    const socket = new WebSocket(address);
+    const socket = openSocket(path);
     const handlers = new Set();
     socket.addEventListener("message", (event) => handlers.forEach((handle) => handle(event.data)));
     socket.addEventListener("error", reject);

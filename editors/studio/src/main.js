@@ -15,16 +15,15 @@ import { ASKED, LASTING, PANELS, fill } from "./panels.js";
 import { showTour } from "./tour.js";
 
 const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
-const socket = (path) => `ws://${location.host}${path}?token=${encodeURIComponent(meta("token"))}`;
-const files = new Files(meta("token"));
+const files = new Files();
 const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", ",": "comma", ".": "full_stop", " ": "space", Enter: "enter" };
 
 const open = { path: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, map: null };
 const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
 let view = null, language = null;
 
-const bench = new Bench(socket("/bench"), { onLost: lost, onOpen: () => sendText(false) });
-const beside = new Bench(socket("/bench"), { onLost: () => {}, onOpen: () => { beside.stale = true; refreshPanel(); } }); // for what takes long
+const bench = new Bench("/bench", { onLost: lost, onOpen: () => sendText(false) });
+const beside = new Bench("/bench", { onLost: () => {}, onOpen: () => { beside.stale = true; refreshPanel(); } }); // for what takes long
 beside.stale = true;
 const board = new Board(find("board"), find("stage"), {
   onCell: (row, col) => { shown.cell = [row, col]; shown.agent = board.agentAt([row, col]) ?? shown.agent; board.choose(row, col); find("board").focus(); refreshPanel(); },
@@ -363,7 +362,7 @@ function lost(gone) {
 
 async function speak() {
   try {
-    language = await connectLanguage(socket("/language"), () => { language = null; setTimeout(speak, 2000); });
+    language = await connectLanguage("/language", () => { language = null; setTimeout(speak, 2000); });
   } catch {
     return setTimeout(speak, 5000);
   }

@@ -23,12 +23,16 @@ function paintBoard(canvas, map, images, cells, moment, width) {
   moment.figures.forEach(([picture, row, col]) => put(picture, row, col));
 }
 
-// Resolves to a picture that can be drawn.
+// Resolves to a picture that can be drawn: an SVG file as pixels, which is done once.
 async function loadPicture(url) {
   const image = new Image();
   image.src = url;
   await image.decode();
-  return image;
+  const picture = document.createElement("canvas");
+  picture.width = image.naturalWidth;
+  picture.height = image.naturalHeight;
+  picture.getContext("2d").drawImage(image, 0, 0);
+  return picture;
 }
 
 // Writes the pictures of the cells that changed, [cell, picture, cell, picture, …], over those of before.

@@ -1,0 +1,108 @@
+"""The studio without a server: the same requests and answers, for a page that runs Python itself (Pyodide)."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from sjdsl.games_folder import games_folder
+from sjdsl.studio import tour
+from sjdsl.studio.bench import Bench
+from sjdsl.studio.examples import copy_beside, examples, place_of
+from sjdsl.studio.folder import Changed, FileRefused, Folder
+from sjdsl.studio.worker import answered
+
+Send = Callable[[str], object]
+
+
+class Serverless:
+    """What the page's server does, for one worker of the page. `folder`: of the games that somebody has saved, in the worker's memory.
+
+    Whoever runs the worker ends it when something takes too long, and gives the next one the saved files by `keep`.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self._folder = Folder(folder.resolve())
+        self._bench = Bench(self._folder.root)
+        self._language: Any = None
+
+    def addresses(self) -> dict[str, str]:
+        """Returns the URIs of the folder, of the bundled games and of the tour, as the page has to know them."""
+        return {
+            "root": self._folder.root.as_uri(),
+            "examples": games_folder().resolve().as_uri(),
+            "tour": tour.tour_folder().as_uri(),
+        }
+
+    def bench(self, request: str) -> str:
+        """Returns the answer to a request of the board or of a panel, both as JSON."""
+        return json.dumps(answered(self._bench, request))
+
+    def language(self, message: str, send: Send) -> None:
+        """Gives the language server a message; what it says, now or later, is sent. Wants a running event loop."""
+        if self._language is None:
+            from sjdsl.editor.server import make_server  # a bench needs none
+
+            self._language = make_server()
+            self._language.protocol.set_writer(_Writer(send), include_headers=False)
+        protocol = self._language.protocol
+        protocol.handle_message(protocol.structure_message(json.loads(message)))
+
+    def file(self, method: str, path: str, body: str = "") -> str:
+        """Answers a request about files as the server does, as JSON; `written` has the files that are new, with their texts."""
+        try:
+            return json.dumps(self._file(method, urlsplit(path).path, parse_qs(urlsplit(path).query), json.loads(body or "{}")))
+        except Changed as reason:
+            return json.dumps({"refused": str(reason), "changed": True})
+        except (FileRefused, KeyError, TypeError, ValueError) as reason:
+            return json.dumps({"refused": str(reason)})
+
+    def keep(self, path: str, text: str) -> None:
+        """Writes a file as somebody has saved it before, or in another worker of the page. Raises FileRefused."""
+        (self._folder.root / path).parent.mkdir(parents=True, exist_ok=True)
+        try:
+            before = self._folder.read(path)[1]
+        except FileRefused:
+            before = None
+        self._folder.write(path, text, before)
+
+    def _file(self, method: str, address: str, query: dict[str, list[str]], given: dict[str, Any]) -> dict[str, Any]:
+        folder = self._folder
+        match method, address:
+            case "GET", "/games":
+                return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
+            case "GET", "/tour":
+                return {"steps": tour.steps()}
+            case "GET", "/policies":
+                return {"policies": []}  # trained policies want JAX
+            case "GET", "/file":
+                place, path = place_of(query["path"][0], folder.root)
+                text, digest = Folder(place).read(path)
+                return {"text": text, "digest": digest}
+            case "PUT", "/file":
+                path, text = str(given["path"]), str(given["text"])
+                return {"digest": folder.write(path, text, given.get("digest")), "written": {path: text}}
+            case "POST", "/copy":
+                path, text = str(given["path"]), str(given["text"])
+                if folder.inside(path).exists():
+                    raise FileRefused(f"there is a file `{path}` already: choose another name")
+                copied = copy_beside(str(given["example"]), folder)
+                digest = folder.write(path, text, None)
+                return {"digest": digest, "copied": copied, "written": {name: folder.read(name)[0] for name in (*copied, path)}}
+            case _:
+                raise FileRefused(f"there is no `{address}`")
+
+
+class _Writer:
+    """Sends what the language server writes."""
+
+    def __init__(self, send: Send) -> None:
+        self._send = send
+
+    def write(self, data: bytes) -> None:
+        self._send(data.decode("utf-8"))
+
+    def close(self) -> None:
+        """There is nothing to close."""

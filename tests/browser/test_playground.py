@@ -1,0 +1,121 @@
+"""The playground: the studio's page without its server. A mistake is seen and mended, the board plays, files stay in the browser."""
+
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+BUILT = Path(__file__).parents[2] / "build" / "playground"
+LOADED = 180_000  # milliseconds that Python may take to load on a machine that does other things, too
+
+pytestmark = pytest.mark.skipif(not (BUILT / "index.html").is_file(), reason="`make playground` builds it")
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Gives files, and says nothing."""
+
+    extensions_map = SimpleHTTPRequestHandler.extensions_map | {".mjs": "text/javascript", ".wasm": "application/wasm"}
+
+    def log_message(self, *_: object) -> None:
+        """Keeps quiet."""
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(BUILT)))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def playground(browser: Browser, address: str) -> Iterator[Page]:
+    """Returns the page with everything loaded. A request to another place, or an error of a script, fails the test."""
+    context = browser.new_context(viewport={"width": 1400, "height": 900})
+    page, wrong = context.new_page(), list[str]()
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda request: None if request.url.startswith((address, "data:", "blob:")) else wrong.append(request.url))
+    page.goto(address)
+    expect(part(page, "title")).to_have_text("Clean Up", timeout=LOADED)
+    expect(part(page, "panel")).to_contain_text("Clean Up", timeout=LOADED)
+    page.locator(".sj-keyword").first.wait_for(timeout=LOADED)  # the language server has coloured the text
+    yield page
+    context.close()
+    assert wrong == []
+
+
+def part(page: Page, name: str) -> Locator:
+    return page.locator(f'[data-part="{name}"]')
+
+
+def write(page: Page, at: str, text: str) -> None:
+    """Writes a text at the end of the first line that contains `at`."""
+    page.locator(".cm-line", has_text=at).first.click()
+    page.keyboard.press("End")
+    page.keyboard.insert_text(text)
+
+
+def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
+    write(playground, "phase walk", " mistake")
+    expect(part(playground, "verdict")).to_contain_text("error", timeout=30_000)
+    playground.locator(".cm-lintRange-error").first.wait_for(timeout=30_000)
+    for _ in " mistake":
+        playground.keyboard.press("Backspace")
+    expect(part(playground, "verdict")).to_have_text("", timeout=30_000)
+
+
+def test_the_board_steps_back_and_forth(playground: Page) -> None:
+    for _ in range(3):
+        part(playground, "forward").click()
+    expect(part(playground, "step")).to_have_text("step 3", timeout=30_000)
+    part(playground, "back").click()
+    expect(part(playground, "step")).to_have_text("step 2", timeout=30_000)
+    drawn = part(playground, "board").evaluate(
+        "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
+    )
+    assert drawn > 20, "the board is drawn in colours"
+
+
+def test_another_example_is_opened_and_its_panels_filled(playground: Page) -> None:
+    part(playground, "files").select_option("example:coins.sj")
+    expect(part(playground, "title")).to_have_text("Coins", timeout=30_000)
+    part(playground, "forward").click()
+    for panel, text in (("why", "The last step"), ("state", "World"), ("seen", "plane by plane"), ("python", "jax"), ("rules", "Coins")):
+        playground.locator(f'[data-panel="{panel}"]').click()
+        expect(part(playground, "panel")).to_contain_text(text, timeout=60_000)
+
+
+def test_a_copy_is_kept_and_can_be_downloaded(playground: Page) -> None:
+    part(playground, "files").select_option("example:coins.sj")
+    write(playground, "sj 1", "\n# mine")
+    part(playground, "save").click()
+    playground.get_by_role("button", name="Save a copy").click()
+    expect(part(playground, "files").locator("option", has_text="coins.sj").first).to_have_attribute("value", "coins.sj", timeout=30_000)
+    expect(part(playground, "save")).to_be_disabled()
+    with playground.expect_download() as download:
+        playground.locator("#download").click()
+    assert "# mine" in download.value.path().read_text(encoding="utf-8")
+    playground.reload()
+    expect(part(playground, "title")).to_have_text("Clean Up", timeout=LOADED)
+    part(playground, "files").select_option("coins.sj")
+    expect(playground.locator(".cm-line", has_text="# mine")).to_be_visible(timeout=30_000)
+
+
+def test_what_takes_too_long_is_stopped_and_python_begins_again(playground: Page) -> None:
+    playground.evaluate("studioTransport.seconds.step = 0")
+    part(playground, "forward").click()
+    expect(part(playground, "message")).to_contain_text("was stopped", timeout=30_000)
+    playground.evaluate("studioTransport.seconds.step = 60")
+    expect(playground.locator("body")).to_have_attribute("data-compiles", "true")
+    part(playground, "forward").click(timeout=LOADED)
+    expect(part(playground, "step")).to_have_text("step 1", timeout=LOADED)
+
+
+def test_the_episode_is_shared_as_a_file(playground: Page) -> None:
+    with playground.expect_download() as download:
+        part(playground, "share").click()
+    assert '<script type="application/json" id="episode">' in download.value.path().read_text(encoding="utf-8")
