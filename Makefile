@@ -1,10 +1,10 @@
-# Needs Python 3.11, 3.12 or 3.13, git and make; all else goes into .venv.
+# Needs Python 3.11, 3.12, 3.13 or 3.14, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
 .PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
 
-PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
-  if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; \
+PYTHON ?= $(shell for p in python3.13 python3.14 python3.12 python3.11 python3; do \
+  if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' 2>/dev/null; \
   then echo $$p; break; fi; done)
 BIN := .venv/bin
 export NO_MKDOCS_2_WARNING := 1
@@ -169,8 +169,8 @@ clean:
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 .venv/ready: requirements.txt pyproject.toml
-	@test -n "$(PYTHON)" || { echo "no Python 3.11, 3.12 or 3.13 with venv was found; name one: make PYTHON=/path/to/python"; exit 1; }
-	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(0 if (3, 11) <= v < (3, 14) else f"{sys.executable} is Python {v[0]}.{v[1]}; 3.11, 3.12 or 3.13 is needed")'
+	@test -n "$(PYTHON)" || { echo "no Python 3.11 to 3.14 with venv was found; name one: make PYTHON=/path/to/python"; exit 1; }
+	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(0 if (3, 11) <= v < (3, 15) else f"{sys.executable} is Python {v[0]}.{v[1]}; 3.11 to 3.14 is needed")'
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
