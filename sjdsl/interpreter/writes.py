@@ -152,7 +152,7 @@ def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
 def _spread(slot: Slot, value: Value, levels: tuple[tuple[str, ...], ...]) -> list[tuple[Slot, Value]]:
     if not levels:
         return [(slot, value)]
-    values = value if isinstance(value, tuple) else (value,) * len(levels[0])
+    values = value if isinstance(value, tuple) and not isinstance(value, Cell) else (value,) * len(levels[0])
     assert len(values) == len(levels[0]), slot
     inner = [_spread(slot._replace(entries=(*slot.entries, i)), v, levels[1:]) for i, v in enumerate(values)]
     return [pair for pairs in inner for pair in pairs]
