@@ -4,7 +4,7 @@
 
 It needs requirements-browser.txt and the system's Chromium. An answer counts from the key going down until the page has the new game and has
 drawn its board. The first page counts from asking for the address until the board of its game is drawn, with a server that has just started and
-has had its time to load. Processor time is that of the process that plays the game; it depends less on what else the machine does.
+has had four seconds to load.
 """
 
 import argparse
@@ -21,7 +21,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import psutil
 from playwright.sync_api import Page, sync_playwright
 
 GAMES = [
@@ -50,15 +49,15 @@ WATCH = """() => {
 
 
 @contextmanager
-def served(game: str) -> Iterator[tuple[str, psutil.Process]]:
-    """Yields the address of a studio with a bundled game, and its process."""
+def served(game: str) -> Iterator[str]:
+    """Yields the address of a studio with a bundled game."""
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "sjdsl", "studio", game, "--no-browser", "--port", "0"]
         environment = os.environ | {"XDG_CACHE_HOME": str(Path(folder) / "cache")}
-        server = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True)
+        server = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True, env=environment, process_group=0)
         try:
             assert server.stdout is not None
-            yield re.findall(r"http\S+", server.stdout.readline())[0], psutil.Process(server.pid)
+            yield re.findall(r"http\S+", server.stdout.readline())[0]
         finally:
             os.killpg(server.pid, signal.SIGKILL)
             server.wait()
@@ -87,12 +86,6 @@ def keystrokes(page: Page, count: int, pause: float) -> list[float]:
     return list(page.evaluate("window.answers"))
 
 
-def processor_time(server: psutil.Process) -> dict[int, float]:
-    """Returns the seconds that each process of the server that plays a game has taken."""
-    workers = [child for child in server.children(recursive=True) if any("sjdsl.studio.worker" in part for part in child.cmdline())]
-    return {worker.pid: sum(worker.cpu_times()[:2]) for worker in workers}
-
-
 def main() -> None:
     """Prints a row of a Markdown table for each game."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -102,27 +95,20 @@ def main() -> None:
     given = parser.parse_args()
     path = next(found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name)))
     print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f} at the start\n")
-    print(
-        "| game | keystroke to answer, median | fastest | 9 of 10 within | processor time of one answer | first page |\n|---|---|---|---|---|---|"
-    )
+    print("| game | keystroke to answer, median | fastest | 9 of 10 within | first page |\n|---|---|---|---|---|")
     medians = []
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
         for game in given.games.split(","):
-            with served(game) as (address, server):
+            with served(game) as address:
                 time.sleep(LOADED)
                 page = browser.new_page(viewport={"width": 1400, "height": 900})
                 opened = first_page(page, address)
-                before = processor_time(server)
                 answers = keystrokes(page, given.keystrokes, given.pause)
-                taken = max(after - before.get(pid, 0.0) for pid, after in processor_time(server).items())
                 page.close()
             medians.append(statistics.median(answers))
             tenth = statistics.quantiles(answers, n=10)[-1]
-            each = 1000 * taken / (given.keystrokes + 4)
-            print(
-                f"| {game} | {medians[-1]:.0f} ms | {min(answers):.0f} ms | {tenth:.0f} ms | {each:.0f} ms | {opened:.1f} s |", flush=True
-            )
+            print(f"| {game} | {medians[-1]:.0f} ms | {min(answers):.0f} ms | {tenth:.0f} ms | {opened:.1f} s |", flush=True)
         browser.close()
     print(f"\nmedian of the games {statistics.median(medians):.0f} ms; load {os.getloadavg()[0]:.1f} at the end")
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Browser, Page, expect
 
 import sjdsl
 from tests.browser.studio_page import GAME, Studio, opened, part, studio, type_over
@@ -137,3 +137,19 @@ def test_a_file_that_another_window_wrote_is_noticed(opened: Page, studio: Studi
     opened.evaluate("window.dispatchEvent(new Event('focus'))")
     expect(part(opened, "message")).to_contain_text("changed by somebody else")
     expect(part(opened, "title")).to_have_text("Mine" if edited else "Theirs")
+
+
+def test_whoever_types_early_keeps_the_cursor(studio: Studio, browser: Browser) -> None:
+    """The language server comes a while after the text; the editor is not made anew for it, nor are keys lost or changes forgotten."""
+    page = browser.new_page()
+    page.goto(studio.address)
+    page.locator(".cm-line").first.click(timeout=60_000)
+    page.keyboard.press("End")
+    page.keyboard.type("  # early", delay=20)
+    page.locator(".sj-keyword").first.wait_for(timeout=60_000)  # coloured by meaning: it is there
+    page.keyboard.type(" and late", delay=20)
+    expect(page.locator(".cm-line").first).to_have_text("sj 1  # early and late")
+    for _ in range(6):
+        page.keyboard.press("Control+z")
+    expect(page.locator(".cm-line").first).to_have_text("sj 1")
+    page.close()

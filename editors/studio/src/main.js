@@ -1,6 +1,6 @@
 // The studio: the text on the left, the board in the middle, what is asked for on the right.
 
-import { EditorState } from "@codemirror/state";
+import { Compartment, EditorState } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { basicSetup } from "codemirror";
 import { Bench } from "./bench.js";
@@ -67,15 +67,18 @@ async function lookAgain() {
   say(`${path} was changed by somebody else, and is shown as it is now`);
 }
 
+// What the language server adds to the editor: it comes and goes without taking the cursor or the history of changes along.
+const speech = new Compartment();
+const spoken = () => (language ? languageOf(language, uriOf(open.path)) : []);
+
 function makeEditor(text) {
   if (view) view.destroy();
   const changed = EditorView.updateListener.of((update) => {
     if (update.docChanged) { markUnsaved(); sendText(false); }
     if (update.selectionSet && shown.panel === "python") markPython();
   });
-  const speak = language ? languageOf(language, uriOf(open.path)) : [];
   view = new EditorView({
-    state: EditorState.create({ doc: text, extensions: [basicSetup, keymap.of([{ key: "Mod-s", run: () => { save(); return true; } }]), changed, speak] }),
+    state: EditorState.create({ doc: text, extensions: [basicSetup, keymap.of([{ key: "Mod-s", run: () => { save(); return true; } }]), changed, speech.of(spoken())] }),
     parent: find("text"),
   });
   markUnsaved();
@@ -366,11 +369,7 @@ async function speak() {
   } catch {
     return setTimeout(speak, 5000);
   }
-  if (view) {
-    const cursor = view.state.selection.main.head;
-    makeEditor(text());
-    view.dispatch({ selection: { anchor: cursor } });
-  }
+  if (view) view.dispatch({ effects: speech.reconfigure(spoken()) });
 }
 
 async function listGames() {
