@@ -108,7 +108,7 @@ game chemistry "Chemistry" {
   observe { show agent.mol  show other.mol  hide dish.next  hide dish.held  hide dish.plan  hide dish.site  hide dish.lit  hide dish.spark }
   metrics { event lit by { background, low, medium, high }  mean energy_left = count(dish where dish.mol is energy) }
   checks { symmetric agents  always count(dish as d where d.plan is not idle or d.site is not idle or d.lit is yes or d.spark is yes) == 0 }
-  checks hot { always count(dish as d where d.mol is hot and d.next is none or d.mol is not hot and d.next is not none) == 0 }
+  checks hot { always count(dish as d where d.mol is not hot and d.next is not none) == 0 }
   define joins(a, m) = a.mol is empty and m is x or a.mol is x and m is y
   define above(a, m) = a.mol is empty and count(agent as b on dish as d where b is a and d.mol is m) > 0
   define fed(a)      = above(a, food1) or above(a, food2) or above(a, food3)
