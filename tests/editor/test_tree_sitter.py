@@ -168,6 +168,18 @@ def test_a_query_fits_the_grammar(language: Any, path: Path) -> None:
     assert Query(language, path.read_text("utf-8")).capture_count > 0
 
 
+def test_the_mode_for_emacs_has_every_word_and_nodes_that_there_are(language: Any) -> None:
+    from tree_sitter import Query
+
+    mode = (GRAMMAR / "sj-ts-mode.el").read_text("utf-8")
+    (words,) = re.findall(r"defvar sj-ts-keywords\s+'\((.*?)\)", mode, re.DOTALL)
+    others = {"end", "ahead", "all", "nobody", "count", "sum"}  # nodes of their own
+    assert set(re.findall(r'"(\w+)"', words)) | others == {word for word in automaton().words.values() if word.isalpha()}
+    patterns = re.findall(r"^ *'?[`(]*(\(\w+ .*?@font-lock-[\w-]+\))", mode, re.MULTILINE)
+    assert len(patterns) > 25
+    assert Query(language, "\n".join(patterns)).pattern_count == len(patterns)
+
+
 def test_every_token_has_one_colour_and_words_are_words_where_the_compiler_reads_them_so(language: Any, highlights: Any) -> None:
     met = set()
     for path in [*sorted((ROOT / "games").glob("*.sj")), *sorted((ROOT / "tests/cases").glob("*.sj"))]:

@@ -5,5 +5,3 @@
   (kind) (agents) (movers) (observe) (show) (metrics) (checks) (policy) (scenario)
 ] @indent.begin
 "}" @indent.branch @indent.end
-(string) @indent.ignore
-(comment) @indent.ignore
