@@ -71,7 +71,8 @@ def title(w: World) -> str:
 
 
 def game(head: str, sections: list[Lines]) -> str:
-    return "\n".join(["sj 1", f"game {head} {{", *(line for s in sections for line in indented(s)), "}", ""])
+    version = "sj 1" if len(sections) % 2 else "sj 1.1"  # a file that says less than it needs is read all the same
+    return "\n".join([version, f"game {head} {{", *(line for s in sections for line in indented(s)), "}", ""])
 
 
 def requires(w: World) -> None:

@@ -10,7 +10,7 @@ from sjdsl.screen.interpreted import Interpreted
 from sjdsl.screen.session import Session, choice_of
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
-from sjdsl.studio.worker import _answer
+from sjdsl.studio.worker import answered
 from sjdsl.trace.choices import random_actions
 
 GAME = """sj 1
@@ -304,5 +304,5 @@ def test_a_fault_of_our_own_is_told_and_nothing_is_lost(tmp_path: Path, monkeypa
     opened(made)
     ask(made, do="step")
     monkeypatch.setattr("sjdsl.studio.bench.state_panel", lambda *_: 1 / 0)
-    assert "a fault of sjdsl" in str(_answer(made, '{"do": "panel", "panel": "state"}')["refused"])
-    assert _answer(made, '{"do": "step"}')["at"] == 2
+    assert "a fault of sjdsl" in str(answered(made, '{"do": "panel", "panel": "state"}')["refused"])
+    assert answered(made, '{"do": "step"}')["at"] == 2
