@@ -23,6 +23,12 @@ STRIP = ("clean_up", "harvest_open", "coins", "coop_mining", "mushrooms", "terri
 OTHER_PAGES = "Other pages"
 
 
+def on_startup(command: str, dirty: bool) -> None:
+    """Lays out the modules before the plugins are configured: that of the reference leaves out folders that are not there yet."""
+    del command, dirty
+    _link_modules()
+
+
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Completes the table of contents, and says what version this is."""
     config.mdx_configs.setdefault("toc", {})["slugify"] = slug
@@ -39,7 +45,6 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     found = (path.relative_to(ROOT / DOCS).as_posix() for path in sorted((ROOT / DOCS).rglob("*.md")))
     missing = [page for page in found if page not in named]
     config.nav += [{OTHER_PAGES: missing}] if missing else []
-    _link_modules()
     return config
 
 

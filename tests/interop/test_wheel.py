@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.installed import GAME, installed, run_in
+from tests.packaging.installed import GAME, installed, run_in, source, wheel
 
-__all__ = ["installed"]  # a fixture
+__all__ = ["installed", "source", "wheel"]  # fixtures
 
 MADE = {
     "jaxmarl": "JaxMARLGame('{}')",
