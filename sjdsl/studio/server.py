@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import json
 from collections.abc import Callable, Coroutine
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,10 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from sjdsl.games_folder import games_folder
+from sjdsl.studio import files as requested
 from sjdsl.studio import tour
 from sjdsl.studio.access import Access
 from sjdsl.studio.child import Spares
-from sjdsl.studio.examples import copy_beside, examples, place_of
 from sjdsl.studio.folder import LARGEST, Changed, FileRefused, Folder
 from sjdsl.studio.language import serve_language
 from sjdsl.studio.runs import stored_policies
@@ -58,8 +59,8 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
         Route("/tour", lambda _request: JSONResponse({"steps": tour.steps()}, headers=HEADERS)),
         Route("/policies", _policies(inside)),
         Route("/file", _read(inside), methods=["GET"]),
-        Route("/file", _write(inside), methods=["PUT"]),
-        Route("/copy", _copy(inside), methods=["POST"]),
+        Route("/file", _changing(partial(requested.write, inside)), methods=["PUT"]),
+        Route("/copy", _changing(partial(requested.copy, inside)), methods=["POST"]),
         WebSocketRoute("/bench", _bench(spares)),
         WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
     ]
@@ -118,7 +119,7 @@ def _text(package: str, path: str) -> str:
 
 
 def _games(folder: Folder) -> Callable[[Request], Response]:
-    return lambda _request: JSONResponse({"games": folder.games(), "examples": examples(), "tour": tour.games()}, headers=HEADERS)
+    return lambda _request: JSONResponse(requested.listed(folder), headers=HEADERS)
 
 
 def _policies(folder: Folder) -> Callable[[Request], Response]:
@@ -128,31 +129,11 @@ def _policies(folder: Folder) -> Callable[[Request], Response]:
 def _read(folder: Folder) -> Callable[[Request], Response]:
     def read(request: Request) -> Response:
         try:
-            place, path = place_of(request.query_params.get("path", ""), folder.root)
-            text, digest = Folder(place).read(path)
+            return JSONResponse(requested.read(folder, request.query_params.get("path", "")), headers=HEADERS)
         except FileRefused as reason:
             return JSONResponse({"refused": str(reason)}, 404, HEADERS)
-        return JSONResponse({"text": text, "digest": digest}, headers=HEADERS)
 
     return read
-
-
-def _write(folder: Folder) -> Handler:
-    def write(given: dict[str, Any]) -> dict[str, Any]:
-        return {"digest": folder.write(str(given["path"]), str(given["text"]), given.get("digest"))}
-
-    return _changing(write)
-
-
-def _copy(folder: Folder) -> Handler:
-    def copy(given: dict[str, Any]) -> dict[str, Any]:
-        """Writes the text of an example, as it has been changed, as a new file, with the files that it needs."""
-        if folder.inside(str(given["path"])).exists():
-            raise FileRefused(f"there is a file `{given['path']}` already: choose another name")
-        copied = copy_beside(str(given["example"]), folder)
-        return {"digest": folder.write(str(given["path"]), str(given["text"]), None), "copied": copied}
-
-    return _changing(copy)
 
 
 def _changing(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Handler:

@@ -7,9 +7,9 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from sjdsl.games_folder import games_folder
+from sjdsl.studio import files as requested
 from sjdsl.studio import tour
 from sjdsl.studio.bench import Bench
-from sjdsl.studio.examples import copy_beside, examples, place_of
 from sjdsl.studio.folder import Changed, FileRefused, Folder
 from sjdsl.studio.worker import answered
 
@@ -72,25 +72,18 @@ class Serverless:
         folder = self._folder
         match method, address:
             case "GET", "/games":
-                return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
+                return requested.listed(folder)
             case "GET", "/tour":
                 return {"steps": tour.steps()}
             case "GET", "/policies":
                 return {"policies": []}  # trained policies want JAX
             case "GET", "/file":
-                place, path = place_of(query["path"][0], folder.root)
-                text, digest = Folder(place).read(path)
-                return {"text": text, "digest": digest}
+                return requested.read(folder, query["path"][0])
             case "PUT", "/file":
-                path, text = str(given["path"]), str(given["text"])
-                return {"digest": folder.write(path, text, given.get("digest")), "written": {path: text}}
+                return {**requested.write(folder, given), "written": {str(given["path"]): str(given["text"])}}
             case "POST", "/copy":
-                path, text = str(given["path"]), str(given["text"])
-                if folder.inside(path).exists():
-                    raise FileRefused(f"there is a file `{path}` already: choose another name")
-                copied = copy_beside(str(given["example"]), folder)
-                digest = folder.write(path, text, None)
-                return {"digest": digest, "copied": copied, "written": {name: folder.read(name)[0] for name in (*copied, path)}}
+                done = requested.copy(folder, given)
+                return {**done, "written": {name: folder.read(name)[0] for name in (*done["copied"], str(given["path"]))}}
             case _:
                 raise FileRefused(f"there is no `{address}`")
 
