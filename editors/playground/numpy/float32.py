@@ -9,7 +9,8 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-_PACK, _UNPACK = struct.Struct("f").pack, struct.Struct("f").unpack
+_FORMAT = struct.Struct("<f")  # without "<", numbers that are too large become an infinity and nobody is told
+_PACK, _UNPACK = _FORMAT.pack, _FORMAT.unpack
 _RAISES: dict[str, bool] = {"over": False, "invalid": False}
 _SMALLEST_NORMAL = 2.0**-126
 
