@@ -2,7 +2,6 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, aligned, as_dtype, binary, both, invert, iota, spread
 from sjdsl.compiler.lower.domains import blocked_by, enter, is_empty
@@ -33,11 +32,6 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     """Writes a phase in which movers go: along a heading, or to one of the open cells beside them."""
     course = s.course
     assert course is not None
-    if is_empty(s.domain, w):
-        if w.module.stores_moved(mover_sort(s.domain.var)):
-            attribute = attribute_of("moved", mover_sort(s.domain.var))
-            w.assign(attribute, call("jnp.zeros_like", path(f"state.{attribute}")))
-        return
     inner = enter(s.domain, scope, w)
     mover = inner.variables[s.domain.var.name]
     assert isinstance(mover, AgentVar)

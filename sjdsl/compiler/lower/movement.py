@@ -2,6 +2,7 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
+from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, binary
 from sjdsl.compiler.lower.domains import blocked_by, enter
@@ -38,6 +39,14 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     target = w.bind("target", Where(stays, POSITION, next_cell))
     conditional_blocks(agent, target, w)
     settle(s, "", target, w)
+
+
+def nobody_moves(s: ir.Move, w: Writer) -> None:
+    """Writes a movement phase of a domain that has no members on this map."""
+    sort = mover_sort(s.domain.var)
+    if w.module.stores_moved(sort):
+        attribute = attribute_of("moved", sort)
+        w.assign(attribute, call("jnp.zeros_like", path(f"state.{attribute}")))
 
 
 def settle(s: ir.Move, sort: str, target: Name, w: Writer) -> None:

@@ -10,7 +10,7 @@ from sjdsl.compiler.lower.courses import move_on_course
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
-from sjdsl.compiler.lower.movement import move
+from sjdsl.compiler.lower.movement import move, nobody_moves
 from sjdsl.compiler.lower.relocation import Sends
 from sjdsl.compiler.lower.rewards_and_events import give, tally
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
@@ -71,6 +71,8 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             sends.shift(s, scope, w)
         case ir.Remove():
             sends.remove(s, scope, w)
+        case ir.Move() if is_empty(s.domain, w):
+            nobody_moves(s, w)
         case ir.Move(course=None):
             move(s, scope, w)
         case ir.Move():
