@@ -17,7 +17,7 @@ from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.properties.effects import reads
 from sjdsl.properties.multiplicity import most
 from sjdsl.properties.preconditions import Bound, Precondition, can_be, can_make, is_timed, place_of
-from sjdsl.properties.reachability import can_go, closed_to, moves_until, node_of, others_of, stands
+from sjdsl.properties.reachability import can_go, closed_to, least_moves, node_of, others_of, stands
 from sjdsl.properties.shortest_paths import FAR
 
 FAILED = 1.0  # distance of a failing condition that compares no numbers
@@ -172,15 +172,17 @@ class Distances:
         """Returns the moves of an agent until it reaches, or stands on, cells of a statement, weighted; inf: there is no path."""
         wanted = self._wanted(precondition, name)
         board, node = board_of(self._game), node_of(agent, self._world, board_of(self._game))
+        if node is None:
+            return math.inf
         total = 0.0
         for shape, member in wanted:
             cells, before = self._places(precondition, member, bound), total
             closed = self._closed(agent)
             total += math.inf
             for price, around in ((0.0, closed | others_of(agent, self._world)), (PAST_AGENTS, closed), (PAST_CLOSED, frozenset[Cell]())):
-                moves = min((moves_until(board, cell, shape, None, around)[node] for cell in cells), default=FAR)
+                moves = least_moves(board, node, cells, shape, around)
                 if moves < FAR:
-                    total = before + price + MOVE * float(moves)
+                    total = before + price + MOVE * moves
                     break
         return total
 

@@ -1,5 +1,6 @@
 """Reachability of cells: how many moves an agent needs to stand on a cell, or to have it in a shape such as a beam."""
 
+from collections.abc import Collection
 from functools import lru_cache
 
 import numpy as np
@@ -47,9 +48,30 @@ def moves_until(
 
     at: where it has to stand; None: anywhere. around: cells that cannot be entered now, because others are there.
     """
-    nodes = [node for node in _goals(cell, shape, board) if at is None or node // 4 == _number(at, board)]
+    nodes = _goals_at(board, cell, shape, at)
     after = _moves_around(board, around)
     return moves_to(nodes, after) if nodes else np.full(after.shape[0], FAR, np.int64)
+
+
+@lru_cache(maxsize=1024)
+def moves_from(board: Board, node: int, around: frozenset[Cell] = frozenset()) -> np.ndarray:
+    """Returns how many moves it takes from a node to each node, `[nodes]` int64; FAR without a path. around: see `moves_until`."""
+    after = _moves_around(board, around)
+    distance = np.full(after.shape[0], FAR, np.int64)
+    front = np.array([node])
+    for moves in range(FAR):
+        distance[front] = moves
+        reached = after[front].reshape(-1)
+        front = np.unique(reached[distance[reached] == FAR])
+        if not front.size:
+            break
+    return distance
+
+
+def least_moves(board: Board, node: int, cells: Collection[Cell], shape: str | None, around: frozenset[Cell]) -> int:
+    """Returns the moves from a node until an agent stands on one of some cells, or has it in a shape, as `moves_until` counts them."""
+    goals = [goal for cell in cells for goal in _goals(cell, shape, board)]
+    return int(moves_from(board, node, around)[goals].min()) if goals else FAR
 
 
 @lru_cache(maxsize=2048)
@@ -66,7 +88,7 @@ def can_go(
     node: int | None, board: Board, cell: Cell, shape: str | None = None, at: Cell | None = None, around: frozenset[Cell] = frozenset()
 ) -> bool:
     """Returns whether there is a path from a node, as `moves_until` counts; True for an agent that is away."""
-    return node is None or bool(moves_until(board, cell, shape, at, around)[node] < FAR)
+    return node is None or bool((moves_from(board, node, around)[_goals_at(board, cell, shape, at)] < FAR).any())
 
 
 @lru_cache(maxsize=256)
@@ -83,6 +105,11 @@ def _moves_around(board: Board, around: frozenset[Cell]) -> np.ndarray:
 @lru_cache(maxsize=2048)
 def _goals(cell: Cell, shape: str | None, board: Board) -> list[int]:
     return _nodes_on(cell, board) if shape is None else _nodes_around(cell, shape, board)
+
+
+def _goals_at(board: Board, cell: Cell, shape: str | None, at: Cell | None) -> list[int]:
+    """Returns the nodes on a cell, or from which a shape reaches it; those on `at`, if that is given."""
+    return [node for node in _goals(cell, shape, board) if at is None or node // 4 == _number(at, board)]
 
 
 def _number(cell: Cell, board: Board) -> int:

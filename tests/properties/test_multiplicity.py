@@ -9,7 +9,7 @@ from sjdsl.interpreter.state import Cell
 from sjdsl.properties.distance import cheapest
 from sjdsl.properties.multiplicity import is_always_once, most
 from sjdsl.properties.preconditions import preconditions_of
-from sjdsl.properties.reachability import moves_until
+from sjdsl.properties.reachability import least_moves, moves_until
 from sjdsl.properties.shortest_paths import FAR
 from sjdsl.properties.statements import leaf_statements
 
@@ -66,3 +66,16 @@ def test_paths_go_around_others() -> None:
     start, goal, between = 0, Cell(0, 2), Cell(0, 1)
     assert moves_until(board, goal, at=goal)[start] < moves_until(board, goal, at=goal, around=frozenset({between}))[start] < FAR
     assert moves_until(board, goal, at=goal, around=frozenset({between, Cell(1, 1)}))[start] == FAR
+
+
+@pytest.mark.parametrize("around", [frozenset[Cell](), frozenset({Cell(0, 1)}), frozenset({Cell(0, 1), Cell(1, 1)})])
+def test_moves_counted_from_where_an_agent_is_are_those_counted_from_where_it_goes(around: frozenset[Cell]) -> None:
+    orchard = small_game("always eaten < 99").on(("...", "..."), 1)
+    assert orchard is not None
+    board = board_of(orchard)
+    for start in range(4 * 2 * 3):
+        for cell in board.kind_of:
+            assert least_moves(board, start, [cell], None, around) == moves_until(board, cell, around=around)[start]
+        either = min(moves_until(board, Cell(0, col), around=around)[start] for col in (0, 2))
+        assert least_moves(board, start, [Cell(0, 0), Cell(0, 2)], None, around) == either
+    assert least_moves(board, 0, [], None, around) == FAR
