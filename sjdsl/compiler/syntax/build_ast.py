@@ -34,11 +34,13 @@ def _token(token: Token, file: str) -> ast.Name | ast.String | str:
     match token.type:
         case "STRING":
             return ast.String(span, node_builders.unquote(token))
-        case "INT" | "DEC" | "CMP" | "SIGN" | "TIMES" | "DOTS" | "OTHERWISE":
+        case kind if kind in AS_WRITTEN:
             return str(token)
         case _:
             return ast.Name(span, str(token))
 
+
+AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE"))  # kinds of tokens that become plain texts
 
 CLAUSES = {
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",

@@ -207,9 +207,9 @@ def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
 
 def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
     """`a + b - c` becomes `(a + b) - c`."""
-    for op, right in zip(rest[::2], rest[1::2], strict=True):
+    for op, right in zip(rest[:-2:2], rest[1:-2:2], strict=True):
         left = ast.Binary(replace(span, end=right.span.end), op, left, right)
-    return replace(left, span=span)
+    return ast.Binary(span, rest[-2], left, rest[-1])
 
 
 def binary(op: str) -> Build:

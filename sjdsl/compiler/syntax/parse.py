@@ -20,11 +20,13 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text, check_tree
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.build_ast import build_ast
+from sjdsl.compiler.syntax.characters import CONTROL
+from sjdsl.compiler.syntax.direct import read_directly
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton, open_marks, read
 from sjdsl.compiler.syntax.recovery.idioms import Idiom, find_idiom, idiom_error
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
-from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names
+from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names, can_come
 from sjdsl.compiler.syntax.tokens import Scan, scan
 from sjdsl.compiler.syntax.versions import NEWEST, OLDEST, VERSIONS
 
@@ -43,6 +45,10 @@ def parse(source: Source) -> ast.File:
 @lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
 def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     """Returns the tree of a text, or its syntax errors."""
+    if not (check_text(source) or _check_version(source) or CONTROL.search(source.text)):
+        file = read_directly(source, parser())
+        if file is not None:
+            return file
     try:
         return build_ast(read_tree(source)[1], source.name)
     except CompileError as error:
@@ -243,22 +249,11 @@ def _feed(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
     """Returns the tokens, soft words as names where only a name can stand, and their tree. Raises UnexpectedToken."""
     reader = parser().parse_interactive("")
     at, resolved = reader.parser_state, list[Token]()
+    states = at.parse_conf.parse_table.states
     for token in tokens:
-        if token.type in SOFT and not _can_come(at, token.type) and _can_come(at, "NAME"):
+        if token.type in SOFT and not can_come(states, at.state_stack, token.type) and can_come(states, at.state_stack, "NAME"):
             token = Token.new_borrow_pos("NAME", token, token)
         reader.feed_token(token)
         resolved.append(token)
     tree: Tree[Token] = reader.feed_eof(tokens[-1])
     return resolved, tree
-
-
-def _can_come(at: Any, kind: str) -> bool:
-    """Returns whether a token of this kind can be the next, of a parser's state, which stays as it is."""
-    states, stack = at.parse_conf.parse_table.states, list(at.state_stack)
-    while True:
-        _, argument = states[stack[-1]].get(kind, (None, None))
-        if not hasattr(argument, "expansion"):
-            return argument is not None
-        if argument.expansion:
-            del stack[-len(argument.expansion) :]
-        stack.append(states[stack[-1]][argument.origin.name][1])

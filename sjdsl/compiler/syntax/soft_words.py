@@ -3,6 +3,9 @@
 Words that came to the language after its first version are soft, so that no older file loses a name.
 """
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 from lark import Token
 
 from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read, read_as
@@ -45,3 +48,15 @@ def as_name(table: Automaton, stack: Stack, token: Token) -> Token:
     if token.type not in SOFT or read_as(table, stack, token.type) is not None or read_as(table, stack, "NAME") is None:
         return token
     return Token.new_borrow_pos("NAME", token, token)
+
+
+def can_come(states: Mapping[int, Mapping[str, tuple[Any, Any]]], stack: Sequence[int], kind: str) -> bool:
+    """Returns whether a token of this kind can be the next, of the parser's table and the states that it is in."""
+    stack = list(stack)
+    while True:
+        _, argument = states[stack[-1]].get(kind, (None, None))
+        if not hasattr(argument, "expansion"):
+            return argument is not None
+        if argument.expansion:
+            del stack[-len(argument.expansion) :]
+        stack.append(states[stack[-1]][argument.origin.name][1])

@@ -1,0 +1,216 @@
+"""Reads a text without mistakes straight to its AST, several times as fast as by way of the grammar's own tree.
+
+Source -> ast.File, or None for a text that `parse.read_tree` has to read: one with a mistake, or near a limit of the compiler
+"""
+
+import re
+from bisect import bisect_right
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+
+from lark import Lark
+
+from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
+from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.syntax.build_ast import AS_WRITTEN, CLAUSES, RULES
+from sjdsl.compiler.syntax.node_builders import Part, unquote
+from sjdsl.compiler.syntax.recovery.automaton import END
+from sjdsl.compiler.syntax.soft_words import SOFT, can_come
+
+WRONG = "WRONG"  # the kind of a character that begins no word or sign
+LONG = len(str(MAX_INTEGER))  # whole numbers of so many digits are left to `read_tree`
+NOTHING = (None, None)  # what the table has for a token that cannot come
+
+
+class Rule(Record, eq=False):
+    """What is done where a rule of the grammar has been read.
+
+    width: how many symbols it has; kept: which of them become children, each with whether its value is a list to be taken in; name: of the
+    rule, empty for a list that another rule takes in; passes: a single child stands for the rule itself.
+    """
+
+    width: int
+    origin: str
+    kept: tuple[tuple[int, bool], ...]
+    name: str
+    passes: bool
+    build: Callable[..., Any] | None
+
+
+class Tables(Record, eq=False):
+    """A grammar as it is run here.
+
+    sign: matches what is between, and then a word or sign; words: kinds of those written in letters; states: kind -> (action, state or rule of
+    the parser) for each state; rules: by the identity of the parser's own, which `parser` keeps alive; passed: (state below, state, kind) ->
+    state after the rules for which their only child stands, as far as they have been met.
+    """
+
+    parser: Lark
+    sign: re.Pattern[str]
+    words: Mapping[str, str]
+    states: Mapping[int, Mapping[str, tuple[Any, Any]]]
+    rules: Mapping[int, Rule]
+    passed: dict[tuple[int, int, str], int]
+    start: int
+    end: int
+
+
+class Words(Record, eq=False):
+    """The tokens of a text, one entry each: where they start and end, their kinds and texts. The kinds end with that of the end."""
+
+    starts: list[int]
+    ends: list[int]
+    kinds: list[str]
+    texts: list[str]
+
+
+@cache
+def tables(parser: Lark) -> Tables:
+    """Returns the tables of a parser's grammar."""
+    conf, ignored = parser.parse_interactive("").parser_state.parse_conf, parser.lexer_conf.ignore
+    states = conf.parse_table.states
+    rules = {id(rule): _rule(rule) for row in states.values() for _, rule in row.values() if not isinstance(rule, int)}
+    words = {t.pattern.value: t.name for t in parser.terminals if t.pattern.value.isalpha()}
+    others = [t for t in parser.terminals if not t.pattern.value.isalpha()]
+    others.sort(key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name))  # as Lark does
+    between = "|".join(t.pattern.to_regexp() for t in others if t.name in ignored)
+    signs = "|".join(f"(?P<{t.name}>{t.pattern.to_regexp()})" for t in others if t.name not in ignored)
+    sign = re.compile(rf"(?:{between})*+(?:{signs}|(?P<{WRONG}>(?s:.))|\Z)")
+    return Tables(parser, sign, words, states, rules, {}, conf.start_state, conf.end_state)
+
+
+def _rule(rule: Any) -> Rule:
+    """Returns what is done for a rule of the parser; its options are those of the grammar's `?`, `!`, `_` and `->`."""
+    symbols, keeps_all = rule.expansion, rule.options.keep_all_tokens
+    kept = [(at, s.name.startswith("_") and not s.is_term) for at, s in enumerate(symbols) if keeps_all or not (s.is_term and s.filter_out)]
+    name = "" if rule.origin.name.startswith("_") else rule.alias or rule.origin.name
+    passes = rule.options.expand1 and not rule.alias
+    return Rule(len(symbols), str(rule.origin.name), tuple(kept), str(name), passes, RULES.get(name))
+
+
+def read_directly(source: Source, parser: Lark) -> ast.File | None:
+    """Returns the tree of a text whose version line is right; None if it has a mistake, or may be beyond a limit of the compiler."""
+    known = tables(parser)
+    words = cut(source.text, known)
+    return None if words is None else Reader(words, source, known).file()
+
+
+def cut(text: str, known: Tables) -> Words | None:
+    """Returns the words and signs of a text; None if a character is wrong, a number too long, or the text."""
+    words = Words([], [], [], [])
+    starts, ends, kinds, texts = words.starts, words.ends, words.kinds, words.texts
+    for match in known.sign.finditer(text):
+        kind = match.lastgroup
+        if kind is None:  # only what is between, at the end of the text
+            continue
+        start, end = match.span(kind)
+        said = text[start:end]
+        if kind == "NAME":
+            kind = known.words.get(said, kind)
+        elif kind == WRONG or (kind == "INT" and len(said) >= LONG) or (kind == "DEC" and len(said) > MAX_DIGITS):
+            return None
+        starts.append(start)
+        ends.append(end)
+        kinds.append(kind)
+        texts.append(said)
+    if not kinds or len(kinds) > MAX_TOKENS:
+        return None
+    kinds.append(END)
+    return words
+
+
+class Reader:
+    """One run of the table over the words of a text. Values are nodes, lists of them, or the numbers of words."""
+
+    def __init__(self, words: Words, source: Source, known: Tables):
+        self._words, self._file, self._known = words, source.name, known
+        self._lines = [0, *(match.end() for match in re.finditer("\n", source.text))]
+        self._statements = 0
+
+    def file(self) -> ast.File | None:
+        """Returns the file that the words are; None if they are none, or it is nested too deeply or has too many statements."""
+        known, kinds = self._known, self._words.kinds
+        states, rules, passed, end = known.states, known.rules, known.passed, known.end
+        stack, values, firsts, heights = [known.start], list[Any](), list[int](), list[int]()
+        for number, kind in enumerate(kinds):
+            if kind in SOFT and not can_come(states, stack, kind) and can_come(states, stack, "NAME"):
+                kind = kinds[number] = "NAME"
+            while True:
+                to = states[stack[-1]].get(kind, NOTHING)[1]
+                if to.__class__ is int:
+                    stack.append(to)
+                    values.append(number)
+                    firsts.append(number)
+                    heights.append(0)
+                    break
+                if to is None or len(stack) > MAX_DEPTH:
+                    return None
+                rule = rules[id(to)]
+                width = rule.width
+                if width > 1 or not rule.passes:
+                    value, height = self._made(rule, values[-width:], firsts[-width], number, max(heights[-width:]))
+                    first = firsts[-width]
+                    del stack[-width:], values[-width:], firsts[-width:], heights[-width:]
+                    values.append(value)
+                    firsts.append(first)
+                    heights.append(height)
+                    stack.append(states[stack[-1]][rule.origin][1])
+                else:
+                    below, state = stack[-2:]
+                    stack[-1] = passed.get((below, state, kind)) or self._passed(below, state, kind)
+                if kind == END and stack[-1] == end:
+                    fits = heights[-1] <= MAX_TREE and self._statements <= MAX_STATEMENTS
+                    return values[-1] if fits and isinstance(values[-1], ast.File) else None
+        return None
+
+    def _passed(self, below: int, state: int, kind: str) -> int:
+        """Returns the state after all rules, one after the other, for which a single child stands: `(a)` is read as a dozen of them."""
+        states, rules, before = self._known.states, self._known.rules, state
+        while True:
+            to = states[state].get(kind, NOTHING)[1]
+            if to is None or to.__class__ is int or (rule := rules[id(to)]).width > 1 or not rule.passes:
+                self._known.passed[below, before, kind] = state
+                return state
+            state = states[below][rule.origin][1]
+
+    def _made(self, rule: Rule, values: list[Any], first: int, behind: int, height: int) -> tuple[Any, int]:
+        """Returns what a rule is, and how deep the grammar's own tree of it is: `height` is that of its deepest child."""
+        items: list[Any] = []
+        for at, is_list in rule.kept:
+            if not is_list:
+                items.append(values[at])
+            elif items:
+                items += values[at]
+            else:
+                items = values[at]  # nobody else has the list
+        name = rule.name
+        if not name:
+            return items, height
+        if rule.passes and len(items) == 1:
+            return items[0], height
+        signs = 0
+        for at, item in enumerate(items):
+            if item.__class__ is int:
+                items[at] = self._word(item)
+                signs += 1
+        height += (signs or len(items) - 1) if name in CHAINS else 1
+        self._statements += name in STATEMENTS
+        if rule.build is None:
+            return Part(name, tuple(items) if name == "names" else items[0] if items else None), height
+        words = self._words
+        return rule.build(self._span(words.starts[first], words.ends[behind - 1]), *items), height
+
+    def _word(self, number: int) -> ast.Name | ast.String | str:
+        words = self._words
+        kind, text = words.kinds[number], words.texts[number]
+        if kind in AS_WRITTEN:
+            return text
+        span = self._span(words.starts[number], words.ends[number])
+        return ast.String(span, unquote(text)) if kind == "STRING" else ast.Name(span, text)
+
+    def _span(self, start: int, end: int) -> Span:
+        line = bisect_right(self._lines, start)
+        return Span(self._file, start, end, line, start - self._lines[line - 1] + 1)
