@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.checks.start_values import Place, holds_at_start, places
+from sjdsl.compiler.checks.start_values import Place, holds_at_start, places, reads_only_fields
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
@@ -260,8 +260,13 @@ def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place],
     sure, possible = set(), set()
     for s in pool.sends:
         known = {s.who.name: agent.number} if isinstance(s.who, ir.Member) else {}
+        by_glyph = s.domain.where is not None and reads_only_fields(s.domain.where, s.domain.var.name)
+        found: dict[Place | str, bool | None] = {}
         for place in places(game, s.domain.var.kinds):
-            fits = True if s.domain.where is None else holds_at_start(s.domain.where, {**known, s.domain.var.name: place}, game)
+            key = place.glyph if by_glyph else place
+            if key not in found:
+                found[key] = s.domain.where is None or holds_at_start(s.domain.where, {**known, s.domain.var.name: place}, game)
+            fits = found[key]
             if fits is not False:
                 possible.add(place)
             if fits is True:

@@ -34,6 +34,14 @@ def holds_at_start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) 
         return None
 
 
+def reads_only_fields(e: ir.Expr, cell: str) -> bool:
+    """Returns whether a condition is the same for all cells of one character of the map: it asks for nothing of the cell but its fields."""
+    nodes = list(ir.walk(e))
+    owners = [n.owner if isinstance(n, ir.FieldRead) else n.cell for n in nodes if isinstance(n, ir.FieldRead | ir.Unoccupied)]
+    named = [[n for n in found if isinstance(n, ir.Member) and n.name == cell] for found in (nodes, owners)]
+    return len(named[0]) == len(named[1])
+
+
 def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
     match e:
         case ir.Number() | ir.Word() | ir.Truth():

@@ -15,7 +15,7 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.build_ast import AS_WRITTEN, CLAUSES, RULES
+from sjdsl.compiler.syntax.build_ast import AS_WRITTEN, RULES
 from sjdsl.compiler.syntax.node_builders import Part, unquote
 from sjdsl.compiler.syntax.recovery.automaton import END
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come
