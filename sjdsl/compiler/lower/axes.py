@@ -16,6 +16,7 @@ from sjdsl.compiler.program.expressions import (
     NEW_AXIS,
     REST,
     Arange,
+    Attribute,
     Binary,
     Broadcast,
     Cast,
@@ -165,8 +166,10 @@ def joined(op: str, left: Expression, right: Expression) -> Expression:
 
 
 def _as_kept(value: Value, other: Value) -> Value:
-    """Returns a byte without its conversion to a wider integer, if it is compared with what a byte can be."""
+    """Returns what is kept without its conversion: a byte that is compared with what a byte can be, a word kept in an integer."""
     match value.node, other.node:
+        case Cast(value=Attribute() as word, dtype="u8", source="i32"), Literal():
+            return replace(value, node=word, dtype="i32")
         case Cast(value=byte, dtype="i32", source="u8"), Literal(value=int(number)) if 0 <= number <= 255:
             return replace(value, node=byte, dtype="u8")
         case Cast(value=byte, dtype="i32", source="u8"), Cast(dtype="i32", source="u8"):

@@ -278,7 +278,7 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
         return as_dtype(binary("+", stored, literal(1, "i32"), "i32"), "u8")
     if stored.dtype == "u8":
         return stored
-    if state_reads.storage(declared, w) != "u8":
+    if declared.type.kind != "int" or not state_reads.fits_byte(declared, w):
         stored = replace(stored, node=array.call("jnp.minimum", stored.node, array.Literal(255)))
     elif isinstance(stored.node, array.Cast) and stored.node.source == "u8":  # it was widened from the byte that is wanted
         return replace(stored, node=stored.node.value, dtype="u8")

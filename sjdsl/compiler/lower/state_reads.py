@@ -39,6 +39,8 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
     stored = Value(path(f"state.{attribute_name(declared)}"), storage(declared, w), (), w.module.levels(e.type))
+    if declared.type.kind == "word":
+        stored = as_dtype(stored, "u8")
     return _widened(stored if owner is None else _of(owner, stored), declared)
 
 
@@ -68,14 +70,19 @@ def _widened(value: Value, declared: ir.VarField) -> Value:
 
 
 def storage(declared: ir.VarField, w: Writer) -> DType:
-    """Returns the dtype a field is kept in: words and small ranges in a byte, sets of agents as bits."""
+    """Returns the dtype a field is kept in: words and small ranges in a byte, sets of agents as bits.
+
+    One number of the world is never a byte: it would save three bytes an environment. And XLA for processors with AVX-512
+    may end the process when a byte of each environment is compared together with bytes of its agents (openxla/xla#44943).
+    """
     type_ = declared.type
     match type_.kind:
+        case "word" | "int" if declared.held_by == "world" and not type_.by:
+            return "i32"
         case "word":
             return "u8"
         case "int":
-            high = timer_bound(declared, w.module.nodes) if declared.timer else type_.high
-            return "u8" if type_.low >= 0 and high <= 255 else "i32"
+            return "u8" if fits_byte(declared, w) else "i32"
         case "real":
             return "f32"
         case "agent" | "cell":
@@ -84,6 +91,12 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
             return w.module.set_dtype
         case _:
             raise AssertionError(type_)
+
+
+def fits_byte(declared: ir.VarField, w: Writer) -> bool:
+    """Returns whether all values of a field of integers are those of a byte."""
+    high = timer_bound(declared, w.module.nodes) if declared.timer else declared.type.high
+    return declared.type.low >= 0 and high <= 255
 
 
 def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
