@@ -12,6 +12,7 @@ from sjdsl.properties.trajectory import Scenario
 MOST_ROWS, MOST_COLUMNS = 4, 5
 SMALL = 64  # own maps of at most so many cells are also used
 OWN_MAP = 0.25  # how often the own map is used
+CROWDED = 0.5  # how often there are more than few agents, where that is asked for
 OF_ALL = 0.5  # how often a map has a cell of every glyph that there is room for
 OTHERS = 0.3  # how often a number is not the file's
 PLAIN = (0, 3, 9, 27)  # how many times as often one glyph is drawn: where there is little of something, it is soon used up
@@ -19,9 +20,14 @@ WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the fi
 COUNTS = (0, 1, 2, 5)  # of a whole number without limits
 
 
-def random_start(family: GameFamily, random: Random) -> Scenario | None:
-    """Returns a random scenario without a step; None if the compiler refuses its map."""
+def random_start(family: GameFamily, random: Random, crowded: bool = False) -> Scenario | None:
+    """Returns a random scenario without a step; None if the compiler refuses its map.
+
+    crowded: half of the scenarios have more than few agents, up to the game's own number: some rules are only of later ones.
+    """
     agents = min(random.choice(family.few_agents), random.choice(family.few_agents))
+    if crowded and max(family.few_agents) < family.own.agents.number and random.random() < CROWDED:
+        agents = random.randint(max(family.few_agents) + 1, family.own.agents.number)
     rows = family.own.rows if _is_small(family) and random.random() < OWN_MAP else random_map(family, agents, random)
     if family.on(rows, agents) is None:
         rows += _of_each(family.glyphs, len(rows[0]))

@@ -38,6 +38,7 @@ STARTS = 4  # random starts, of which the first with a path to the goal is taken
 GOALS = 4  # goals that are tried until one has a path to it
 LONGEST = 64  # steps added to a trajectory while it comes nearer to a goal
 SCRIPTED = 400  # steps of a trajectory by a policy of the file, on the game's own map, while statements are still uncovered
+MIXED = 2  # trajectories, if there are several policies, in which each agent follows any of them
 PART = 50  # of which so many are played before it is looked whether they are covered now
 FLOATS = -1  # stands for the check that every real stays inside float32
 ViolationFinder = Callable[[ir.Check, Trajectory, Scenario, int], Violation | None]  # the last argument: the first new state
@@ -97,19 +98,22 @@ class Search:
             if not missing and (not self.left or self.record.number >= self.effort.examples):
                 break
             self.one(missing if self.record.number >= self.effort.examples else set())
-        for policy in self.family.own.policies:
+        names = [policy.name for policy in self.family.own.policies]
+        for followed in [[name] for name in names] + [names] * (MIXED if len(names) > 1 else 0):
             if self._missing():
-                self._by_policy(policy.name)
+                self._by_policies(followed)
 
     def _missing(self) -> set[StatementId]:
         """Returns the statements that checks depend on and that never ran."""
         return set[StatementId]().union(*self._needed.values()) - set(self.record.ran)
 
-    def _by_policy(self, name: str) -> None:
-        """Plays one trajectory on the game's own map, in which all agents follow a policy of the file, until nothing needed is uncovered."""
+    def _by_policies(self, names: Sequence[str]) -> None:
+        """Plays one trajectory on the game's own map, each agent by one of some policies of the file, until nothing needed is uncovered."""
         own, checks = self.family.own, self._checks(self.family.own)
         scenario = own_start(self.family, self._random)
-        led = replace(scenario, policies=(ir.Policy(name="scripted", scripted=name),) * scenario.agents)
+        led = replace(
+            scenario, policies=tuple(ir.Policy(name="scripted", scripted=self._random.choice(names)) for _ in range(scenario.agents))
+        )
         trajectory = play(own, led, 0, checks)
         self.record.number += 1
         while trajectory.worlds and not trajectory.is_over and len(trajectory.outcomes) < SCRIPTED:
@@ -208,7 +212,7 @@ class Search:
             return older.scenario, older.trajectory
         found: tuple[Scenario, Trajectory] | None = None
         for _ in range(STARTS):
-            scenario = own_start(self.family, random) if on_own and random.random() < OWN else random_start(self.family, random)
+            scenario = own_start(self.family, random) if on_own and random.random() < OWN else random_start(self.family, random, on_own)
             game = None if scenario is None else self.family.on(scenario.rows, scenario.agents)
             if scenario is None or game is None:
                 return found

@@ -108,7 +108,7 @@ def _keys(owner: Variable | None, f: Field) -> list[tuple[str, str, str]]:
 
 def of_target_alone(scope: Scope, owner: Variable | None) -> Scope:
     """Returns a scope in which only the target is known: what it gives is the same for all who reach it."""
-    held = owner is not None and "." in owner.name
+    held = owner is not None and owner.name in scope.sure  # an agent that a field holds
     variables = () if owner is None or held else (owner,)
     return replace(scope, variables=variables, locals=(), sure=frozenset({owner.name} if held and owner else ()), filled=frozenset())
 

@@ -90,3 +90,21 @@ def test_a_line_that_only_a_policy_of_the_file_reaches_is_tested_by_it(policy: s
     text = ORCHARD.replace("  add 1 to agent.wealth", "").replace("-> rule", "-> rule -> hit").replace("  metrics", f"  {hit}\n  metrics")
     family = small_game("always zaps <= eaten + 9", rule, f'policy hard "hits" {{ {policy} }}', text)
     assert [verdict.status for verdict in verify_properties(family, Effort(examples=3, episodes=0)).verdicts] == [status]
+
+
+def test_a_rule_of_later_agents_only_is_reached() -> None:
+    """Small maps have four agents at most, unless a line that a check depends on has not run with so few. The own map has no rock."""
+    rule = "each agent on rock where agent.index > 4 { tally zaps for agent }"
+    for number, status in ((7, "passed"), (5, "untested")):  # of five agents none has the number 5
+        crowded = ORCHARD.replace("count = 2 in 1 .. 4", f"count = {number} in 1 .. 9").replace('"..T" ".T."', '"..T." ".T.." "...."')
+        (verdict,) = verify_properties(small_game("always zaps <= 99", rule, 'kind rock "O"', crowded), FEW).verdicts
+        assert verdict.status == status
+
+
+@pytest.mark.parametrize(("other", "status"), [("stay", "passed"), ("zap", "untested")])
+def test_policies_of_the_file_meet(other: str, status: str) -> None:
+    """Trajectories by policies alone: what wants agents that follow different ones is seen, too."""
+    rule = "each agent where agent chose zap and count(agent as idle where idle chose stay) > 0 { tally zaps for agent }"
+    policies = f"policy one {{ when step >= 0 choose zap }}  policy other {{ when step >= 0 choose {other} }}"
+    (verdict,) = verify_properties(small_game("always zaps <= 99", rule, policies), Effort(examples=0, episodes=0)).verdicts
+    assert verdict.status == status

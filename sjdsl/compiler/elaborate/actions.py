@@ -216,7 +216,8 @@ def argument_read(agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], sco
     argument, last = declared.arguments[number], steps[used - 1]
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
         help_ = f"name it: `each agent as x in {text(agent)}`"
-        raise wrong_type(scope, ast.Path(last.span, steps[0].name, ()), "an agent that a statement around has named", agent.type, help_)
+        wanted, told = "an agent that a statement around has named", "an agent that a field holds"
+        raise wrong_type(scope, ast.Path(last.span, steps[0].name, ()), wanted, agent.type, help_, told)
     read = ir.ArgumentOf(type=argument.type, agent=agent, action=declared.name, number=number, name=argument.name, origin=last.span)
     check_in_step(text(read), last.span, scope)
     if not is_known(ir.ChoseWith(agent=agent, action=declared.name), scope.facts):

@@ -157,10 +157,17 @@ def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope)
         raise scope.problems.fail(errors.NeverEqual(e.span))
 
 
+def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
+    """Returns the failure that something is no agent with a name of its own; of one that a field holds, how to name it."""
+    held = as_agent(given) and not isinstance(given, ir.Member)
+    help_, told = (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds") if held else ("", "")
+    return wrong_type(scope, e, "an agent that a statement around has named", given.type, help_, told)
+
+
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.agent)
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
-        raise wrong_type(scope, e.agent, "an agent that a statement around has named", agent.type, _by_name(agent))
+        raise not_named(agent, e.agent, scope)
     name = e.action.name.text
     bound = scope.variables.get(name)
     if isinstance(bound, str):
@@ -169,11 +176,6 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} chose {name}", scope)
     return actions.chose(e, agent, name, scope)
-
-
-def _by_name(agent: ir.Expr) -> str:
-    """Returns how to ask about an agent that a field holds."""
-    return f"name it: `each agent as x in {text(agent)}`" if as_agent(agent) else ""
 
 
 def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
@@ -188,7 +190,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.who != "cell"):
-        raise wrong_type(scope, e.who, "an agent that a statement around has named", agent.type, _by_name(agent))
+        raise not_named(agent, e.who, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)
     return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)

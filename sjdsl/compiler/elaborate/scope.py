@@ -177,9 +177,9 @@ class Scope(Record):
         return nearest(name, self.static.names() | set(self.variables))
 
 
-def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "") -> Poisoned:
+def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", told: str = "") -> Poisoned:
     bound = scope.variables.get(e.name.text) if isinstance(e, ast.Path) and given.kind == "member" else None
-    told = describe(given)
+    told = told or describe(given)
     if isinstance(bound, ir.Member):
         told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{' '.join(bound.kinds)}`"}[bound.who]
     return scope.problems.fail(errors.WrongType(e.span, wanted=wanted, given=told, help=help))
