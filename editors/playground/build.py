@@ -18,7 +18,6 @@ import jinja2
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
-SITE = "/lib/python3.14/site-packages"  # where the worker unpacks
 PYODIDE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json")
 PAGE = ("studio.css", "studio.js", "studio.licences.txt")
 PLATFORM = ("--platform", "pyemscripten_2026_0_wasm32", "--python-version", "3.14", "--abi", "cp314", "--only-binary", ":all:", "--no-deps")
@@ -105,10 +104,7 @@ def _page() -> str:
     """Returns the studio's page with what answers it before its script, and with all addresses beside it."""
     page = (ROOT / "sjdsl/studio/page/studio.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
-    places = {"root": "/folder", "examples": f"{SITE}/sjdsl/games", "tour": f"{SITE}/sjdsl/studio/tour"}
-    text = environment.from_string(page).render(
-        token="", opened="example:clean_up.sj", **{name: f"file://{path}" for name, path in places.items()}
-    )
+    text = environment.from_string(page).render(token="", opened="example:clean_up.sj")
     script = '<script type="module" src="./studio.js">'
     text = text.replace("/assets/", "./").replace("<title>sjdsl studio</title>", "<title>sjdsl playground</title>")
     assert script in text, "the studio's page has changed"

@@ -9,9 +9,8 @@ import click
 
 from sjdsl.cache import cache_folder
 from sjdsl.cli.game_file import game_path
-from sjdsl.games_folder import games_folder
 from sjdsl.studio.access import HOST, Access, kept_token
-from sjdsl.studio.examples import PREFIX
+from sjdsl.studio.examples import example_of
 
 PORT = 8421
 NEEDED = ("starlette", "uvicorn", "websockets", "pygls")
@@ -26,7 +25,7 @@ NEEDED = ("starlette", "uvicorn", "websockets", "pygls")
 def command(game: str | None, port: int | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules in words, generated code.
 
-    GAME is the `.sj` file to open first, or a bundled game as an example. The page is served to this machine alone, needs no internet, and writes a file only when you save
+    GAME is the `.sj` file to open first, or a bundled or installed game as an example. The page is served to this machine alone, needs no internet, and writes a file only when you save
     it. It needs the extra `sjdsl[studio]`.
     """
     missing = [name for name in NEEDED if find_spec(name) is None]
@@ -50,8 +49,9 @@ def command(game: str | None, port: int | None, browser: bool) -> None:
 def _inside(game: str, folder: Path) -> str:
     """Returns the path of a game as the page has it: inside the folder, or of an example."""
     path = game_path(game).resolve()
-    if path.is_relative_to(games_folder().resolve()) and not path.is_relative_to(folder):
-        return PREFIX + path.relative_to(games_folder().resolve()).as_posix()
+    example = None if path.is_relative_to(folder) else example_of(path)
+    if example is not None:
+        return example
     if not path.is_file():
         raise click.ClickException(f"there is no file `{game}`; `sjdsl new NAME` makes a game")
     if not path.is_relative_to(folder):

@@ -5,7 +5,7 @@ Source -> Composition -> ir.Game -> Program -> text
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 from sjdsl.compiler import ir
@@ -25,6 +25,7 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.elaborate.declaration_labels import with_declaration_labels
 from sjdsl.compiler.ir.game import BESIDE_THE_RULES
+from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.lower import NotSupported, lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.program import Program
@@ -87,10 +88,29 @@ def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
     """Returns every error and warning of a file, in file order; what compiles has no errors."""
     try:
         made = build(source, variants, overrides)
-        lower_build(made, source)
+        _lowered(_Rules(made, source))
     except CompileError as error:
         return error.diagnostics
     return CompileError(made.warnings).diagnostics
+
+
+class _Rules:
+    """A checked game, equal to others by its rules: where they are written makes no difference to whether they can be lowered."""
+
+    def __init__(self, made: Build, source: Source) -> None:
+        self.made, self.source, self._digest = made, source, printed_digest(made.game)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Rules) and self._digest == other._digest
+
+    def __hash__(self) -> int:
+        return hash(self._digest)
+
+
+@lru_cache(maxsize=16)  # an edit of a remark, a scene or one variant leaves most rules as they were; those refused are not kept
+def _lowered(rules: _Rules) -> None:
+    """Lowers a game, to see whether that can be done. Raises CompileError."""
+    lower_build(rules.made, rules.source)
 
 
 def check_variants(source: Source) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:

@@ -3,22 +3,22 @@
 from typing import Any
 
 from sjdsl.studio import tour
-from sjdsl.studio.examples import copy_beside, examples, place_of
+from sjdsl.studio.examples import copy_beside, examples, packages, place_of
 from sjdsl.studio.folder import FileRefused, Folder
 
 Answer = dict[str, Any]
 
 
 def listed(folder: Folder) -> Answer:
-    """Returns the games that can be opened: the folder's own, the bundled ones, and those of the tour."""
-    return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
+    """Returns the games that can be opened: the folder's own, the bundled ones, those of installed packages, and those of the tour."""
+    return {"games": folder.games(), "examples": examples(), "packages": packages(), "tour": tour.games()}
 
 
 def read(folder: Folder, named: str) -> Answer:
-    """Returns the text of a file of the folder, of an example or of the tour, with its digest."""
+    """Returns the text of a file of the folder, of an example or of the tour, with its digest, and its URI for the language server."""
     place, path = place_of(named, folder.root)
     text, digest = Folder(place).read(path)
-    return {"text": text, "digest": digest}
+    return {"text": text, "digest": digest, "uri": (place / path).as_uri()}
 
 
 def write(folder: Folder, given: Answer) -> Answer:

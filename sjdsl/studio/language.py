@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import os
 import sys
 from asyncio.subprocess import PIPE, Process
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 HEADER, END = b"Content-Length: ", b"\r\n"
+NICE = 5  # how far its priority is below that of the board, which is to answer first
 
 
 async def serve_language(socket: WebSocket, folder: Path) -> None:
@@ -42,5 +44,13 @@ async def _from_server(process: Process, socket: WebSocket) -> None:
             message = await process.stdout.readexactly(length)
             await socket.send_text(message.decode("utf-8"))
             length = 0
+            _give_way(process)
     with contextlib.suppress(RuntimeError):
         await socket.close()
+
+
+def _give_way(process: Process) -> None:
+    """Puts a language server that has started behind the board, where there are fewer free processors than either would take."""
+    with contextlib.suppress(AttributeError, OSError):  # not every system has priorities of processes
+        if os.getpriority(os.PRIO_PROCESS, process.pid) < os.getpriority(os.PRIO_PROCESS, 0) + NICE:
+            os.setpriority(os.PRIO_PROCESS, process.pid, os.getpriority(os.PRIO_PROCESS, 0) + NICE)

@@ -19,7 +19,6 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from sjdsl.games_folder import games_folder
 from sjdsl.studio import files as requested
 from sjdsl.studio import tour
 from sjdsl.studio.access import Access
@@ -53,7 +52,7 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
     inside = Folder(folder.resolve())
     spares = Spares(inside.root)
     routes = [
-        Route("/", _page(opened, inside.root)),
+        Route("/", _page(opened)),
         Route("/assets/{name}", _asset),
         Route("/games", _games(inside)),
         Route("/tour", lambda _request: JSONResponse({"steps": tour.steps()}, headers=HEADERS)),
@@ -88,20 +87,11 @@ class Guard:
             await PlainTextResponse(reason + "\n", 403)(scope, receive, send)
 
 
-def _page(opened: str | None, root: Path) -> Callable[[Request], Response]:
+def _page(opened: str | None) -> Callable[[Request], Response]:
     def page(request: Request) -> Response:
         environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
         text = environment.from_string(_text("sjdsl.studio", "page/studio.html"))
-        return HTMLResponse(
-            text.render(
-                token=request.query_params["token"],
-                opened=opened or "",
-                root=root.as_uri(),
-                examples=games_folder().resolve().as_uri(),
-                tour=tour.tour_folder().as_uri(),
-            ),
-            headers=HEADERS,
-        )
+        return HTMLResponse(text.render(token=request.query_params["token"], opened=opened or ""), headers=HEADERS)
 
     return page
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from sjdsl.games_folder import games_folder
 from sjdsl.studio import files as requested
 from sjdsl.studio import tour
 from sjdsl.studio.bench import Bench
@@ -27,14 +26,6 @@ class Serverless:
         self._folder = Folder(folder.resolve())
         self._bench = Bench(self._folder.root)
         self._language: Any = None
-
-    def addresses(self) -> dict[str, str]:
-        """Returns the URIs of the folder, of the bundled games and of the tour, as the page has to know them."""
-        return {
-            "root": self._folder.root.as_uri(),
-            "examples": games_folder().resolve().as_uri(),
-            "tour": tour.tour_folder().as_uri(),
-        }
 
     def bench(self, request: str) -> str:
         """Returns the answer to a request of the board or of a panel, both as JSON."""

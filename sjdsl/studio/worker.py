@@ -1,6 +1,7 @@
 """The process in which a bench works: requests and answers as lines of JSON. What a text makes it do ends with it."""
 
 import contextlib
+import gc
 import json
 import os
 import sys
@@ -25,9 +26,16 @@ def main() -> None:
     sys.stdout = sys.stderr  # what anything prints is no answer
     bench = Bench(Path(sys.argv[1]))
     with contextlib.suppress(BrokenPipeError, KeyboardInterrupt):  # the server has gone
+        collect_seldom()
         print(json.dumps({"ready": True}), file=answers, flush=True)
         for line in sys.stdin:
             print(json.dumps(answered(bench, line)), file=answers, flush=True)
+
+
+def collect_seldom() -> None:
+    """Has Python look for garbage in circles less often, and not among what is loaded: by default that takes a fifth of the time of an edit."""
+    gc.freeze()
+    gc.set_threshold(10_000, 10, 10)
 
 
 def answered(bench: Bench, line: str) -> dict[str, object]:

@@ -3,7 +3,7 @@
 import { call } from "./transport.js";
 
 export class Files {
-  // Resolves to { games, examples, tour }, the paths of each.
+  // Resolves to { games, examples, tour }, the paths of each, and packages, each { release, games }.
   async games() {
     return (await call("/games")).json();
   }
@@ -18,7 +18,7 @@ export class Files {
     return (await call("/tour")).json();
   }
 
-  // Resolves to { text, digest } or { refused }.
+  // Resolves to { text, digest, uri } or { refused }.
   async read(path) {
     return (await call(`/file?path=${encodeURIComponent(path)}`)).json();
   }

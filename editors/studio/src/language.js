@@ -18,7 +18,7 @@ export function connectLanguage(path, lost) {
       const client = new LSPClient({
         extensions: [...languageServerExtensions()],
         sanitizeHTML: (html) => DOMPurify.sanitize(html),
-        timeout: 10_000,
+        timeout: 60_000, // a busy machine takes long to start it; to begin again would take longer
       });
       client.connect({
         send: (message) => socket.send(message),

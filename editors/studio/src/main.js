@@ -18,7 +18,7 @@ const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
 const files = new Files();
 const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", ",": "comma", ".": "full_stop", " ": "space", Enter: "enter" };
 
-const open = { path: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, map: null };
+const open = { path: "", uri: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, map: null };
 const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
 let view = null, language = null;
 
@@ -41,7 +41,7 @@ async function openFile(path) {
   const file = await files.read(path);
   if (file.refused) { find("files").value = open.path; return say(file.refused); }
   say("");
-  Object.assign(open, { path, digest: file.digest, saved: file.text, variants: [], params: {}, map: null });
+  Object.assign(open, { path, uri: file.uri, digest: file.digest, saved: file.text, variants: [], params: {}, map: null });
   find("files").value = path;
   document.title = `${path} · sjdsl studio`;
   makeEditor(file.text);
@@ -69,7 +69,7 @@ async function lookAgain() {
 
 // What the language server adds to the editor: it comes and goes without taking the cursor or the history of changes along.
 const speech = new Compartment();
-const spoken = () => (language ? languageOf(language, uriOf(open.path)) : []);
+const spoken = () => (language ? languageOf(language, open.uri) : []);
 
 function makeEditor(text) {
   if (view) view.destroy();
@@ -85,17 +85,13 @@ function makeEditor(text) {
 }
 
 const text = () => view.state.doc.toString();
-const HOMES = { "example:": "examples", "tour:": "tour" }; // of bundled games, by what stands before their path
-const prefixOf = (path) => Object.keys(HOMES).find((prefix) => path.startsWith(prefix)) ?? "";
+// What stands before the path of a game that is only read: bundled, of the tour, of an installed package, whose name follows.
+const prefixOf = (path) => path.match(/^(example:|tour:|package:[^/]*\/)/)?.[0] ?? "";
 const isExample = () => prefixOf(open.path) !== "";
-
-function uriOf(path) {
-  const prefix = prefixOf(path);
-  return `${meta(HOMES[prefix] ?? "root")}/${path.slice(prefix.length).split("/").map(encodeURIComponent).join("/")}`;
-}
 
 function sendText(fresh) {
   if (!view || !bench.isOpen) return;
+  clearTimeout(soon.timer); // the panel waits for the answer to this text
   const version = ++open.version;
   const request = { version, ...asItIs(), fresh };
   bench.text(request, (answer) => {
@@ -373,13 +369,13 @@ async function speak() {
 }
 
 async function listGames() {
-  const { games, examples, tour } = await files.games();
+  const { games, examples, packages, tour } = await files.games();
   const group = (label, paths) => {
     const made = element("optgroup", { label });
     made.append(...paths.map((path) => new Option(path.slice(prefixOf(path).length), path)));
     return made;
   };
-  find("files").replaceChildren(group("in this folder", games), group("tour", tour), group("examples", examples));
+  find("files").replaceChildren(group("in this folder", games), group("tour", tour), group("examples", examples), ...packages.map((p) => group(p.release, p.games)));
   if (open.path) find("files").value = open.path;
   return games[0] || tour[0];
 }
