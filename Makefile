@@ -19,6 +19,11 @@ PAGE := --markdown docs/performance.md
 GPU_PYTHON ?= python3
 GPU_MINUTES ?= 9
 TREE_SITTER ?= tree-sitter
+# Some shells look for the first name alone that `command -v` is given.
+CHROMIUM := command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || \
+  apt-get install -y --no-install-recommends chromium || { echo 'these tests want Chromium: apt-get install chromium'; exit 1; }
+# Where the playground's visitors load Pyodide from, if it is not part of the build: cdn, or a URL.
+PYODIDE ?=
 
 # The quickest tour: a game as Python, as pictures, and learnt by agents.
 run: .venv/ready
@@ -52,8 +57,7 @@ test-interop: .venv/ready
 
 # Pages, in a headless Chromium: the one that is installed, or else Debian's, which takes root.
 test-browser: .venv/ready
-	@command -v chromium chromium-browser google-chrome >/dev/null || apt-get install -y --no-install-recommends chromium || \
-	  { echo 'these tests want Chromium: apt-get install chromium'; exit 1; }
+	@$(CHROMIUM)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
 	$(PYTEST) -o addopts=-q tests/browser
 
@@ -85,13 +89,16 @@ site-version: .venv/site
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-site.txt
 	@touch $@
 
-# The studio as static files that need no server, in build/playground; needs npm, and Node to try it out.
+# The studio as static files that need no server, in build/playground; needs npm and Node. With PYODIDE=cdn, visitors load Pyodide from a
+# public server.
 playground: .venv/ready
 	cd editors/playground && npm ci --no-audit --no-fund
-	$(BIN)/python editors/playground/build.py build/playground
+	$(BIN)/python editors/playground/build.py build/playground $(if $(PYODIDE),--pyodide $(PYODIDE))
 
-# The playground as it is built, in a headless Chromium.
-test-playground: playground
+# Builds the playground with all its files, and uses it in a headless Chromium.
+test-playground: .venv/ready
+	@$(CHROMIUM)
+	$(MAKE) playground PYODIDE=
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
 	$(BIN)/python -m pytest -o addopts=-q tests/browser/test_playground.py
 

@@ -1,13 +1,17 @@
 """Builds the playground: static files that any web server can give, with Python, the front end and the interpreter in them.
 
 Run in an environment that has `sjdsl[studio]`, after `npm ci` in this folder: `python editors/playground/build.py build/playground`.
+With `--pyodide cdn` the files of Pyodide are not part of it: the visitor's browser loads them from a public server, and checks them.
 """
 
 import argparse
+import base64
+import hashlib
 import json
 import shutil
 import subprocess
 import sys
+import urllib.request
 import zipfile
 from collections.abc import Iterator
 from importlib import import_module
@@ -19,6 +23,7 @@ import jinja2
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
 PYODIDE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json")
+CDN = "https://cdn.jsdelivr.net/npm/pyodide@{version}/"  # has the files of npm's package as they are
 PAGE = ("studio.css", "studio.js", "studio.licences.txt")
 PLATFORM = ("--platform", "pyemscripten_2026_0_wasm32", "--python-version", "3.14", "--abi", "cp314", "--only-binary", ":all:", "--no-deps")
 # Of the language server, the compiler and what draws: all of pure Python, as this environment has them.
@@ -34,11 +39,14 @@ def main() -> None:
     """Writes the files into the folder that is given, which is made anew."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
-    out = parser.parse_args().out
+    parser.add_argument(
+        "--pyodide", metavar="URL", default="", help="a folder on a server with npm's files of Pyodide, or cdn: visitors load it there"
+    )
+    given = parser.parse_args()
+    out = given.out
     shutil.rmtree(out, ignore_errors=True)
-    (out / "pyodide").mkdir(parents=True)
-    for name in PYODIDE:
-        shutil.copy(HERE / "node_modules/pyodide" / name, out / "pyodide")
+    out.mkdir(parents=True)
+    where = put_pyodide(out, HERE / "node_modules/pyodide", given.pyodide)
     _wheel(out / "pydantic_core.whl")
     sources = out / "sources.zip"
     with zipfile.ZipFile(sources, "w") as packed:
@@ -57,6 +65,50 @@ def main() -> None:
     sizes = {path.relative_to(out).as_posix(): path.stat().st_size for path in sorted(out.rglob("*")) if path.is_file()}
     print(json.dumps(sizes, indent=2))
     print(f"{sum(sizes.values()) / 1e6:.1f} MB in {out}")
+    print(where)
+
+
+def put_pyodide(out: Path, package: Path, place: str = "") -> str:
+    """Writes pyodide.js, which tells the worker where Pyodide is and what its files have to be, and copies the files if no place is given.
+
+    package: the folder of npm's package. place: a URL, or "cdn". Returns a sentence that says what was done.
+    Raises SystemExit for a place that is no URL of a server that browsers trust, or that has other files.
+    """
+    version = json.loads((package / "package.json").read_text(encoding="utf-8"))["version"]
+    digests = {name: _integrity((package / name).read_bytes()) for name in PYODIDE}
+    if place:
+        place = CDN.format(version=version) if place == "cdn" else place.rstrip("/") + "/"
+        if not place.startswith(("https://", "http://127.0.0.1:", "http://localhost:")):
+            sys.exit(f"{place} is no place for Pyodide: name a URL that begins with https://, or cdn")
+        said = (
+            f"Pyodide {version} is not part of it: visitors load it from {place}, and their browsers check it. {_compared(place, digests)}"
+        )
+    else:
+        (out / "pyodide").mkdir()
+        for name in PYODIDE:
+            shutil.copy(package / name, out / "pyodide")
+        place, said = "./pyodide/", f"Pyodide {version} is part of it: visitors load nothing from elsewhere."
+    text = f"export const PLACE = {json.dumps(place)};\nexport const INTEGRITY = {json.dumps(digests, indent=2)};\n"
+    (out / "pyodide.js").write_text(text, encoding="utf-8")
+    return said
+
+
+def _integrity(content: bytes) -> str:
+    """Returns a digest as browsers want it: https://www.w3.org/TR/sri/."""
+    return "sha384-" + base64.b64encode(hashlib.sha384(content).digest()).decode("ascii")
+
+
+def _compared(place: str, digests: dict[str, str]) -> str:
+    """Says whether the files at a place were seen to be those of npm. Raises SystemExit if one is another."""
+    for name, digest in digests.items():
+        try:
+            with urllib.request.urlopen(place + name, timeout=20) as answer:
+                content = answer.read()
+        except OSError as error:
+            return f"NOT TESTED: {place}{name} cannot be loaded from here ({error}), so nobody has compared it to the file on npm."
+        if _integrity(content) != digest:
+            sys.exit(f"{place}{name} is not the file that npm has: visitors' browsers would refuse it")
+    return f"Its {len(digests)} files there are those of npm."
 
 
 def _wheel(to: Path) -> None:

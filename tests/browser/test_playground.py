@@ -1,7 +1,10 @@
 """The playground: the studio's page without its server. A mistake is seen and mended, the board plays, files stay in the browser."""
 
+import runpy
+import shutil
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -9,7 +12,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
-BUILT = Path(__file__).parents[2] / "build" / "playground"
+ROOT = Path(__file__).parents[2]
+BUILT = ROOT / "build" / "playground"
 LOADED = 180_000  # milliseconds that Python may take to load on a machine that does other things, too
 
 pytestmark = pytest.mark.skipif(not (BUILT / "index.html").is_file(), reason="`make playground` builds it")
@@ -24,12 +28,29 @@ class Quiet(SimpleHTTPRequestHandler):
         """Keeps quiet."""
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(BUILT)))
+class Public(Quiet):
+    """Gives files to pages of any server, as a network for files does."""
+
+    def end_headers(self) -> None:
+        """Adds what lets other pages have the files."""
+        self.send_header("Access-Control-Allow-Origin", "*")
+        super().end_headers()
+
+
+@contextmanager
+def served(folder: Path, handler: type[Quiet] = Quiet) -> Iterator[str]:
+    """Gives the files of a folder; yields the address."""
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(handler, directory=str(folder)))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     yield f"http://127.0.0.1:{server.server_port}"
     server.shutdown()
+    server.server_close()
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    with served(BUILT) as url:
+        yield url
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +140,33 @@ def test_the_episode_is_shared_as_a_file(playground: Page) -> None:
     with playground.expect_download() as download:
         part(playground, "share").click()
     assert '<script type="application/json" id="episode">' in download.value.path().read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("damaged", ["", "pyodide.mjs", "pyodide.asm.wasm"])
+def test_pyodide_comes_from_another_server_and_is_checked(browser: Browser, tmp_path: Path, damaged: str) -> None:
+    """The build leaves Pyodide out. What that server gives is taken if it is what the build had, and refused by name if a byte differs."""
+    build, package = runpy.run_path(str(ROOT / "editors/playground/build.py")), ROOT / "editors/playground/node_modules/pyodide"
+    elsewhere, out = tmp_path / "elsewhere", tmp_path / "playground"
+    elsewhere.mkdir()
+    for name in build["PYODIDE"]:
+        shutil.copy(package / name, elsewhere)
+    shutil.copytree(BUILT, out, ignore=shutil.ignore_patterns("pyodide", "pyodide.js"))
+    with served(elsewhere, Public) as place, served(out) as url:
+        said = build["put_pyodide"](out, package, place)
+        assert said.endswith("Its 5 files there are those of npm.")
+        if damaged:
+            content = bytearray((elsewhere / damaged).read_bytes())
+            content[-1] ^= 1
+            (elsewhere / damaged).write_bytes(content)
+        page, asked = browser.new_page(), list[str]()
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(url)
+        if damaged:
+            expect(part(page, "message")).to_contain_text(
+                f"Python could not be started: Error: {place}/{damaged} cannot be loaded", timeout=LOADED
+            )
+        else:
+            expect(part(page, "title")).to_have_text("Clean Up", timeout=LOADED)
+            names = {name for name in asked if name.startswith(place)}
+            assert names == {f"{place}/{path.name}" for path in elsewhere.iterdir()}
+        page.close()

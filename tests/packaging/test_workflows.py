@@ -3,6 +3,7 @@
 import re
 import runpy
 import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -111,3 +112,27 @@ def test_a_tag_has_to_be_that_of_the_release(tmp_path: Path) -> None:
     assert problems("v0.2.0", tmp_path)[:3] == [
         f"{name} says version 0.1.0, and the tag is v0.2.0" for name in ("pyproject.toml", "CITATION.cff", "sjdsl/version.py")
     ]
+
+
+@pytest.mark.parametrize("name", ["chromium", "chromium-browser", "google-chrome", None])
+def test_a_browser_that_is_there_is_not_installed(tmp_path: Path, name: str | None) -> None:
+    """Each of the three names will do for the tests of pages; without a browser, and without apt-get, they say what they want."""
+    make = shutil.which("make")
+    assert make is not None
+    (tmp_path / "more.mk").write_text("look:\n\t@$(CHROMIUM)\n")
+    if name is not None:
+        (tmp_path / name).write_text("#!/bin/sh\n")
+        (tmp_path / name).chmod(0o755)
+    asked = [make, "-s", "-f", "Makefile", "-f", str(tmp_path / "more.mk"), "look"]
+    done = subprocess.run(asked, cwd=REPOSITORY, env={"PATH": str(tmp_path)}, capture_output=True, text=True, check=False)
+    assert (done.returncode == 0) == (name is not None), done.stderr
+    assert ("these tests want Chromium" in done.stdout) == (name is None)
+
+
+def test_every_suite_runs_somewhere() -> None:
+    """A target of the Makefile that tests something is in a workflow, but for the one that takes hours."""
+    makefile = (REPOSITORY / "Makefile").read_text("utf-8")
+    suites = set(re.findall(r"^(test(?:-[a-z]+)?|[a-z]+-test|types|lint):", makefile, re.MULTILINE)) - {"test-all"}
+    commands = "\n".join(step["run"] for path in WORKFLOWS for step in steps(path) if "run" in step)
+    assert suites == set(re.findall(r"^make ([\w-]+)", commands, re.MULTILINE)) & suites
+    assert {"test", "test-playground", "wheel-test"} <= suites
