@@ -42,10 +42,15 @@ class Shown:
         return dict(self.written.game.about).get("summary", "")
 
 
+def shown_names() -> tuple[str, ...]:
+    """Returns the names of all bundled games, those of Melting Pot alone last, without reading one."""
+    return (*main_games(), *melting_pot_games())
+
+
 @cache
 def shown_games() -> tuple[Shown, ...]:
-    """Returns all bundled games, those of Melting Pot alone last."""
-    return tuple(_shown(name) for name in (*main_games(), *melting_pot_games()))
+    """Returns all bundled games, in the order of their names' list."""
+    return tuple(_shown(name) for name in shown_names())
 
 
 def _shown(name: str) -> Shown:
@@ -56,7 +61,7 @@ def _shown(name: str) -> Shown:
 
 def game_pages(root: Path) -> dict[str, str]:
     """Returns the page of each game by its file in the repository."""
-    return {str(find_game(shown.name).relative_to(root)): f"{FOLDER}/{shown.name}.md" for shown in shown_games()}
+    return {str(find_game(name).relative_to(root)): f"{FOLDER}/{name}.md" for name in shown_names()}
 
 
 def gallery_page() -> str:

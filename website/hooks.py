@@ -30,14 +30,14 @@ def on_startup(command: str, dirty: bool) -> None:
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Completes the table of contents, and says what version this is."""
+    """Completes the table of contents, and says what version this is. Commands come here that build nothing, too: no game is read."""
     config.mdx_configs.setdefault("toc", {})["slugify"] = slug
     config.copyright = f"sjdsl {sjdsl.__version__}, Apache-2.0"
     if "MIKE_DOCS_VERSION" in os.environ:  # only a site of several versions has a list of them to choose from
         config.extra["version"] = {"provider": "mike", "default": "latest"}
     _, chapters = _manual()
     _extend(config.nav, "language.md", [f"language/{chapter.name}.md" for chapter in chapters])
-    _extend(config.nav, gallery.INDEX, [f"{gallery.FOLDER}/{shown.name}.md" for shown in gallery.shown_games()])
+    _extend(config.nav, gallery.INDEX, [f"{gallery.FOLDER}/{name}.md" for name in gallery.shown_names()])
     _extend(config.nav, "reference/messages.md", [{module: f"reference/{module}.md"} for module in MODULES])
     tour, *others = _notebooks()
     _extend(config.nav, tour, others)
