@@ -6,12 +6,15 @@ const message = (text) => { document.querySelector('[data-part="message"]').text
 let loaded = Promise.resolve(); // workers load one after the other: the first page comes first
 const workers = new Set();
 let first = null; // the socket whose worker has the files, too
+let speaking = null; // the socket of the language server: one that is opened anew takes its place, as its worker is as large
 
 // A worker, as long as it lives. onMessage: of what it says once it is ready.
 class Python {
   constructor(onMessage, onBroken) {
     this.onMessage = onMessage;
     this.ready = loaded.then(() => new Promise((resolve, reject) => {
+      this.refuse = reject;
+      if (this.isEnded) return reject(new Error("ended"));
       this.worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
       this.worker.addEventListener("error", (event) => reject(new Error(event.message ?? "a worker cannot be started")));
       this.worker.addEventListener("message", ({ data }) => {
@@ -21,7 +24,7 @@ class Python {
       });
       for (const [path, text] of saved()) this.worker.postMessage({ keep: path, text });
     }));
-    this.ready.catch((error) => onBroken(String(error)));
+    this.ready.catch((error) => { if (!this.isEnded) onBroken(error.message); });
     loaded = this.ready.catch(() => {});
     workers.add(this);
   }
@@ -31,8 +34,10 @@ class Python {
   }
 
   end() {
+    this.isEnded = true;
     workers.delete(this);
     this.worker?.terminate();
+    this.refuse?.(new Error("ended")); // who waits for it to load goes on
   }
 }
 
@@ -45,7 +50,19 @@ class Socket extends EventTarget {
     this.readyState = WebSocket.CONNECTING;
     this.turn = Promise.resolve();
     this.begin();
-    this.python.ready.then(() => { if (this === first) message(""); this.readyState = WebSocket.OPEN; this.dispatchEvent(new Event("open")); }, () => {});
+    this.python.ready.then(() => this.prepare(), () => {});
+  }
+
+  // The page waits ten seconds for an answer of the language server: on a slow machine its modules alone take longer.
+  prepare() {
+    if (this.part === "language") this.python.send({ prepare: true });
+    else this.open();
+  }
+
+  open() {
+    if (this === first) message("");
+    this.readyState = WebSocket.OPEN;
+    this.dispatchEvent(new Event("open"));
   }
 
   begin() {
@@ -75,6 +92,7 @@ class Socket extends EventTarget {
   }
 
   hear(data) {
+    if (data.prepared) return this.open();
     if (data.call !== undefined) return waiting.get(data.call)?.(data.answer);
     if (data.bench !== undefined) this.answered?.();
     this.dispatchEvent(new MessageEvent("message", { data: data.bench ?? data.language }));
@@ -84,6 +102,15 @@ class Socket extends EventTarget {
     if (this.readyState !== WebSocket.OPEN) message(`Python could not be started: ${reason}`);
     else if (this.lost && this.part === "bench") this.lost("Python broke off; it starts again");
   }
+}
+
+function openSocket(path) {
+  const socket = new Socket(path);
+  if (socket.part === "language") {
+    speaking?.python.end();
+    speaking = socket;
+  }
+  return socket;
 }
 
 // ---- files, which this browser keeps
@@ -127,6 +154,6 @@ function offer(path, text) {
 }
 
 // seconds: that a request may take; checks are played for a long time.
-const transport = { openSocket: (path) => new Socket(path), call, seconds: { any: 60, panel: 300 } };
+const transport = { openSocket, call, seconds: { any: 60, panel: 300 } };
 globalThis.studioTransport = transport;
 message("Loading Python…");

@@ -2,6 +2,8 @@
 
 import { INTEGRITY, PLACE } from "./pyodide.js";
 
+const speak = (message) => postMessage({ language: message });
+const reason = (error) => error.message ?? String(error);
 const SITE = "/lib/python3.14/site-packages";
 const place = new URL(PLACE, import.meta.url).href; // of Pyodide: beside this file, or on another server
 
@@ -44,14 +46,15 @@ async function bytes(name) {
 
 // Messages come in the order in which they were sent, also those that were sent while Python was loading.
 let ready = begin();
-ready.then(() => postMessage({ ready: true }), (error) => postMessage({ broken: String(error) }));
+ready.then(() => postMessage({ ready: true }), (error) => postMessage({ broken: reason(error) }));
 addEventListener("message", ({ data }) => {
   ready = ready.then((studio) => {
     if (data.keep) studio.keep(data.keep, data.text);
-    else if (data.language) studio.language(data.language, (message) => postMessage({ language: message }));
+    else if (data.prepare) { studio.prepare_language(speak); postMessage({ prepared: true }); }
+    else if (data.language) studio.language(data.language, speak);
     else if (data.file) postMessage({ call: data.call, answer: studio.file(data.file, data.path, data.body) });
     else postMessage({ bench: studio.bench(data.bench) });
     return studio;
   });
-  ready.catch((error) => postMessage({ broken: String(error) }));
+  ready.catch((error) => postMessage({ broken: reason(error) }));
 });

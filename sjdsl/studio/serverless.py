@@ -31,13 +31,18 @@ class Serverless:
         """Returns the answer to a request of the board or of a panel, both as JSON."""
         return json.dumps(answered(self._bench, request))
 
+    def prepare_language(self, send: Send) -> None:
+        """Loads the language server and reads a first request, so that the page's own is answered soon. `send`: as for `language`."""
+        from sjdsl.editor.server import make_server  # a bench needs none
+
+        self._language = make_server()
+        self._language.protocol.set_writer(_Writer(send), include_headers=False)
+        self._language.protocol.structure_message({"jsonrpc": "2.0", "id": 0, "method": "initialize", "params": {"capabilities": {}}})
+
     def language(self, message: str, send: Send) -> None:
         """Gives the language server a message; what it says, now or later, is sent. Wants a running event loop."""
         if self._language is None:
-            from sjdsl.editor.server import make_server  # a bench needs none
-
-            self._language = make_server()
-            self._language.protocol.set_writer(_Writer(send), include_headers=False)
+            self.prepare_language(send)
         protocol = self._language.protocol
         protocol.handle_message(protocol.structure_message(json.loads(message)))
 

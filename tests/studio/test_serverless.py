@@ -55,15 +55,22 @@ def test_what_somebody_else_changed_is_not_overwritten(alone: Serverless) -> Non
     assert "no `/other`" in file(alone, "GET", "/other")["refused"]
 
 
-def test_the_language_server_answers(alone: Serverless, tmp_path: Path) -> None:
+@pytest.mark.parametrize("prepared", [False, True])
+def test_the_language_server_answers(alone: Serverless, tmp_path: Path, prepared: bool) -> None:
     root = (tmp_path / "folder").resolve().as_uri()
 
     async def talk() -> list[dict[str, Any]]:
         heard: list[dict[str, Any]] = []
 
-        def say(**message: Any) -> None:
-            alone.language(json.dumps({"jsonrpc": "2.0", **message}), lambda text: heard.append(json.loads(text)))
+        def hear(text: str) -> None:
+            heard.append(json.loads(text))
 
+        def say(**message: Any) -> None:
+            alone.language(json.dumps({"jsonrpc": "2.0", **message}), hear)
+
+        if prepared:
+            alone.prepare_language(hear)
+            assert heard == [], "nobody has asked yet"
         say(id=1, method="initialize", params={"capabilities": {}, "rootUri": root, "processId": None})
         say(method="initialized", params={})
         document = {
