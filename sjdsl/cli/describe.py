@@ -35,7 +35,7 @@ def describe(name: str) -> dict[str, Any]:
     source = open_game(name)
     composed = compose(source)
     game = build_composition(composed).game
-    agents = agent_range(composed)
+    agents = agent_range(composed, game.agents.number)
     return {
         **_outline(game, composed),
         "file": source.name,

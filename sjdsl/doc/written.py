@@ -42,20 +42,21 @@ class Written:
 def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
     """Returns a game with what its text says beside the rules. Raises CompileError."""
     composed = compose(source, variants)
+    game = build_composition(composed).game
     return Written(
-        game=build_composition(composed).game,
+        game=game,
         file=PurePath(source.name).name,
         chosen=tuple(variants),
         variants=tuple((v.name.text, v.title.text if v.title else "") for v in composed.variants.values()),
-        numbers=_numbers(composed),
+        numbers=_numbers(composed, game.agents.number),
     )
 
 
-def _numbers(game: Composition) -> dict[str, WrittenNumber]:
+def _numbers(game: Composition, agents: int) -> dict[str, WrittenNumber]:
     found = {name: _number(constant, game) for name, constant in game.constants.items()}
-    agents = agent_range(game)
-    if agents is not None:
-        name, low, high = agents
+    accepted = agent_range(game, agents)
+    if accepted is not None:
+        name, low, high = accepted
         found[name] = replace(found[name], low=str(low), high=str(high))
     return found
 
