@@ -55,7 +55,7 @@ def text_of(pilot: Pilot[None], part: str) -> str:
 
 
 async def until(pilot: Pilot[None], holds: Callable[[], bool]) -> None:
-    """Waits for the thread in the background."""
+    """Waits for the thread in the background, or for the screen."""
     for _ in range(200):
         await pilot.pause(0.02)
         if holds():
@@ -187,7 +187,8 @@ def test_a_map_larger_than_the_screen_follows_the_agent(orchard: ir.Game) -> Non
     async def steps(pilot: Pilot[None]) -> None:
         place, board = session.display.world.position[0], pilot.app.query_one("#board")
         assert place is not None
-        assert board.scroll_offset.x <= 2 * place.col < board.scroll_offset.x + board.size.width
+        # the map is laid out first, and then scrolled
+        await until(pilot, lambda: board.scroll_offset.x <= 2 * place.col < board.scroll_offset.x + board.size.width)
         compiler.done.set()
 
     played(Screen(wide, session, compiler, 8.0), steps, size=(70, 20))
