@@ -35,6 +35,7 @@ ASSETS = {
 Handler = Callable[[Request], Coroutine[Any, Any, Response]]
 REFUSED = 4403  # close code of a socket that may not be opened
 UNREADABLE = 1003  # of one that has sent something other than text
+MOST_WAITING = 100  # requests of a socket that wait for their turn; a page sends few at a time
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -162,17 +163,29 @@ def _fields(body: bytes) -> dict[str, Any]:
 
 def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
     async def bench(socket: WebSocket) -> None:
-        """Answers each request of a socket by a worker process of its own, one after the other."""
+        """Answers each request of a socket by a worker process of its own, one after the other; the process ends with the socket at once."""
         await socket.accept()
-        child = spares.take()
-        try:
+        child, waiting = spares.take(), asyncio.Queue[str](MOST_WAITING)
+
+        async def listen() -> None:
             while True:
-                await socket.send_text(await child.ask(await socket.receive_text()))
-        except (WebSocketDisconnect, asyncio.CancelledError):
+                await waiting.put(await socket.receive_text())
+
+        async def answer() -> None:
+            while True:
+                await socket.send_text(await child.ask(await waiting.get()))
+
+        tasks = [asyncio.create_task(listen()), asyncio.create_task(answer())]
+        try:
+            for ended in (await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED))[0]:
+                ended.result()
+        except (WebSocketDisconnect, RuntimeError, asyncio.CancelledError):  # RuntimeError: it is closed where an answer is sent
             pass
         except KeyError:  # bytes in place of text
             await socket.close(UNREADABLE)
         finally:
+            for task in tasks:
+                task.cancel()
             with contextlib.suppress(ProcessLookupError):
                 await child.stop()
 

@@ -3,11 +3,14 @@
 import asyncio
 import json
 from pathlib import Path
+from unittest.mock import AsyncMock
 
 import pytest
 
 from sjdsl.studio import child
+from sjdsl.studio.access import Access
 from sjdsl.studio.child import Child
+from sjdsl.studio.server import make_app
 
 
 def test_what_takes_too_long_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -64,3 +67,36 @@ def test_processes_wait_for_a_page_and_end_with_the_server(tmp_path: Path) -> No
     assert json.loads(answer)["id"] == 1
     assert None not in codes, "none is left behind"
     assert filling <= 1
+
+
+def test_a_page_that_is_closed_stops_what_it_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A request that would go on for long does not keep its process when nobody waits for the answer any more."""
+    said: list[str] = []
+
+    class Endless(Child):
+        async def ask(self, request: str) -> str:
+            said.append(request)
+            await asyncio.sleep(3600)
+            return request
+
+        async def stop(self) -> None:
+            said.append("stopped")
+
+    monkeypatch.setattr(child.Spares, "take", lambda _: Endless(tmp_path))
+    headers = [(b"host", b"127.0.0.1:8123")]
+    scope = {"type": "websocket", "path": "/bench", "query_string": b"token=secret", "headers": headers, "subprotocols": []}
+
+    async def visit() -> None:
+        heard = asyncio.Queue[dict[str, object]]()
+        for message in ({"type": "websocket.connect"}, {"type": "websocket.receive", "text": "checks"}):
+            heard.put_nowait(message)
+        page = asyncio.create_task(make_app(tmp_path, Access(8123, "secret"))(scope, heard.get, AsyncMock()))
+        while not said:
+            await asyncio.sleep(0.01)
+        heard.put_nowait({"type": "websocket.receive", "text": "step"})
+        heard.put_nowait({"type": "websocket.disconnect", "code": 1001})
+        await asyncio.wait([page], timeout=5)
+        assert page.done()
+
+    asyncio.run(visit())
+    assert said == ["checks", "stopped"]
