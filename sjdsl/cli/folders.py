@@ -1,4 +1,4 @@
-"""Checks output folders: a missing one is reported, not made, as it may be a typing mistake."""
+"""Checks where output goes: a missing folder is reported, not made, as it may be a typing mistake; work that is stored is not lost."""
 
 import shlex
 import sys
@@ -10,6 +10,12 @@ import click
 def require_folder_of(file: Path) -> None:
     """Asks whether to make the folder of a file that is to be written; see `require_folder`."""
     require_folder(file.parent, f" to write {file.name} to")
+
+
+def require_unused(file: Path, what: str) -> None:
+    """Refuses a file that is there, so that earlier work is not lost. Raises ClickException."""
+    if file.exists():
+        raise click.ClickException(f"`{file}` is there already; name another file with -o, or move it away, so that no {what} are lost")
 
 
 def require_folder(folder: Path, purpose: str = "") -> None:

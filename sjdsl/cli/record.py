@@ -15,7 +15,7 @@ from sjdsl.cli.environment_options import (
     make_environment,
     read_assignments,
 )
-from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.policies import check_policy, choose_policy, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 from sjdsl.replay import Dataset, DatasetWriter, Header
@@ -30,7 +30,7 @@ SAID = 100  # after so many episodes it is said how far they are
 
 @click.command("record")
 @click.argument("game")
-@click.option("-o", "output", metavar="FILE", help="The .npz file to write; by default GAME.npz.")
+@click.option("-o", "output", metavar="FILE", help="The .npz file to write, one that is not there yet; by default GAME.npz.")
 @policy_option
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=10, show_default=True, help="Episodes to play.")
 @click.option(
@@ -60,6 +60,7 @@ def command(
         check_minari(dataset_id)
     described["params"] = read_assignments(described["params"])
     check_policy(policy, check_environment(game, **described))
+    require_unused(path, "recorded episodes")
     require_folder_of(path)
     environment = describe_environment(game, **described)
     with stages(LOADING) as say:

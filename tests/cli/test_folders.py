@@ -47,3 +47,12 @@ def test_a_file_is_no_folder(sjdsl: Sjdsl) -> None:
     shown = sjdsl("doc", "orchard.sj", "-o", "orchard.sj/a.md")
     assert shown.status == 1
     assert "`orchard.sj` is a file, not a folder to write a.md to" in shown.err
+
+
+def test_recorded_episodes_are_not_written_over(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "orchard.npz").write_bytes(b"episodes of before")
+    for call in (["record", "orchard.sj"], ["record", "orchard.sj", "-o", "orchard.npz"]):
+        shown = sjdsl(*call)
+        assert shown.status == 1
+        assert "`orchard.npz` is there already; name another file with -o, or move it away" in shown.err
+    assert (folder / "orchard.npz").read_bytes() == b"episodes of before"
