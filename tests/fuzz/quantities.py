@@ -263,7 +263,9 @@ def total(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
         n = len(type_.by[0])
         if r.random() < 0.3:
             return f"{r.choice(('min', 'max'))}({text})", element(type_)
-        return f"sum({text})", _beyond_one(type_.model_copy(update={"by": (), "low": type_.low * n, "high": type_.high * n}))
+        least = 1 if sort_of(type_.by[0]) == "agent" else n  # a variant may have fewer agents
+        low, high = type_.low * (least if type_.low > 0 else n), type_.high * (least if type_.high < 0 else n)
+        return f"sum({text})", _beyond_one(type_.model_copy(update={"by": (), "low": low, "high": high}))
     text, inner, most = domain(scope, depth - 1, counted=True)
     value, type_ = (integer if kind == "int" else real)(inner, unit, min(depth - 1, 1))
     low, high = min(0, type_.low), max(0, type_.high)
