@@ -137,6 +137,6 @@ def most_members(d: ir.Domain, scope: Scope) -> int:
         case ir.InAgents() if d.restriction.value.type.kind == "agent":
             return 1
         case ir.InCell():
-            return 1
+            return min(everywhere, 1)
         case _:
             return everywhere
