@@ -10,6 +10,7 @@ from sjdsl.compiler.ir.queries import all_fields, marking_phases
 KERNELS = {
     "sjdsl.runtime.bits": ("as_bits", "from_bits", "has_member", "pack", "unpack"),
     "sjdsl.runtime.counting": ("count_near", "occupied", "size_of_large_set", "size_of_set", "times_in"),
+    "sjdsl.runtime.neighbourhood": ("entries_at", "looked_up", "over_neighbours"),
     "sjdsl.runtime.random_bits": ("below", "next_threshold", "ranks", "random_bits", "random_bits_at", "threshold", "unit"),
     "sjdsl.runtime.fields": ("StateField",),
     "sjdsl.runtime.geometry": (

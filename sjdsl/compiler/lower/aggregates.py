@@ -6,6 +6,7 @@ from math import isinf
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, iota, literal, reduce, select, spread
 from sjdsl.compiler.lower.domains import enter, is_empty, shape_name, whole_set
+from sjdsl.compiler.lower.neighbours import is_over_neighbours, over_neighbours
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import DType, Unary, call, path
@@ -21,6 +22,8 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
         quick = _size(e, scope, w) or _near(e, scope, w)
         if quick is not None:
             return quick
+    if is_over_neighbours(e, scope, w):
+        return w.keep(f"num_{e.domain.var.name}" if isinstance(e, ir.Count) else "total", over_neighbours(e, scope, w))
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
     if isinstance(e, ir.Count):
@@ -39,6 +42,8 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     if is_empty(e.domain, w):
         assert otherwise is not None
         return otherwise
+    if e.otherwise is not None and otherwise == _nothing(e, otherwise, dtype) and is_over_neighbours(e, scope, w):
+        return w.keep("least" if e.fn == "min" else "greatest", over_neighbours(e, scope, w, otherwise))
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
     value, mask = as_dtype(w.value(e.value, inner.always()), dtype), inner.mask

@@ -18,6 +18,7 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Index,
     Literal,
+    Name,
     Reduce,
     Sequence,
     call,
@@ -154,9 +155,8 @@ def sites_in(near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Wr
     label = f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
     if isinstance(anchor, CellVar):
         anchor = state_reads.placed(anchor, w)
-        table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
         axis = w.axis(name, sum(map(len, shape.lanes)))
-        constant = w.module.constant(label, table, f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none")
+        constant = neighbours_constant(near, anchor, kinds, w)
         if anchor.axis is not None:
             site = Value(constant, "i32", (anchor.axis, axis))
         else:
@@ -167,6 +167,14 @@ def sites_in(near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Wr
     there = both(state_reads.is_site(site, kinds, w), swept.ok if has_inner_blocks(shape, w) else None)
     assert there is not None
     return site, swept.axis, there
+
+
+def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], w: Writer) -> Name:
+    """Returns the table of the numbers (among `kinds`) of a shape's cells around each cell of the anchor's kinds."""
+    shape = w.module.shape(near.shape)
+    table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
+    label = f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
+    return w.module.constant(label, table, f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none")
 
 
 def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:

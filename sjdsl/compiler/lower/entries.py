@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import Level, lowest_number, place_of, sort_of
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, literal, taken, union
+from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, literal, select, taken, union
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
@@ -110,5 +110,8 @@ def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: W
     shift = numbers[-1] - (len(numbers) - 1)
     if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
         return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
+    if len(numbers) > 4 and numbers[1:] == [(shift + i) % 256 for i in range(1, len(numbers))]:  # all but the first
+        others = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
+        return select(binary("==", value, literal(0, "u8"), "bool"), literal(numbers[0], "u8"), others)
     table = array.as_array(array.constant([*numbers]), "u8")
     return replace(value, node=array.Index(table, (value.node,)))

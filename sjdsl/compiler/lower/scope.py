@@ -33,7 +33,7 @@ class CellVar(Record):
     """A cell of `kinds`: its number along `axis` (each cell once), or computed numbers `site` (S for none).
 
     `painted`: of a cell of a window these fields are known, by their names, and where it is; its axes are those of `seen`, the observer and
-    the cell.
+    the cell. `beside`: the cell is one of those around each cell, a parameter of a function as its fields are, which the writer collects.
     """
 
     site: Value
@@ -41,6 +41,7 @@ class CellVar(Record):
     axis: Axis | None = None
     painted: tuple[tuple[str, Value], ...] | None = None
     seen: tuple[Axis, ...] = ()
+    beside: bool = False
 
     @property
     def number(self) -> Value:

@@ -91,6 +91,8 @@ def _pick_one(
         best_one = Value(best, "i32", axes)
     there = Value(found, "bool", axes)
     chosen = _chosen_variable(member, axis, best_one)
+    if isinstance(chosen, CellVar) and isinstance(chosen.site.node, array.Call):
+        chosen = replace(chosen, site=w.keep(name, chosen.site))
     place = replace(scope.binding(**{name: chosen}, **under(s.domain, chosen, w)), digits=(*scope.digits, (best_one, total)))
     return place.when(there), invert(there)
 
@@ -117,6 +119,8 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
     if values.axes == (axis,):
         return Value(array.Index(values.node, (best.node,)), values.dtype, best.axes)
+    if values.axes == (*best.axes, axis) and len(best.axes) == 1 and best.axes[0].size >= state_reads.MANY:
+        return Value(array.call("entries_at", values.node, best.node), values.dtype, best.axes)
     everything = union(values.axes, best.axes)  # what is picked may differ along more axes than what it is picked from
     at = (
         aligned(best, everything) if best.axes else array.call("jnp.full", array.Sequence((array.Literal(1),) * len(everything)), best.node)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
@@ -24,6 +25,8 @@ from sjdsl.compiler.program.expressions import (
     path,
 )
 
+MANY = 64  # lookups in a vector of cells, from which on it pays to have what is looked up in memory
+
 
 def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     """Returns a field of the snapshot; words as uint8 numbers, integers as int32."""
@@ -41,7 +44,20 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     stored = Value(path(f"state.{attribute_name(declared)}"), storage(declared, w), (), w.module.levels(e.type))
     if declared.type.kind == "word":
         stored = as_dtype(stored, "u8")
-    return _widened(stored if owner is None else _of(owner, stored), declared)
+    if isinstance(owner, CellVar) and owner.beside:
+        return _widened(replace(stored, node=w.beside(stored.node), axes=owner.site.axes), declared)
+    return _widened(stored if owner is None else _looked_up(owner, stored, w), declared)
+
+
+def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
+    """Returns a field of the one that a variable is; many computed cells are looked up in what has been computed before."""
+    if (
+        owner.axis is None
+        and isinstance(owner, CellVar)
+        and prod(a.size for a in owner.site.axes) >= max(MANY, w.module.layout.num_cells(owner.kinds))
+    ):
+        return replace(stored, node=call("looked_up", stored.node, owner.site.node), axes=owner.site.axes)
+    return _of(owner, stored)
 
 
 def _of(owner: Variable, stored: Value) -> Value:
@@ -60,7 +76,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     vectors = Sequence(tuple(path(f"state.{attribute_name(p)}") for p in parts), is_list=True)
     together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
     whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
-    return _widened(_of(owner, replace(whole, levels=w.module.levels(e.type))), parts[0])
+    return _widened(_looked_up(owner, replace(whole, levels=w.module.levels(e.type)), w), parts[0])
 
 
 def _widened(value: Value, declared: ir.VarField) -> Value:

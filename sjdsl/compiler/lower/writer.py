@@ -14,7 +14,20 @@ from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.scope import IterationScope, Variable
 from sjdsl.compiler.program import Constant, Group, Number
-from sjdsl.compiler.program.expressions import Assign, Attribute, Call, DType, Expression, Literal, Name, Return, Statement, as_array, path
+from sjdsl.compiler.program.expressions import (
+    Assign,
+    Attribute,
+    Call,
+    DType,
+    Expression,
+    Literal,
+    Name,
+    Return,
+    Statement,
+    as_array,
+    path,
+    walk,
+)
 from sjdsl.runtime.actions import HEADINGS
 
 FACTS = {"NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW", "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS"}
@@ -189,6 +202,7 @@ class Writer:
     joined: dict[str, list[Expression]] = field(default_factory=dict)
     several_lots: frozenset[tuple[str, str]] = frozenset()
     best_ranks: dict[str, Name] = field(default_factory=dict)
+    parameters: dict[Expression, Name] = field(default_factory=dict)  # of a function that is being lowered, by what it is given
 
     def __post_init__(self) -> None:
         self.module.writer = self
@@ -231,10 +245,19 @@ class Writer:
         """Gives a value a name in the function; what computes the same is named once."""
         if isinstance(value.node, Literal | Name) or (isinstance(value.node, Attribute) and isinstance(value.node.value, Name)):
             return value
+        if self.parameters and any(node in self.parameters.values() for node in walk(value.node)):
+            return value  # a function's body is one expression
         key = (value.node, value.dtype)
         if key not in self.known:
             self.known[key] = self.bind(name, value.node)
         return replace(value, node=self.known[key])
+
+    def beside(self, stored: Expression) -> Name:
+        """Returns the parameter that a field of the cells around each cell is."""
+        assert isinstance(stored, Attribute)
+        if stored not in self.parameters:
+            self.parameters[stored] = Name(self.names.fresh(stored.name))
+        return self.parameters[stored]
 
     def forget(self) -> None:
         """What has been computed so far is not valid any more."""
