@@ -8,6 +8,8 @@ PYTHON ?= $(shell for p in python3.13 python3.14 python3.12 python3.11 python3; 
   then echo $$p; break; fi; done)
 BIN := .venv/bin
 export NO_MKDOCS_2_WARNING := 1
+# The commands that tests start would each compile all of Python's modules anew.
+unexport PYTHONDONTWRITEBYTECODE
 RUN := runs/first
 # A file is one worker's: what its tests share is made once. Files come in the order of tests/conftest.py: the longest first.
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
@@ -176,7 +178,7 @@ diagrams: .venv/ready
 
 # Installs the wheel where nothing else is, and uses it far from this folder; with WHEEL=FILE that one, as it has been built.
 wheel-test: .venv/ready
-	SJDSL_WHEEL="$(abspath $(WHEEL))" $(BIN)/python -m pytest tests/packaging
+	SJDSL_WHEEL="$(abspath $(WHEEL))" $(BIN)/python -m pytest --all tests/packaging
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis
@@ -186,6 +188,7 @@ clean:
 	@test -n "$(PYTHON)" || { echo "no Python 3.11 to 3.14 with venv was found; name one: make PYTHON=/path/to/python"; exit 1; }
 	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(0 if (3, 11) <= v < (3, 15) else f"{sys.executable} is Python {v[0]}.{v[1]}; 3.11 to 3.14 is needed")'
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -r requirements.txt
+	@$(BIN)/python -m compileall -qq -j 0 .venv/lib || true # on all cores, where pip takes one; a package may bring examples of bad syntax
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@

@@ -10,6 +10,7 @@ from pathlib import Path
 import hypothesis
 import jax
 import pytest
+from _pytest.assertion.rewrite import AssertionRewritingHook
 from jax.experimental.compilation_cache import compilation_cache
 
 # Half the seconds of compiling, and the programs run as fast: two of XLA's ways to make fast programs that tests do not need.
@@ -43,7 +44,14 @@ LONGEST = (
     "notebooks/test_notebooks.py",
     "fuzz/test_found.py",
 )
-MUCH_MEMORY = 1_000_000_000  # bytes of a worker, beyond which it gives back what it can between files
+MUCH_MEMORY = 1_400_000_000  # bytes of a worker, beyond which it gives back what it can between files: a second, and all is compiled anew
+
+
+# pytest takes a package that is installed for editing and brings a plugin for a plugin throughout, and would look through each of its
+# modules for an `assert` to write anew: seconds of each worker.
+for _finder in sys.meta_path:
+    if isinstance(_finder, AssertionRewritingHook):
+        getattr(_finder, "_must_rewrite", set()).discard("sjdsl")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -62,8 +70,10 @@ def pytest_configure(config: pytest.Config) -> None:
     This comes before JAX's first computation: XLA reads its flags once.
     """
     folder = config.rootpath / ".pytest_cache" / "jax"
-    settings: dict[str, object] = {"jax_compilation_cache_dir": str(folder), "jax_persistent_cache_min_compile_time_secs": 0.3}
-    if not config.getoption("--all"):
+    settings: dict[str, object] = {"jax_compilation_cache_dir": str(folder), "jax_persistent_cache_min_compile_time_secs": 0.0}
+    if config.getoption("--all"):
+        os.environ["SJDSL_ALL_TESTS"] = "1"  # what is made while tests are collected looks for it
+    else:
         settings["jax_disable_most_optimizations"] = True
         os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICK_TO_COMPILE}".strip()
     for name, value in settings.items():
@@ -96,7 +106,7 @@ def pytest_collection_finish() -> None:
     """
     gc.collect()
     gc.freeze()
-    gc.set_threshold(10_000, 10, 10)
+    gc.set_threshold(10_000, 10, 50)
 
 
 @pytest.hookimpl(trylast=True)  # after the fixtures, which hold memory and settings

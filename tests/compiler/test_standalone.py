@@ -17,7 +17,7 @@ from sjdsl.cli import run
 from sjdsl.games_folder import main_games
 
 STEPS = 6
-USUAL = ("coins", "gift_refinement", "pd_arena")  # the others only with all tests
+USUAL = ("coins", "pd_arena")  # the others only with all tests
 HIDDEN = "import sys; sys.modules.update(dict.fromkeys(('sjdsl', 'flax', 'lark', 'pydantic', 'jinja2')))"
 
 

@@ -4,20 +4,20 @@ from itertools import product
 
 import pytest
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.defines import vocabulary
 from sjdsl.doc.expressions import value
 from sjdsl.doc.wording import Line, bullets, number, table, table_value
 from sjdsl.doc.written import comments
-
-from .corpus import small
+from tests.doc.corpus import SMALL
 
 NUMBER = ir.Type(kind="int")
 ONE, A = ir.Number(type=NUMBER, value=1), ir.Local(type=NUMBER, name="a")
-SIMPLE = vocabulary(small()["walking"].game)
+SIMPLE = vocabulary(build(read_source(next(path for path in SMALL if path.stem == "walking"))).game)
 
 
 def arithmetic(fn: str, *args: ir.Expr) -> ir.Expr:

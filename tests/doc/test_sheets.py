@@ -51,6 +51,7 @@ def test_a_page_that_is_not_current_is_told(tmp_path: Path, monkeypatch: pytest.
     assert not any("not what the games say" in line for line in told)
 
 
+@pytest.mark.thorough
 def test_figures_are_found_again() -> None:
     stored = read_figures(PAGE.with_suffix(".json"))["coins"]
     again = measure("coins", stored.episodes, stored.seed)

@@ -14,7 +14,7 @@ from tests.fuzz.programs import Program, programs
 few = partial(settings, derandomize=True, deadline=None, database=None, phases=[Phase.generate])
 
 
-@few(max_examples=6)
+@few(max_examples=3)
 @given(programs)
 def test_interpreter_equals_compiled(made: Program) -> None:
     examine(made)

@@ -1,5 +1,6 @@
 """Compiled environments of the bundled games, each made once in a session."""
 
+import os
 from functools import cache
 from typing import Any
 
@@ -14,6 +15,8 @@ FIVE = ("coins", *HARVESTS, "clean_up")
 NINE = (*FIVE, "coop_mining", "gift_refinement", "mushrooms", "pd_arena")
 
 Cell = tuple[int, int]
+# Scenes of variants: unless all tests are asked for, the interpreter plays them alone. The rules as they stand are compiled as well.
+BRIEFLY = "SJDSL_ALL_TESTS" not in os.environ
 
 
 def environment(game: str, variant: str | None = None, agents: int | None = None) -> Environment:

@@ -50,7 +50,7 @@ def counted() -> Any:
 CORNERS = [(1, 1), (14, 9)]
 
 
-@pytest.mark.parametrize(("variant", "colour"), [(None, 0.0005), ("meltingpot", 0.00025)])
+@pytest.mark.parametrize(("variant", "colour"), [(None, 0.0005), pytest.param("meltingpot", 0.00025, marks=pytest.mark.thorough)])
 def test_coins_come_so_often(variant: str | None, colour: float) -> None:
     """Of each colour. Sources: the paper (the released code's sum is 0.00099975); Melting Pot's 0.0005 is for both colours together."""
     env = environment("coins", variant)

@@ -6,12 +6,16 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .environments import BRIEFLY
 from .frames import check_moves
 
 ROWS = ("OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOO#O", "OOOOOOO", "PPPPPPP")
 EMPTY = "OOOOOOO"
 LOOKS = {"i": "rock ore=iron", "g": "rock ore=gold", "p": "rock ore=partial"}
-STAGES = {variant: Stage("coop_mining", ROWS, 6, variant=variant, looks=LOOKS) for variant in (None, "socialjax")}
+STAGES = {
+    variant: Stage("coop_mining", ROWS, 6, variant=variant, looks=LOOKS, interpreted=BRIEFLY and variant is not None)
+    for variant in (None, "socialjax")
+}
 BOTH = pytest.mark.parametrize("stage", STAGES.values(), ids=["default", "socialjax"])
 AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
 # six around the ore at (3, 3), each with a free ray, nearest first: (row, column, arrow)

@@ -7,15 +7,16 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .environments import BRIEFLY
 from .frames import check_moves
 
 ROWS = ("TTTTTTTT", "TTTTTTTT", "TT#TTTTT", "TTTTTTTT", "PPPPPPPP")
 EMPTY = "TTTTTTTT"
 LOOKS = {"r": "ground token=raw"}
 DEFAULT = Stage("gift_refinement", ROWS, 5, looks=LOOKS)
-RELEASED = Stage("gift_refinement", ROWS, 5, variant="socialjax", looks=LOOKS)
+RELEASED = Stage("gift_refinement", ROWS, 5, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
 BOTH = pytest.mark.parametrize("stage", [DEFAULT, RELEASED], ids=["default", "socialjax"])
-FAR = Stage("gift_refinement", ROWS, 5, variant="meltingpot", looks=LOOKS)
+FAR = Stage("gift_refinement", ROWS, 5, variant="meltingpot", looks=LOOKS, interpreted=BRIEFLY)
 LEVELS = ("raw", "cut", "fine")
 Bag = tuple[int, int, int]
 

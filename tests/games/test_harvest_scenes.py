@@ -7,6 +7,8 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .environments import BRIEFLY
+
 LOOKS = {"a": "soil fruit=none"}
 GROVE = Stage("harvest_open", ("AAAAAA", "AAAAAA", "AAAAAA", "AAAAAA", "AAAAA#", "AAAA#A", "QQPP.."), 2, looks=LOOKS)
 SOIL = [(r, c) for r, row in enumerate(GROVE.map) for c, glyph in enumerate(row) if glyph == "A"]
@@ -14,7 +16,7 @@ HOME = "QQ^>.."  # two agents out of the way
 RATES = ("regrow_1", "regrow_2", "regrow_3")  # chances with one, two, three or more apples near
 FIELD = Stage("harvest_open", ("QQPPPP", "....#.", "......", "......", "......", "......"), 4)
 GATES = {(0, c) for c in range(2, 6)}
-PATIENT = Stage("harvest_open", ("QQPP", "....", "...."), 2, params={"respawn_delay": 2})
+PATIENT = Stage("harvest_open", ("QQPP", "....", "...."), 2, params={"respawn_delay": 2}, interpreted=BRIEFLY)
 
 # Source: SocialJax, harvest_open: the cells of a zap as (ahead, right) of the agent
 BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}

@@ -9,14 +9,14 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .chance import BATCH, assert_share, many
-from .environments import placed
+from .environments import BRIEFLY, placed
 from .found import Form, rules_of, variants_of
 from .map_reading import read_map
 
 ROWS = ("........", "..CD....", "........", "PPPPPPPP")
 # the two words, and what one who plays the row gets from one who plays the column. Source: Melting Pot
 GAMES = {"stag_hunt": (("stag", "hare"), ((4, 0), (2, 2))), "chicken": (("dove", "hawk"), ((3, 2), (5, 0)))}
-STAGES = {game: Stage(game, ROWS, 4) for game in GAMES}
+STAGES = {game: Stage(game, ROWS, 4, interpreted=BRIEFLY and game != "stag_hunt") for game in GAMES}
 EACH = pytest.mark.parametrize("game", GAMES)
 
 

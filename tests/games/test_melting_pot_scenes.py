@@ -4,13 +4,15 @@ import pytest
 
 from sjdsl.testing import Stage
 
+from .environments import BRIEFLY
+
 OPEN = (".......", ".......", ".......", ".......", ".......", "QQPPPPP")
 SHOOTER = (4, 3)  # looks north
-HARVEST = Stage("harvest_open", OPEN, 2, variant="meltingpot")
-CROWDED = Stage("harvest_open", OPEN, 5, variant="meltingpot")
-ROOM = Stage("harvest_closed", (".......", *OPEN), 2, variant="meltingpot")
-RIVER = Stage("clean_up", ("HHHHH", "HHHHH", "HHHHH", "SSSSS", "BPPPP"), 2, variant="meltingpot")
-MINE = Stage("coop_mining", ("OOOOOO", "PPPPPP"), 2, variant="meltingpot", looks={"i": "rock ore=iron"})
+HARVEST = Stage("harvest_open", OPEN, 2, variant="meltingpot", interpreted=BRIEFLY)
+CROWDED = Stage("harvest_open", OPEN, 5, variant="meltingpot", interpreted=BRIEFLY)
+ROOM = Stage("harvest_closed", (".......", *OPEN), 2, variant="meltingpot", interpreted=BRIEFLY)
+RIVER = Stage("clean_up", ("HHHHH", "HHHHH", "HHHHH", "SSSSS", "BPPPP"), 2, variant="meltingpot", interpreted=BRIEFLY)
+MINE = Stage("coop_mining", ("OOOOOO", "PPPPPP"), 2, variant="meltingpot", looks={"i": "rock ore=iron"}, interpreted=BRIEFLY)
 FOREST = Stage("mushrooms", ("........", "........", "........"), 3, variant="meltingpot", interpreted=True)
 NEVER = dict.fromkeys(("red", "green", "blue", "orange"), 0)
 FIELDS = [
@@ -18,7 +20,7 @@ FIELDS = [
 ]
 ORCHARD = Stage("clean_up", ("HHHHS", "BPPPP"), 2, variant="meltingpot", interpreted=True)
 COINS = Stage("coins", ("PCCCC", "CCCCP"), 2, variant="meltingpot", interpreted=True)
-GIFT = Stage("gift_refinement", ("TTTTTTT", "PPPPPPP"), 3, variant="meltingpot")
+GIFT = Stage("gift_refinement", ("TTTTTTT", "PPPPPPP"), 3, variant="meltingpot", interpreted=BRIEFLY)
 
 
 def nine(length: int) -> set[tuple[int, int]]:

@@ -7,12 +7,13 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .environments import BRIEFLY
 from .frames import check_moves
 
 ROWS = ("R.......", "........", "........", "........", "........", "........")
 EMPTY = "........"
 DEFAULT = Stage("mushrooms", ROWS, 5)
-RELEASED = Stage("mushrooms", ROWS, 5, variant="socialjax")
+RELEASED = Stage("mushrooms", ROWS, 5, variant="socialjax", interpreted=BRIEFLY)
 STAGES = [DEFAULT, RELEASED]
 BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
 KINDS = ("red", "green", "blue", "orange")

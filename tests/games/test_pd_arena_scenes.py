@@ -7,6 +7,7 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .environments import BRIEFLY
 from .frames import check_moves
 
 ROWS = ("........", "..CD....", "........", "......#.", "........", "PPPPPPPP")
@@ -14,7 +15,7 @@ EMPTY = "........"
 GATES = ROWS[-1]
 LOOKS = {"c": "patch class=coop stock=none", "d": "patch class=defect stock=none"}
 DEFAULT = Stage("pd_arena", ROWS, 4, looks=LOOKS)
-RELEASED = Stage("pd_arena", ROWS, 4, variant="socialjax", looks=LOOKS)
+RELEASED = Stage("pd_arena", ROWS, 4, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
 STAGES = [DEFAULT, RELEASED]
 BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
 AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))

@@ -1,5 +1,6 @@
 """Predator and Prey, scene by scene and counted: who eats whom in which company, apples and acorns, grass, absence."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -14,10 +15,11 @@ pytestmark = pytest.mark.optimised
 
 FIELD = (".........", ".........", "..aan....", ".........", "gggg.....", ".........", ".........", ".........")
 STAGE = Stage("predator_prey", (*FIELD, "#########", "PPPPPP###", "XXXXXX###"), 6)
+LONG = replace(STAGE, interpreted=True)  # for hundreds of steps
 BITE, STAY = 7, 6
 
 
-def put(*field: str, under: dict[int, str] | None = None, **facts: Any) -> Scene:
+def put(*field: str, under: dict[int, str] | None = None, stage: Stage = STAGE, **facts: Any) -> Scene:
     """Returns a scene in which nothing grows; agents 0, 1 and 2 are predators, 3, 4 and 5 are prey.
 
     `field`: the rows above the wall, with the numbers of the agents there; the others wait below, out of everybody's company.
@@ -28,7 +30,7 @@ def put(*field: str, under: dict[int, str] | None = None, **facts: Any) -> Scene
     waiting = ["^" * len(who) + glyph * (6 - len(who)) + "###  " + "".join(map(str, who)) for who, glyph in below]
     stand = {n: glyph for who, glyph in below for n in who} | (under or {})
     params = {"apples": 0, "acorns": 0, **facts.pop("params", {})}
-    return STAGE.put(*field, "#########", *waiting, under=stand, params=params, **facts)
+    return stage.put(*field, "#########", *waiting, under=stand, params=params, **facts)
 
 
 def row(line: str, told: str, **facts: Any) -> Scene:
@@ -113,9 +115,9 @@ def test_who_has_eaten_rests_five_steps() -> None:
 def test_who_was_eaten_is_away_for_two_hundred_steps() -> None:
     """Prey come back to a nest with an empty mouth, predators to a lair."""
     fields = {"agent.mouth": {3: "holding"}}
-    scene = row("..>^.....", "03", fields=fields).step("bite").step(times=199).has({"agent.away": {3: True}})
+    scene = row("..>^.....", "03", fields=fields, stage=LONG).step("bite").step(times=199).has({"agent.away": {3: True}})
     scene.step().has({"agent.away": {3: False}, "agent.row": {3: 9}, "agent.mouth": {3: "empty"}})
-    scene = row("..>>.....", "01").step("bite").step(times=200).has({"agent.away": {1: False}, "agent.row": {1: 10}})
+    scene = row("..>>.....", "01", stage=LONG).step("bite").step(times=200).has({"agent.away": {1: False}, "agent.row": {1: 10}})
 
 
 # Grass

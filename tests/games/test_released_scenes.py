@@ -4,14 +4,22 @@ import pytest
 
 from sjdsl.testing import Stage
 
+from .environments import BRIEFLY
 from .frames import check_moves
 
 FIELD = ("QQPPP", ".....", "..#..", ".....", ".....")
 RIVER = ("HHHHHS", "HHHHHS", "HHH#HH", "......", "PPP.#.", "BBBBBB")
-COINS = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, variant="socialjax")
-HARVEST = Stage("harvest_open", FIELD, 3, variant="socialjax")
-CLEAN_UP = Stage("clean_up", RIVER, 3, variant="socialjax")
-ORCHARD = Stage("harvest_open", ("QQPPP", ".....", "..A..", ".A.A.", "....."), 2, variant="socialjax", looks={"a": "soil fruit=none"})
+COINS = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, variant="socialjax", interpreted=BRIEFLY)
+HARVEST = Stage("harvest_open", FIELD, 3, variant="socialjax", interpreted=BRIEFLY)
+CLEAN_UP = Stage("clean_up", RIVER, 3, variant="socialjax", interpreted=BRIEFLY)
+ORCHARD = Stage(
+    "harvest_open",
+    ("QQPPP", ".....", "..A..", ".A.A.", "....."),
+    2,
+    variant="socialjax",
+    looks={"a": "soil fruit=none"},
+    interpreted=BRIEFLY,
+)
 MOVES = [  # agent 0 with room around it
     (COINS, ("CCCCP", "CC^CC", "CCCCC", "PCCC<")),
     (HARVEST, ("QQPvv", ".....", "..#..", ".^...  0", ".....")),

@@ -45,7 +45,9 @@ def numbers(cells: np.ndarray, starts: list[tuple[int, int]]) -> np.ndarray:
     return np.vectorize(lambda r, c: index[r, c])(cells[..., 0], cells[..., 1])
 
 
-@pytest.mark.parametrize("form", different_starts(), ids=str)
+@pytest.mark.parametrize(
+    "form", [pytest.param(f, marks=pytest.mark.thorough if f.variant or f.agents else []) for f in different_starts()], ids=str
+)
 def test_starts(form: Form) -> None:
     """Different cells; each agent on each of them, looking each way, equally often; no two of these tell of each other."""
     cells, heading = poses(form)

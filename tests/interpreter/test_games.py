@@ -74,7 +74,7 @@ def test_every_game_passes_its_checks(name, variants):
     game = load(name, *variants)
     assert all(read(game, Play(game).world, v) for c in game.checks if c.sort == "require" for v in c.values)
     play = Play(game)
-    for _ in range(25):
+    for _ in range(15):
         play.step()
     window = game.window
     shape = (len(planes(game)), window.ahead + 1 + window.behind, window.left + 1 + window.right)

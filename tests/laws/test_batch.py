@@ -17,7 +17,12 @@ from tests.fuzz.together import module_text, on_numpy
 from tests.laws.corpus import crowded, game_of, random_games, some_actions
 from tests.laws.numpy_state import numpy_state
 
-SOME = ("coins", pytest.param("clean_up", marks=pytest.mark.slow), "mushrooms", pytest.param("pd_arena", marks=pytest.mark.slow))
+SOME = (
+    "coins",
+    pytest.param("clean_up", marks=pytest.mark.slow),
+    pytest.param("mushrooms", marks=pytest.mark.thorough),
+    pytest.param("pd_arena", marks=pytest.mark.slow),
+)
 TOGETHER = 5
 STEPS = 3
 CLOSE = {"rtol": 1e-6, "atol": 1e-6}

@@ -1,4 +1,4 @@
-"""Two ways to play an example, seen alike: the reference interpreter and the compiled step."""
+"""Ways to play an example, seen alike: the reference interpreter, and the compiled step on JAX and on NumPy."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,6 +13,7 @@ from sjdsl.interpreter.state import Cell, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.policies.interpreted import choose
+from tests.fuzz import numpy_jax
 
 HEADINGS = ("north", "east", "south", "west")
 QUICK = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}  # compiling costs more than these runs
@@ -236,6 +237,30 @@ class Compiled:
         from sjdsl.compiler.ir.names import attribute_name
 
         return _decoded(np.asarray(getattr(self.state, attribute_name(declared))).tolist(), declared.type, self.game.agents.number)
+
+
+class OnNumPy(Compiled):
+    """A run of the compiled step with NumPy in the place of JAX: nothing is compiled by XLA."""
+
+    def __init__(self, built: Build, text: str, params: dict[str, Any]):
+        from sjdsl.parameters import build_params
+
+        self.game = built.game
+        self.module = numpy_jax.load(text, self.game.name)
+        self.params = _arrays(build_params(self.game, self.module, params))
+
+    def begin(self, key: Any) -> Any:
+        with np.errstate(all="ignore"):  # what a guard protects is computed and not used
+            return self._begin(numpy_jax.as_array(key))
+
+    def run(self, state: Any, actions: Any, key: Any) -> Any:
+        with np.errstate(all="ignore"):
+            return self._run(_arrays(state), *map(numpy_jax.as_array, (actions, key)))
+
+
+def _arrays(values: Any) -> Any:
+    """Returns a state or parameters with arrays that are indexed as JAX's are."""
+    return values.replace(**{name: numpy_jax.as_array(value) for name, value in vars(values).items()})
 
 
 def _decoded(value: Any, type_: ir.Type, agents: int) -> Any:

@@ -1,6 +1,6 @@
 """Every example of the manual is compiled and run, and what the manual says of it is compared.
 
-Quickly in the reference interpreter; once more, two of three marked slow, in the compiled step beside the interpreter on the same draws.
+Quickly in the reference interpreter; once more in the compiled step beside the interpreter on the same draws: on NumPy, and a few by XLA.
 """
 
 import re
@@ -19,7 +19,7 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 
 from .blocks import Example, blocks, examples
-from .plays import Compiled, Interpreted, Play, View
+from .plays import Compiled, Interpreted, OnNumPy, Play, View
 from .scripts import given_params, perform, read_script
 
 # What is known to be wrong, by the name of an example: with the compiler's front, or only with the compiled step. To be
@@ -119,14 +119,24 @@ def rest(name: str, seed: int, steps: int, folder: Path) -> View:
     return view
 
 
-@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES, one_of=4)
+@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES)
+def test_compiled_example_on_numpy_equals_the_interpreted(example, folder):
+    compare_with_compiled(example, folder, OnNumPy)
+
+
+@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES, one_of=20)
 def test_compiled_example_equals_the_interpreted(example, folder):
+    compare_with_compiled(example, folder, Compiled)
+
+
+def compare_with_compiled(example: Example, folder: Path, engine: type[Compiled]) -> None:
+    """Plays what the manual shows in both at once; an example without a shown play is compiled."""
     for block in example.said("result"):
         script = read_script(block)
         made = built(example, folder, script.variants)
         text = compile_build(made, source_of(example, folder))
         params = given_params(made.game, script.params)
-        play = Both(Interpreted(made, params), Compiled(made, text, params))
+        play = Both(Interpreted(made, params), engine(made, text, params))
         perform(script, made.game, play, lambda name, seed, steps: rest(name, seed, steps, folder), most_runs=3)
     if not example.said("result"):
         compile_build(built(example, folder), source_of(example, folder))

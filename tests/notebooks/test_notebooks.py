@@ -41,6 +41,21 @@ def shown(notebook: nbformat.NotebookNode, kind: str) -> list[str]:
     return [each[kind] for each in data if kind in each]
 
 
+def test_the_code_of_a_dilemma_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    """In this process and without Jupyter: what is printed, and what the last cell shows."""
+    _, _, *cells = nbformat.read(EXAMPLES / "write_a_dilemma.ipynb", as_version=4).cells
+    names: dict[str, object] = {}
+    for cell in (cell for cell in cells if cell.cell_type == "code"):
+        exec(compile(cell.source, "write_a_dilemma", "exec"), names)
+    said = capsys.readouterr()
+    assert "did you mean `wood`" in said.out + said.err and "no problems" in said.out
+    before, after = (_numbers(line) for line in said.out.splitlines() if line.startswith("keepers, then idlers:"))
+    assert max(before[:2]) < min(before[2:])
+    assert min(after[:2]) > 1.5 * max(before[:2])
+    assert "The agent receives a reward of 6" in said.out
+
+
+@pytest.mark.thorough
 def test_a_dilemma_is_written_and_changed() -> None:
     """Two keep the fire and two sit by it: the idlers earn more, until a log pays."""
     notebook = executed("write_a_dilemma")

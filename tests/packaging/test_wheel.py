@@ -21,11 +21,13 @@ assert len(games()) == 6 and all((tour_folder() / name.removeprefix("tour:")).is
 """
 
 
+@pytest.mark.thorough
 def test_only_sjdsl_is_installed(installed: Path) -> None:
     names = {path.name for path in site_packages(installed).iterdir() if path.name != "__pycache__"}
     assert {name for name in names if not name.endswith((".dist-info", ".pth"))} == {"sjdsl"}
 
 
+@pytest.mark.thorough
 def test_it_works_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "my_game.sj").write_text(GAME)
     shell = installed / "empty/bin"
@@ -45,6 +47,7 @@ def test_it_trains_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     assert (tmp_path / "run/policies/last.safetensors").exists()
 
 
+@pytest.mark.thorough
 def test_a_new_game_begins_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     shell = installed / "empty/bin"
     run_in(shell / "sjdsl", "new", "pond", cwd=tmp_path)

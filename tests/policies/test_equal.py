@@ -9,9 +9,14 @@ import numpy as np
 import pytest
 
 import sjdsl
+from sjdsl.compiler import build
+from sjdsl.compiler.optimise import optimise
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.policies.compiled import Chooser
 from sjdsl.policies.interpreted import choose
 from tests.differential.worlds import world_of
+from tests.fuzz.policies import different_choice
+from tests.fuzz.together import interpret, moments, on_numpy, random_play
 
 GAMES = Path(__file__).parent / "games"
 STEPS = 20
@@ -41,9 +46,21 @@ def played(env: sjdsl.Environment, seed: int) -> Any:
     return jax.tree.map(np.asarray, play(jax.random.key(seed)))
 
 
-@pytest.mark.usefixtures("strict_jax")
 @pytest.mark.parametrize("path", sorted(GAMES.glob("*.sj")), ids=lambda path: path.stem)
 def test_compiled_equals_interpreted(path: Path) -> None:
+    """In states that random agents lead to; the choices alone are compiled by XLA, and the steps run on NumPy."""
+    game = build(read_source(path)).game
+    play = random_play(game, seed=1, steps=STEPS)
+    history, env = interpret(game, play), on_numpy(game, optimise(game))
+    states = [state for state, *_ in moments(env, play, len(history.moments))]
+    assert len(states) == STEPS + 1
+    assert not different_choice(game, env, states[1:], [moment.ended for moment in history.moments], seed=0)
+
+
+@pytest.mark.thorough
+@pytest.mark.usefixtures("strict_jax")
+@pytest.mark.parametrize("path", sorted(GAMES.glob("*.sj")), ids=lambda path: path.stem)
+def test_compiled_equals_interpreted_where_the_policies_lead(path: Path) -> None:
     env = sjdsl.make(path)
     params = {param.name: param.value for param in env.game.params}
     states, bits, chosen = played(env, seed=0)

@@ -139,7 +139,7 @@ def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
 
 def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
     """By the policy's own function, the same actions; the file says which policy it was."""
-    env, config = sjdsl.make("coins", params={"length": 4}), PPOConfig()
+    env, config = sjdsl.make("coins", params={"length": 4}), PPOConfig(network="mlp", network_width=8)
     shapes = parameter_shapes(env, config)
     drawn = jax.tree.map(lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype), shapes)
     stored, path = tmp_path / "policy.safetensors", tmp_path / "coins.npz"

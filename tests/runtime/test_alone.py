@@ -45,9 +45,9 @@ def test_the_compiler_uses_what_needs_no_jax() -> None:
     assert "jax" not in loaded
 
 
-@pytest.mark.parametrize("name", ["egocentric_windows", "env", "policy", "returns", "tokens"])
-def test_no_compiler_is_loaded_with_it(name: str) -> None:
-    loaded = modules_loaded(f"import sjdsl.runtime.{name}", ROOT)
+def test_no_compiler_is_loaded_with_it() -> None:
+    loaded = modules_loaded("from sjdsl.runtime import egocentric_windows, env, policy, returns, tokens", ROOT)
+    assert "sjdsl.runtime.env" in loaded
     assert not [module for module in loaded if module.startswith(("sjdsl.compiler", "lark", "pydantic"))]
 
 
@@ -75,7 +75,7 @@ def test_what_it_knows_of_its_game_is_what_the_rules_say(tmp_path: Path) -> None
     path = tmp_path / "alone.py"
     assert run(["compile", "--standalone", "predator_prey", "-o", str(path)]) == 0
     facts = "print(repr((env.name, env.title, env.hash, env.num_actions, env.roles, env.observation_shape, env.forbids_actions)))"
-    facts += "; print(env.state_vector(env.reset(jax.random.key(0))[1]).tolist())"
+    facts += "; print(jax.jit(lambda key: env.state_vector(env.reset(key)[1]))(jax.random.key(0)).tolist())"
     hidden = "import sys; sys.modules.update(dict.fromkeys(('sjdsl', 'flax', 'lark', 'pydantic', 'jinja2')))"
     program = f"{hidden}\nimport jax, alone\nenv = alone.Environment()\n{facts}"
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -85,7 +85,7 @@ def test_what_it_knows_of_its_game_is_what_the_rules_say(tmp_path: Path) -> None
 
     own = (env.name, env.title, env.hash, env.num_actions, env.roles, env.observation_shape, env.forbids_actions)
     assert ast.literal_eval(first) == own
-    assert ast.literal_eval(second) == env.state_vector(env.reset(jax.random.key(0))[1]).tolist()
+    assert ast.literal_eval(second) == jax.jit(lambda key: env.state_vector(env.reset(key)[1]))(jax.random.key(0)).tolist()
     game = env.game
     assert own[5][2:] == (game.window.ahead + 1 + game.window.behind, game.window.left + 1 + game.window.right)
     assert env.roles is not None

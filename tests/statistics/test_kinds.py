@@ -8,7 +8,7 @@ import pytest
 from tests.statistics.chi_square import assert_distribution, assert_independent
 from tests.statistics.many import game, outcomes
 
-KEYS = ("rollout", "counted")
+KEYS = ("rollout", pytest.param("counted", marks=pytest.mark.thorough))
 GATES, DENS = (8, 9, 10, 19, 20, 21), (30, 31, 32, 41, 42, 43)
 # chain: 0.3, half of the rest, a fifth of what is left then; the first is what no branch leaves
 PER_CELL = {

@@ -191,6 +191,7 @@ def test_who_knows_what_is_allowed_goes_through_every_door(changes: dict[str, An
     assert last.returns.tolist() == [STEPS, STEPS]
 
 
+@pytest.mark.thorough
 def test_without_masks_closed_doors_are_chosen() -> None:
     """Networks that have learnt nothing choose one of five actions, of which one is open and paid: 1.6 in eight steps, with masks 4.
 

@@ -76,6 +76,7 @@ def test_every_plane_of_an_agents_own_window_reaches_its_outputs_and_no_other(ki
                 assert (told[changed, ..., agent] < 1e-6).all() == (changed != agent)
 
 
+@pytest.mark.parametrize("kind", ["mlp", pytest.param("cnn", marks=pytest.mark.thorough)])
 def test_every_plane_of_all_windows_reaches_a_central_critic(kind: str) -> None:
     """And nothing but an agent's own window reaches its logits."""
     _, logits, values = map(np.asarray, _read_changed(kind, True))
@@ -84,6 +85,7 @@ def test_every_plane_of_all_windows_reaches_a_central_critic(kind: str) -> None:
     assert (told > 1e-6).tolist() == np.eye(AGENTS, dtype=bool).tolist()
 
 
+@pytest.mark.parametrize("kind", ["mlp", pytest.param("cnn", marks=pytest.mark.thorough)])
 def test_action_values_see_every_plane(kind: str) -> None:
     network = ActionValues(7, PLANES, kind, 16)
 

@@ -119,10 +119,10 @@ def test_folders_of_seeds_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
     """And is told from one without: its actions come with what it remembers."""
     config = make_config({**QUICK, "memory": "gru"})
-    parameters = jax.tree.map(lambda leaf: jnp.full(leaf.shape, 0.1), parameter_shapes(matching(), config))
+    parameters = jax.tree.map(lambda leaf: np.full(leaf.shape, 0.1, leaf.dtype), parameter_shapes(matching(), config))
     policy = trained_policy(matching(), config, parameters)
     assert isinstance(policy, MemoryPolicy)
-    memory, actions = policy.act(policy.start, jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
+    memory, actions = jax.jit(policy.act)(policy.start, jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
     assert actions.shape == (2,)
     assert jax.tree.map(jnp.shape, memory) == jax.tree.map(jnp.shape, policy.start)
     assert any((old != new).any() for old, new in zip(jax.tree.leaves(policy.start), jax.tree.leaves(memory), strict=True))

@@ -17,6 +17,7 @@ CRITICS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.thorough
 def test_value_of_a_constant_reward() -> None:
     state, _ = learn(constant(0.7))
     np.testing.assert_allclose(judge(constant(0.7), state, 0)[1], 0.7, atol=TOLERANCE)
@@ -129,6 +130,7 @@ def test_memory_recalls_a_cue(changes: dict[str, Any]) -> None:
     assert metrics["collective_return"][-1] > 2 * 0.95
 
 
+@pytest.mark.thorough
 def test_without_memory_a_cue_is_forgotten() -> None:
     """Half of the guesses are right, two a episode: over 10 rollouts of 128 episodes the mean's standard error is 0.02."""
     _, metrics = learn(recalled())

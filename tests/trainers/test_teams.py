@@ -89,7 +89,7 @@ def test_a_critic_of_the_state_needs_one() -> None:
     "changes",
     [
         {},
-        CENTRAL,
+        pytest.param(CENTRAL, marks=pytest.mark.thorough),
         pytest.param({"sharing": "by_role", "roles": ROLES}, marks=pytest.mark.slow),
         pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
     ],

@@ -147,6 +147,7 @@ def test_a_diverged_run_stops_with_its_last_good_parameters(tmp_path: Path, monk
     assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["8"], "what diverged is not gone on from"
 
 
+@pytest.mark.thorough
 def test_parameters_that_are_not_finite_are_never_kept(tmp_path: Path) -> None:
     """A real run whose steps are absurd: whatever is stored can be played."""
     config = CONFIG.model_copy(update={"learning_rate": 1e38, "max_gradient_norm": 1e38, "anneal_learning_rate": False})

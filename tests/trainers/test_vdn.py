@@ -21,6 +21,7 @@ def values(env: Any, shown: int, **changes: Any) -> np.ndarray:
     return np.asarray(judge_actions(env, state, shown, **changes))
 
 
+@pytest.mark.thorough
 def test_values_of_agents_sum_to_the_teams() -> None:
     """Both agents are paid 0.7 whatever they do."""
     np.testing.assert_allclose(values(constant(0.7), 0).sum(axis=0), [1.4, 1.4], atol=TOLERANCE)
