@@ -60,7 +60,7 @@ some_axes = st.sets(st.sampled_from(AXES)).map(lambda found: union(tuple(found))
 values = st.tuples(some_axes, st.integers(0, 1))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(values, values, st.sampled_from(["+", "*", "<", "=="]))
 def test_operands_are_lined_up_by_name(a: tuple[Any, int], b: tuple[Any, int], op: str) -> None:
     given = {"left": named("left", *a), "right_one": named("right_one", *b)}
@@ -72,7 +72,7 @@ def test_operands_are_lined_up_by_name(a: tuple[Any, int], b: tuple[Any, int], o
     np.testing.assert_array_equal(found, meant if result.levels else meant[..., 0])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(some_axes, some_axes, st.sets(st.sampled_from(AXES)))
 def test_a_sum_counts_every_instance(of_test: Any, of_value: Any, gone: set[Axis]) -> None:
     given = {"test": named("test", of_test), "value": named("value", of_value)}

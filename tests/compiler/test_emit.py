@@ -164,13 +164,13 @@ def read(lines: str) -> str:
     return ast.dump(statement.value)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(trees())
 def test_one_line_is_read_as_it_was_meant(node: Any) -> None:
     assert read(f"found = {text(node)}") == ast.dump(meant(node))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(trees())
 def test_broken_lines_are_read_as_they_were_meant_and_fit(node: Any) -> None:
     lines = statement_lines(Assign(("found",), node), indent=0)

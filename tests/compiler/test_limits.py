@@ -132,13 +132,13 @@ def test_what_is_just_allowed() -> None:
 WORDS = sorted({t.pattern.value for t in parser().terminals if t.pattern.type == "str"} | {"a", "b1", "3", "0.5", '"x"', "==", "-", "*"})
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.lists(st.sampled_from(WORDS), max_size=60), st.booleans())
 def test_any_row_of_words_is_read_or_refused(words: list[str], inside: bool) -> None:
     found_in(in_phase(" ".join(words)) if inside else HEAD + "\n".join(words))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.text(max_size=80))
 def test_any_text_is_read_or_refused(text: str) -> None:
     found_in(text)

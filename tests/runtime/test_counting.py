@@ -33,8 +33,8 @@ def test_count_near_of_all_and_none() -> None:
     assert count_near(jnp.zeros(96, bool), masks).tolist() == [0, 0, 0]
 
 
-@pytest.mark.parametrize("agents", [1, 6, 8, 9, 20, 32])
-@pytest.mark.parametrize("sets", [1, 14, 15, 16, pytest.param(538, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("agents", [8, 9, 32, *(pytest.param(agents, marks=pytest.mark.thorough) for agents in (1, 6, 20))])
+@pytest.mark.parametrize("sets", [1, 15, 16, pytest.param(14, marks=pytest.mark.thorough), pytest.param(538, marks=pytest.mark.slow)])
 def test_times_in_sets(agents: int, sets: int) -> None:
     """Sparse sets, full ones (as many in a word as its fields can count), and batches."""
     member = np.random.default_rng(agents * sets).random((3, sets, agents)) < np.array([0.1, 0.6, 1.0])[:, None, None]

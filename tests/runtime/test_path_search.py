@@ -102,7 +102,7 @@ def test_goals_of_all_agents_and_closed_cells_of_each() -> None:
     assert best.tolist() == [0, 0]  # the second agent is nearer to the goal on its right, which is closed to it
 
 
-@pytest.mark.parametrize("width", [1, 31, 32, 33, 64, 70])
+@pytest.mark.parametrize("width", [1, 32, 33, *(pytest.param(width, marks=pytest.mark.thorough) for width in (31, 64, 70))])
 def test_shifted(width: int) -> None:
     random = np.random.default_rng(width)
     cells = random.random((3, width)) < 0.5
