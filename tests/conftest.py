@@ -34,7 +34,6 @@ LONGEST = (
     "bench/test_bench.py",
     "doc/test_sheets.py",
     "policies/test_equal.py",
-    "packaging/test_wheel.py",
     "differential/test_on_numpy.py",
     "statistics/test_independence.py",
     "trainers/test_train_run.py",
