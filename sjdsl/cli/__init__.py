@@ -108,7 +108,12 @@ def main() -> NoReturn:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses: a tenth of a second
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins reads what every installed package says of itself
     keep_programs()
-    status = run()
+    try:
+        status = run()
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever reads has enough, as `head` has; what is left is written to nobody
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 1
     gc.freeze()
     leave_at_once_if_compiling(status)
     sys.exit(status)

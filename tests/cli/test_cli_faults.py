@@ -1,5 +1,6 @@
 """Mistakes in a command line: one line each, with what was probably meant, and never a traceback."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -101,3 +102,18 @@ def test_every_command_has_help(sjdsl: Sjdsl) -> None:
     for name in COMMANDS:
         assert isinstance(commands.get_command(click.Context(commands), name), click.Command)
         assert sjdsl(name, "--help").status == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such pipe")
+@pytest.mark.parametrize("arguments", ["check game.sj", "list", "--help"])
+def test_a_reader_that_has_closed_gets_no_traceback(arguments: str, tmp_path: Path) -> None:
+    """As with `sjdsl check game.sj | head`: the command ends without a word on the standard error."""
+    (tmp_path / "game.sj").write_text("sj 1\ngame game {\n  kind\n}\n")
+    program = "import sys; sys.argv[0] = 'sjdsl'; from sjdsl.cli import main; main()"
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-c", program, *arguments.split()], cwd=tmp_path, stdout=write, stderr=subprocess.PIPE, check=False
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (1, b"")
