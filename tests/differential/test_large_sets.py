@@ -31,8 +31,9 @@ def test_compiled_and_interpreted_agree(agents: int) -> None:
     """Every operation of sets, on NumPy, step by step; and the shapes and dtypes of the same module under JAX's strict rules."""
     game = build(Source("large_sets.sj", GAME.read_text("utf-8").replace("= 40 in", f"= {agents} in"))).game
     play = random_play(game, seed=agents, steps=8)
-    text = module_text(optimise(game))
-    report, _ = run(of_text(game, text), play, interpret(game, play))
+    rules = optimise(game)
+    text = module_text(rules)
+    report, _ = run(of_text(game, text, rules), play, interpret(game, play))
     assert not report.differences, report.differences
     assert (report.steps, report.near) == (8, 0)
     if agents == 33:  # tracing takes longer than all else

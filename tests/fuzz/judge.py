@@ -169,13 +169,13 @@ def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
         texts.append(text)
         verdict.programs = len(texts)
         if len(texts) == 1:
-            report, trajectory = run(of_text(game, text), play, history)
+            report, trajectory = run(of_text(game, text, rules), play, history)
             verdict.steps = report.steps
             verdict.fault = report.differences[0] if report.differences else ""
             if manner.strict and not verdict.fault and game.policies:
-                verdict.fault = _choices(game, of_text(game, text), play, history)
+                verdict.fault = _choices(game, of_text(game, text, rules), play, history)
         else:
-            differs = same_trajectory(of_text(game, text), play, trajectory)
+            differs = same_trajectory(of_text(game, text, rules), play, trajectory)
             verdict.fault = f"passes {name}: {differs}" if differs else ""
         if manner.strict and not verdict.fault and name in ("all", "none"):
             changed = forms(on_jax(game, text))

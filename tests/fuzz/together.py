@@ -14,6 +14,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower import lower
+from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
@@ -107,8 +108,9 @@ def _reals(values: Any) -> Iterator[Any]:
 class OnNumPy(Environment):
     """A compiled game whose module runs on NumPy: steps and resets, with keys as two words."""
 
-    def __init__(self, game: ir.Game, module: ModuleType):  # nothing is jitted
+    def __init__(self, game: ir.Game, module: ModuleType, rules: ir.Game):  # nothing is jitted
         self.game, self.module, self.observation = game, module, "tokens"
+        self.pools = [f"{pool.phase} {pool.send.pool}" for pools in all_pools(rules).values() for pool in pools]
         self.params = module.default_params()
         self._tokens = module.observe
 
@@ -134,12 +136,12 @@ def module_text(rules: ir.Game) -> str:
 
 def on_numpy(game: ir.Game, rules: ir.Game) -> OnNumPy:
     """Returns the environment of a game, its module compiled from `rules` (the game after some passes)."""
-    return of_text(game, module_text(rules))
+    return of_text(game, module_text(rules), rules)
 
 
-def of_text(game: ir.Game, text: str) -> OnNumPy:
-    """Returns the environment of a game with this module."""
-    return OnNumPy(game, numpy_jax.load(text, game.name))
+def of_text(game: ir.Game, text: str, rules: ir.Game) -> OnNumPy:
+    """Returns the environment of a game with this module, compiled from `rules`."""
+    return OnNumPy(game, numpy_jax.load(text, game.name), rules)
 
 
 def run(env: OnNumPy, play: Play, history: History) -> tuple[Report, list[Any]]:
@@ -163,12 +165,20 @@ def run(env: OnNumPy, play: Play, history: History) -> tuple[Report, list[Any]]:
     return report, trajectory
 
 
-def plain(env: Environment, state: Any) -> dict[str, Any]:
-    """Returns a state by name, with places as rows and columns: the numbers of cells depend on how far the shapes that are used reach."""
+def plain(env: OnNumPy, state: Any) -> dict[str, Any]:
+    """Returns a state by name, without numbers that depend on what passes leave.
+
+    Places are rows and columns, as the numbers of cells depend on how far the shapes that are used reach. Who comes back has the phase and
+    number of its destination, as destinations are counted through the game.
+    """
     (_, cols), pad = env.module.FRAME, env.module.PAD
     positions = ["position", *(attribute_of("position", sort.name) for sort in env.game.movers)]
     values = {n: v for n, v in vars(state).items() if n not in positions and not n.startswith("mark_")}
     places = {n: np.asarray(getattr(state, n)) for n in positions if hasattr(state, n)}
+    for sort in ("", *(sort.name for sort in env.game.movers)):
+        name, ticks = attribute_of("away_pool", sort), values.get(attribute_of("away", sort))
+        if name in values and ticks is not None:
+            values[name] = [env.pools[int(pool)] if back else "" for pool, back in zip(values[name], np.asarray(ticks), strict=True)]
     return values | {n: np.where(at != 0, np.stack([at // cols - pad, at % cols - pad]), -1) for n, at in places.items()}
 
 
