@@ -20,7 +20,7 @@ from tests.fuzz import numpy_jax
 from tests.fuzz.together import OnNumPy, on_numpy, runs_away
 from tests.laws.corpus import begun, biased_draws, crowded, some_actions
 from tests.laws.numpy_state import numpy_state
-from tests.laws.other_draws import RunsOut, Table, other_draws, tied
+from tests.laws.other_draws import NeverDrawn, RunsOut, Table, other_draws, tied
 from tests.laws.other_game import other_game, without_frame
 from tests.laws.other_world import other_outcome, other_view, other_world, outcome_differences, world_differences
 from tests.laws.symmetry import Symmetry
@@ -81,14 +81,20 @@ def _reset(game: ir.Game, changed: ir.Game, s: Symmetry, random: Random) -> str:
         words = other_draws(game, changed, drawn, s)
     except RunsOut:
         return ""
-    found = world_differences(reset(changed, world.params, words), other_world(game, changed, world, s))
+    try:
+        found = world_differences(reset(changed, world.params, words), other_world(game, changed, world, s))
+    except NeverDrawn as draw:
+        return f"reset: a draw that the first game did not make: {draw}"
     return f"reset: {found[0]}" if found else ""
 
 
 def _interpreted(
     game: ir.Game, changed: ir.Game, start: World, actions: list[int], words: Table, wanted: Any, world: World, s: Symmetry
 ) -> str:
-    after, outcome = step(changed, start, actions, start.params, words)
+    try:
+        after, outcome = step(changed, start, actions, start.params, words)
+    except NeverDrawn as draw:
+        return f"a draw that the first game did not make: {draw}"
     found = world_differences(after, wanted[0]) + outcome_differences(outcome, wanted[1])
     mask, other_mask = np.array(action_mask(game, world)), np.array(action_mask(changed, after))
     numbers = [s.number(action, game) for action in range(mask.shape[1])]

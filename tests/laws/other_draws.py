@@ -16,13 +16,19 @@ class RunsOut(Exception):
     """There were fewer free cells than agents sent: lower numbers come first, by the manual, so that new numbers change who stays."""
 
 
+class NeverDrawn(Exception):
+    """The other game draws where the first one did not."""
+
+
 @dataclass(frozen=True)
 class Table:
-    """Words by stream and number; no others may be asked for."""
+    """Words by stream and number. Raises NeverDrawn for others."""
 
     words: dict[tuple[int, int], int]
 
     def word(self, stream: int, number: int) -> int:
+        if (stream, number) not in self.words:
+            raise NeverDrawn(stream, number)
         return self.words[stream, number]
 
 

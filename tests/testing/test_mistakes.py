@@ -76,7 +76,7 @@ MISTAKES: list[tuple[Callable[[], Any], str]] = [
     (fields("tree.takers", {(1, 2): {5}}), "the agents are 0 .. 2, not 5"),
     (fields("tree.fruit", {(0, 0): "none"}), "`tree.fruit`: (0, 0) is none of (1, 2), (1, 3)"),
     (fields("rate", "much"), "`rate` is a number, not 'much'"),
-    (fields("night", 1000), "the timer `night` holds up to 255 steps in this game, not 1000"),
+    (fields("agent.tired", {0: 1000}), "the timer `tired` holds up to 255 steps in this game, not 1000"),
     # away
     (put("PPP.v#", "..TT..", "...<..", away={1: (2, "walk")}), "the phase here is one of fire"),
     (put("PPP.v#", "..TT..", "...<..", away={1: -1}), "given as (ticks, phase that has sent it)"),
