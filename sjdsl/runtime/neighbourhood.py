@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import reduce
 from typing import Literal
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -56,7 +57,8 @@ def over_neighbours(fold: Fold, table: Array, of_cell: Callable[..., Array], *fi
     """
     numbers = np.asarray(table)
     cells = _beside(numbers, fields) if around is None else _beside_some(numbers, fields, around)
-    values = [of_cell(*cell) for cell in cells]
+    once = jax.jit(of_cell)  # one function in the program, called for each cell of the shape; XLA puts it in place
+    values = [once(*cell) for cell in cells]
     if fold == "sum" and values[0].dtype == bool:
         values = [value.astype(jnp.uint8 if len(values) < 256 else jnp.int32) for value in values]
     result = reduce(_FOLDS[fold], values)
