@@ -23,7 +23,7 @@ def looked_up(values: Array, cells: Array) -> Array:
       values: `[S, ...]`.
       cells: any shape, int32; past the end: the entry means nothing.
     """
-    entries: Array = jnp.concatenate([values, values[:1]])[cells]
+    entries: Array = jnp.concatenate([values, values[:1]]).at[cells].get(mode="promise_in_bounds", wrap_negative_indices=False)
     return entries
 
 
@@ -57,10 +57,14 @@ def over_neighbours(fold: Fold, table: Array, of_cell: Callable[..., Array], *fi
     """
     numbers = np.asarray(table)
     cells = _beside(numbers, fields) if around is None else _beside_some(numbers, fields, around)
-    once = jax.jit(of_cell)  # one function in the program, called for each cell of the shape; XLA puts it in place
+    count = jnp.uint8 if numbers.shape[1] < 256 else jnp.int32
+
+    @jax.jit  # one function in the program, called for each cell of the shape; XLA puts it in place
+    def once(*cell: Array) -> Array:
+        value = of_cell(*cell)
+        return value.astype(count) if fold == "sum" and value.dtype == bool else value
+
     values = [once(*cell) for cell in cells]
-    if fold == "sum" and values[0].dtype == bool:
-        values = [value.astype(jnp.uint8 if len(values) < 256 else jnp.int32) for value in values]
     result = reduce(_FOLDS[fold], values)
     return result if result.dtype == bool else result.astype(jnp.int32)
 
@@ -84,12 +88,14 @@ def _beside_some(numbers: np.ndarray, fields: Sequence[Array], around: Array) ->
     steps = _steps(numbers, size)
     longer = [jnp.concatenate([values, values[:1]]) for values in fields]
     there = jnp.asarray(np.sum((numbers < size) << np.arange(numbers.shape[1], dtype=np.uint32), axis=1, dtype=np.uint32))[around]
+
+    @jax.jit
+    def beside(place: int, step: int) -> Array:
+        return jnp.where((there >> place) & 1 == 1, around + step, size)
+
     for place, column in enumerate(numbers.T):
-        if steps is None:
-            number = jnp.asarray(column)[around]
-        else:
-            number = jnp.where((there >> place) & 1 == 1, around + steps[place], size)
-        yield number, *(values[number] for values in longer)
+        number = jnp.asarray(column)[around] if steps is None else beside(place, steps[place])
+        yield number, *(values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False) for values in longer)
 
 
 def _steps(numbers: np.ndarray, size: int) -> list[int] | None:
