@@ -73,13 +73,14 @@ def blocking(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
 def around_edges(rows: Rows, pad: int) -> np.ndarray:
     """Returns, for a map that wraps, the cell of the map that each cell of the frame is: `[2 * cells]` int32.
 
-    The second half is nowhere, cell 0: there lie the cells that `shape_offsets` leaves out.
+    The second half is cell 1, where nobody ever is: there lie the cells that `shape_offsets` leaves out. Not cell 0, the place of
+    those who have none: they would be in every shape that has more cells than the map. So the margin is at least one cell.
     """
     height, width = frame_size(rows, pad)
     row = (np.arange(height) - pad) % len(rows) + pad
     col = (np.arange(width) - pad) % len(rows[0]) + pad
     cells = (row[:, None] * width + col[None]).reshape(-1)
-    return np.concatenate([cells, np.zeros_like(cells)]).astype(np.int32)
+    return np.concatenate([cells, np.ones_like(cells)]).astype(np.int32)
 
 
 def site_numbers(rows: Rows, pad: int, cells: np.ndarray) -> np.ndarray:

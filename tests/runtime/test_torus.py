@@ -68,7 +68,7 @@ def test_no_shape_has_a_cell_twice(size: tuple[int, int]) -> None:
         wanted: list[int] = []
         for a, c in shape:
             cell = number(row + a * ahead[0] + c * right[0], col + a * ahead[1] + c * right[1], size)
-            wanted.append(0 if cell in (number(row, col, size), *wanted) else cell)
+            wanted.append(1 if cell in (number(row, col, size), *wanted) else cell)
         assert around[number(row, col, size) + offsets[heading]].tolist() == wanted
 
 

@@ -244,7 +244,7 @@ def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: tup
     times = prod(a.size for a in over if a not in value.axes)
     if value.literal:
         number = as_dtype(value, "i32" if value.dtype == "bool" else value.dtype)
-        return literal(number.number * times, number.dtype) if fn == "sum" else value
+        return binary("*", number, literal(times, number.dtype), number.dtype) if fn == "sum" else value
     result = value
     if gone:
         where = tuple(value.axes.index(a) for a in gone)

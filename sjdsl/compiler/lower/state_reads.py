@@ -203,7 +203,7 @@ def on_map(cells: Value, w: Writer) -> Value:
     """Returns cells of the frame as cells of the map, where those beyond an edge are those at the other side if the map wraps."""
     if not w.module.layout.wraps:
         return cells
-    table = w.module.constant("around", w.module.layout.edges_table, "the cell of the map that a cell of the frame is; 0: none")
+    table = w.module.constant("around", w.module.layout.edges_table, "the cell of the map that a cell of the frame is; 1: none")
     return Value(Index(table, (cells.node,)), "i32", cells.axes)
 
 
