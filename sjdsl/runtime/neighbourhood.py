@@ -62,9 +62,11 @@ def over_neighbours(fold: Fold, table: Array, of_cell: Callable[..., Array], *fi
     @jax.jit  # one function in the program, called for each cell of the shape; XLA puts it in place
     def once(*cell: Array) -> Array:
         value = of_cell(*cell)
-        return value.astype(count) if fold == "sum" and value.dtype == bool else value
+        if fold == "sum" and value.dtype == bool:
+            value = value.astype(count)
+        return value
 
-    values = [once(*cell) for cell in cells]
+    values: list[Array] = [once(*cell) for cell in cells]
     result = reduce(_FOLDS[fold], values)
     return result if result.dtype == bool else result.astype(jnp.int32)
 
