@@ -3,7 +3,7 @@ sj 1
 game found "Found" {
   episode 5
   kind pond "."
-  map { "..." "..." }
+  map { "..."  "..." }
   agents 2 { acts stay, forward }
   movers cart 3 "d"
   phase start {

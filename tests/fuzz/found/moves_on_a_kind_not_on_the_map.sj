@@ -10,5 +10,5 @@ game found {
   schedule walk -> push -> pay
   phase walk { move each agent }
   phase push { move each agent on gate where gate.fruit > 0 }
-  phase pay  { each agent where agent.moved { give 1 to agent } }
+  phase pay { each agent where agent.moved { give 1 to agent } }
 }

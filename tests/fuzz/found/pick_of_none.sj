@@ -5,7 +5,7 @@ game picks "Nothing is picked" {
   kind grass "." { field fruit : { none, ripe } = none }
   field pot   : { low, high } = low
   field found : { no_one, somebody } = somebody
-  map { "...." "...." }
+  map { "...."  "...." }
   agents 3 {
     acts stay, forward
     moves compass

@@ -4,7 +4,7 @@ game found {
   episode 20
   kind gate "."
   kind tree "#" { field hits : 0 .. 900 capped = 0 }
-  map wraps { "..." ".#." "..." "..#" }
+  map wraps { "..."  ".#."  "..."  "..#" }
   agents 4 { acts stay, forward, turn_left  field far : 0 .. 900 capped = 0 }
   phase start { each agent { send agent to gate }  each tree { add count(agent in square(2) of tree) to tree.hits } }
   schedule tick -> walk -> look_round -> go
