@@ -176,7 +176,8 @@ class Layout:
         edges = [start, *(c.end if c.close is None else c.close for c in opened)]
         parts = zip(edges, [*(c.open for c in opened), end], strict=True)
         for first, last in parts:
-            if indent + self.flat.width(first, last) > WIDTH:
+            column = self._next_column(start) if first == start else indent  # a branch may begin behind the `}` of the one before
+            if column + self.flat.width(first, last) > WIDTH:
                 opened += [c for c in found if first <= c.open and c.end <= last and c not in opened]
         return sorted(opened, key=lambda c: c.open)
 

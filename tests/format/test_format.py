@@ -106,6 +106,13 @@ def test_branches_follow_an_open_block_and_stand_alone_behind_a_short_one() -> N
     assert in_block("when a { end } otherwise {\nend }") == "    when a { end }\n    otherwise {\n      end\n    }\n"
 
 
+@pytest.mark.parametrize("more", range(16))
+def test_a_long_condition_behind_the_brace_of_the_branch_before(more: int) -> None:
+    """Whether its lists are opened depends on where it begins, behind that brace; at the lengths around the limit, too."""
+    condition = f"case b {{ 0 .. 2: {'c' * (80 + more)}, 3..: 4 }} != 1"
+    check_whole(f"sj 1\ngame a {{\nphase p {{\nwhen a {{\nend\n}} otherwise when {condition} {{\nend\n}}\n}}\n}}\n")
+
+
 @pytest.mark.parametrize(
     ("given_text", "wanted"),
     [

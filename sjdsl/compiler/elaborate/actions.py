@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.arithmetic import join_types
 from sjdsl.compiler.elaborate.fields import field_type
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, as_agent, check_known_word, check_somebody, not_a_word
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, as_agent, check_known_word, check_somebody, not_a_word, not_named
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, wrong_type
 from sjdsl.compiler.ir.implications import is_known, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
@@ -215,9 +215,7 @@ def argument_read(agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], sco
         number, used = _named(declared, steps, scope), 2
     argument, last = declared.arguments[number], steps[used - 1]
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
-        help_ = f"name it: `each agent as x in {text(agent)}`"
-        wanted, told = "an agent that a statement around has named", "an agent that a field holds"
-        raise wrong_type(scope, ast.Path(last.span, steps[0].name, ()), wanted, agent.type, help_, told)
+        raise not_named(agent, ast.Path(last.span, steps[0].name, ()), scope)
     read = ir.ArgumentOf(type=argument.type, agent=agent, action=declared.name, number=number, name=argument.name, origin=last.span)
     check_in_step(text(read), last.span, scope)
     if not is_known(ir.ChoseWith(agent=agent, action=declared.name), scope.facts):

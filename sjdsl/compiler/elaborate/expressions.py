@@ -22,6 +22,7 @@ from sjdsl.compiler.elaborate.lookup import (
     kinds_named,
     kinds_of_cell,
     not_a_word,
+    not_named,
     or_nowhere,
 )
 from sjdsl.compiler.elaborate.paths import distance, path
@@ -155,13 +156,6 @@ def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope)
             raise not_a_word(tree.span, literal.value, other, other.type.words, scope)
     if not set(left.type.words) & set(right.type.words):
         raise scope.problems.fail(errors.NeverEqual(e.span))
-
-
-def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
-    """Returns the failure that something is no agent with a name of its own; of one that a field holds, how to name it."""
-    held = as_agent(given) and not isinstance(given, ir.Member)
-    help_, told = (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds") if held else ("", "")
-    return wrong_type(scope, e, "an agent that a statement around has named", given.type, help_, told)
 
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:

@@ -9,7 +9,7 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Near, near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems, named_first
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import Declared, Scope, Static, wrong_type
 from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.printer import expression as text
 
@@ -22,6 +22,13 @@ NOWHERE = "nowhere"  # the value of a field that holds no cell; a word where a f
 def as_agent(e: ir.Expr) -> bool:
     """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
     return (isinstance(e, ir.Member) and e.who == "agent") or e.type.kind == "agent"
+
+
+def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
+    """Returns the failure that something is no agent with a name of its own; of one that a field holds, how to name it."""
+    held = as_agent(given) and not isinstance(given, ir.Member)
+    help_, told = (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds") if held else ("", "")
+    return wrong_type(scope, e, "an agent that a statement around has named", given.type, help_, told)
 
 
 def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
