@@ -1,7 +1,8 @@
 """Arithmetic of the language: 32-bit integers, float32 reals, and tables computed entry by entry."""
 
+import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -70,11 +71,21 @@ def compare(fn: str, left: Any, right: Any) -> bool:
 
 
 def total(values: list[Any], is_real: bool) -> Any:
-    """Returns the sum: of reals in float32 from left to right, of integers exactly. Rows are summed entry by entry."""
-    result: Any = np.float32(0) if is_real else 0
-    for value in values:
-        result = entrywise(operator.add, result, real(value) if is_real else value)
-    return result
+    """Returns the sum: of reals as `added_up`, of integers exactly. Rows are summed entry by entry."""
+    if any(isinstance(value, tuple) for value in values):
+        return tuple(total(list(entries), is_real) for entries in zip(*values, strict=True))
+    return added_up(values) if is_real else sum(values)
+
+
+def added_up(values: Iterable[Any]) -> np.float32:
+    """Returns the sum of reals, each a float32: exact, then rounded once, as the order of additions is open (docs/semantics.md, section 4).
+
+    One after the other, 800 of them are off by 1e-5.
+    """
+    try:
+        return np.float32(math.fsum(map(np.float32, values)))
+    except ValueError:  # infinities of both signs, where nobody watches for them
+        return np.float32(np.nan)
 
 
 def shares(row: tuple[Any, ...]) -> tuple[np.float32, ...]:

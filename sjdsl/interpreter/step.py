@@ -14,6 +14,7 @@ from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.evaluation_parts import arguments_of, entry_place
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
+from sjdsl.interpreter.numbers import added_up
 from sjdsl.interpreter.overflow import watched
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
@@ -128,8 +129,8 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
     shift(writes.shifts, here, world)
     world.marks += [(phase.name, *cell) for cell in sorted(writes.marks)]
     with watched(lambda: _adding(phase, ir.Give), here.world.step):
-        for agent, value in writes.gives:
-            outcome.reward[agent] = np.float32(outcome.reward[agent] + value)
+        for agent in {agent for agent, _ in writes.gives}:
+            outcome.reward[agent] = added_up([outcome.reward[agent], *(value for who, value in writes.gives if who == agent)])
     for counted in writes.tallies:
         _count(counted, here.board, outcome)
     outcome.terminated = outcome.terminated or writes.end

@@ -51,8 +51,8 @@ class Moment:
 class History:
     """What the interpreter does. `near`: it ends before a draw on the edge of a computed chance, where rounding decides.
 
-    It also ends where a real number has run away: sums are exact to 1e-6 each (docs/semantics.md), and a rule that multiplies what
-    it adds multiplies that error as well.
+    It also ends where a real number has run away: additions round (docs/semantics.md), and a rule that multiplies what it adds
+    multiplies that error as well.
     """
 
     first: World
