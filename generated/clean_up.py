@@ -326,12 +326,10 @@ def rinse(state: State, out: Outcome, params: Params, actions: Array, key: Array
     water.cleaners to nobody.
     """
     active = state.water_cleaners != 0  # clean_up.sj:68
-    picked, found = pick_of_sets(  # clean_up.sj:69
+    picked = pick_of_sets(  # clean_up.sj:69
         jnp.where(active, state.water_cleaners, 0), key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER, 1)[:, 0]
     )
-    cleaner = picked.astype(jnp.int32)  # clean_up.sj:69
-    # clean_up.sj:69
-    times = times_in(jnp.where(active & found, jnp.uint8(1) << cleaner.astype(jnp.uint8), 0), NUM_AGENTS)
+    times = times_in(picked, NUM_AGENTS)  # clean_up.sj:69
     event_cleaned = out.event_cleaned + times  # clean_up.sj:69
     water_state = jnp.where(active, WATER_CLEAN, state.water_state)  # clean_up.sj:70
     water_cleaners = jnp.where(active, 0, state.water_cleaners)  # clean_up.sj:70

@@ -271,12 +271,10 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     to nobody, sets rock.left to 0.
     """
     active = (state.rock_miners != 0) & (state.rock_ore == ROCK_IRON)  # coop_mining.sj:51
-    picked, found = pick_of_sets(  # coop_mining.sj:52
+    picked = pick_of_sets(  # coop_mining.sj:52
         jnp.where(active, state.rock_miners, 0), key, lambda key: random_bits(key, STREAM_SETTLE, NUM_ROCK, 1)[:, 0]
     )
-    winner = picked.astype(jnp.int32)  # coop_mining.sj:52
-    active_2 = active & found  # coop_mining.sj:52
-    times = times_in(jnp.where(active_2, jnp.uint8(1) << winner.astype(jnp.uint8), 0), NUM_AGENTS)  # coop_mining.sj:52
+    times = times_in(picked, NUM_AGENTS)  # coop_mining.sj:52
     reward = out.reward + times.astype(jnp.float32) * params.iron_pays  # coop_mining.sj:52
     event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:52
     rock_ore = jnp.where(active, ROCK_NONE, state.rock_ore)  # coop_mining.sj:53

@@ -1,6 +1,7 @@
 """Random choices: picks members, places agents on free cells (spawn and respawn), and forms pairs."""
 
 from collections.abc import Callable
+from functools import reduce
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +9,7 @@ from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime import bits
-from sjdsl.runtime.counting import size_of_set
+from sjdsl.runtime.counting import in_rows, size_of_set
 from sjdsl.runtime.random_bits import below
 
 
@@ -38,49 +39,56 @@ def pick_of_large_set(members: Array, word: Array) -> tuple[Array, Array]:
     return bits.nth(members, below(word, number)), number > 0
 
 
-def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """Returns one agent of each of many sets, as `pick_of_set` does; random numbers are drawn only if some set has several members.
+def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> Array:
+    """Returns one agent of each of many sets, as a set: as `pick_of_set`, but random numbers are drawn only if some set has several members.
 
     A set with one member needs no random draw: floor(word * 1 / 2^32) is 0. For a batch, numbers are drawn if one of its environments
     needs some. A second `vmap` around turns that choice back into a select. The agents are the same.
 
     Args:
-      members: `[S]` unsigned, the sets as bits.
+      members: `[..., S]` unsigned, the sets as bits.
       key: two uint32 words.
-      draw: the key to the words, `[S]` uint32.
+      draw: the key to the words, uint32 of the shape of `members`.
     Returns:
-      `[S]` uint8 the agent's number, anything where there is none, and `[S]` bool whether there is one.
+      `[..., S]` of the same dtype: sets of one agent, or of none where there is none. `member_of` says which.
     """
 
     def chosen(members: Array, key: Array) -> Array:
-        return pick_of_set(members, draw(key))[0].astype(jnp.uint8)
+        agent, found = pick_of_set(members, draw(key))
+        return jnp.where(found, members.dtype.type(1) << agent.astype(members.dtype), members.dtype.type(0))
 
     @custom_vmap
     def picked(members: Array, key: Array) -> Array:
-        result: Array = lax.cond(_several(members), lambda: chosen(members, key), lambda: _only(members))
+        result: Array = lax.cond(_several(members), chosen, lambda members, _: members, members, key)
         return result
 
     @picked.def_vmap
     def batched(size: int, in_batched: list[bool], members: Array, key: Array) -> tuple[Array, bool]:
         axes = tuple(0 if batched else None for batched in in_batched)
         each = jax.vmap(chosen, in_axes=axes, axis_size=size)
-        only: Callable[..., Array] = jax.vmap(lambda members, _: _only(members), in_axes=axes, axis_size=size)
-        return lax.cond(_several(members), lambda: each(members, key), lambda: only(members, key)), True
+        as_they_are: Callable[..., Array] = jax.vmap(lambda members, _: members, in_axes=axes, axis_size=size)
+        return lax.cond(_several(members), each, as_they_are, members, key), True
 
-    return picked(members, key), members != 0
+    result: Array = picked(members, key)
+    return result
+
+
+def member_of(one: Array) -> Array:
+    """Returns the agent of each set of one: `[...]` unsigned -> `[...]` int32, anything where there is none."""
+    return lax.population_count(one - 1).astype(jnp.int32)
 
 
 def _several(members: Array) -> Array:
-    """Returns whether some set has more than one member. The sets without their lowest members are joined, from the first axis on."""
-    left = members & (members - 1)
-    while left.ndim > 1:
-        left = lax.reduce(left, left.dtype.type(0), lax.bitwise_or, (0,))  # along the last axis XLA makes no vector instructions
-    return jnp.any(left != 0)
+    """Returns whether some set has more than one member. The sets without their lowest members are joined, row by row.
 
-
-def _only(members: Array) -> Array:
-    """Returns the number of the lowest member, uint8."""
-    return lax.population_count((members & -members) - 1).astype(jnp.uint8)
+    XLA makes vector instructions of that, but of nothing along the last axis (docs/performance.md).
+    """
+    rows = in_rows(members)
+    rows[-1] = members[..., -rows[0].shape[-1] :]  # as long as the others: some sets are looked at twice
+    joined = reduce(jnp.bitwise_or, [row & (row - 1) for row in rows])
+    while joined.ndim > 1:
+        joined = lax.reduce(joined, joined.dtype.type(0), lax.bitwise_or, (0,))
+    return jnp.any(joined != 0)
 
 
 @jax.jit  # one function of the program for each shape, however many rules pick

@@ -34,9 +34,9 @@ def test_count_near_of_all_and_none() -> None:
 
 
 @pytest.mark.parametrize("agents", [8, 9, 32, *(pytest.param(agents, marks=pytest.mark.thorough) for agents in (1, 6, 20))])
-@pytest.mark.parametrize("sets", [1, 15, 16, pytest.param(14, marks=pytest.mark.thorough), pytest.param(538, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("sets", [1, 31, 165, pytest.param(32, marks=pytest.mark.thorough), pytest.param(538, marks=pytest.mark.slow)])
 def test_times_in_sets(agents: int, sets: int) -> None:
-    """Sparse sets, full ones (as many in a word as its fields can count), and batches."""
+    """Sparse sets, full ones (as many as bytes are added up to), in rows and what is left over, and batches."""
     member = np.random.default_rng(agents * sets).random((3, sets, agents)) < np.array([0.1, 0.6, 1.0])[:, None, None]
     kept = (member.astype(np.uint64) << np.arange(agents, dtype=np.uint64)).sum(axis=-1).astype(np.uint8 if agents <= 8 else np.uint32)
     wanted = np.array([[sum(bool(row[agent]) for row in rows) for agent in range(agents)] for rows in member])

@@ -40,6 +40,7 @@ KERNELS = {
         "best_ranks",
         "choose",
         "drawn_by_lot",
+        "member_of",
         "outranking",
         "pair",
         "pair_reached",

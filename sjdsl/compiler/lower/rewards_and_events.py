@@ -83,25 +83,33 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer) -> Va
     if e.type.kind == "agents":
         members = w.value(e, scope)
         if many:
-            return _counted(members, amount, axis, scope, w)
+            return _counted(select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w)
         return _summed(both(scope.mask, in_set(members, axis)), amount, scope.axes, w)
     who = owner(e, scope, w)
     assert isinstance(who, AgentVar)
     if who.axis is not None:
         return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w)
     if many:
-        dtype = w.module.set_dtype
-        bit = Binary("<<", scalar(Literal(1), dtype), as_dtype(who.index, dtype).node)
-        return _counted(replace(who.index, node=bit, dtype=dtype), amount, axis, scope, w)
+        return _counted(_alone(who, scope, w), amount, axis, scope, w)
     # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
     return _summed(both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w)
 
 
+def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
+    """Returns an agent of each instance as a set of its own, empty for the instances that do not happen."""
+    alone = who.alone
+    if alone is not None and scope.mask in (alone.mask, alone.mask and w.keep("active", alone.mask)):
+        return alone.members
+    dtype = w.module.set_dtype
+    bit = Binary("<<", scalar(Literal(1), dtype), as_dtype(who.index, dtype).node)
+    one = alone.members if alone is not None else replace(who.index, node=bit, dtype=dtype)
+    return select(scope.mask, one, literal(0, one.dtype))
+
+
 def _counted(sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer) -> Value:
     """Returns an amount that is the same for all, times how many of the sets of the instances an agent is in."""
-    reached = select(scope.mask, sets, literal(0, sets.dtype))
-    count = w.keep("times", Value(call("times_in", reached.node, axis.extent), "i32", (axis,)))
-    alike = math.prod(a.size for a in scope.axes if a not in reached.axes)
+    count = w.keep("times", Value(call("times_in", sets.node, axis.extent), "i32", (axis,)))
+    alike = math.prod(a.size for a in scope.axes if a not in sets.axes)
     return _times(count, _times(literal(alike, "i32"), amount))
 
 

@@ -16,12 +16,20 @@ class NotSupported(Exception):
         self.what, self.origin, self.instead = what, origin, instead
 
 
+class SetOfOne(Record):
+    """An agent of each instance as a set, which is empty where `mask` does not hold."""
+
+    members: Value
+    mask: Value | None
+
+
 class AgentVar(Record):
-    """An agent, or a mover of a `sort`: its number along `axis` (each once), or computed numbers `index`."""
+    """An agent, or a mover of a `sort`: its number along `axis` (each once), or computed numbers `index`; `alone`: as a set, if known."""
 
     index: Value
     axis: Axis | None = None
     sort: str = ""
+    alone: SetOfOne | None = None
 
     @property
     def number(self) -> Value:

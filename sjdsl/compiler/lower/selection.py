@@ -25,7 +25,7 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, number_in, shape_name, sites_in, stand_on, sweep, whole_set
 from sjdsl.compiler.lower.draws import KEY, need_no_state, random_bits
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfOne, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
@@ -82,15 +82,15 @@ def _pick_one(
     many = members is not None and not large and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
     if many and need_no_state((*scope.digits, (iota(turns), turns.extent))):  # most steps need none of the random bits
         source = source if scope.mask is None else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
-        picked, found = array.Name(w.names.fresh("picked")), array.Name(w.names.fresh("found"))
-        w.unpack((picked, found), array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn)))
-        best_one = w.keep(name, Value(array.Cast(picked, "i32", "u8"), "i32", axes))
+        picked = w.keep("picked", Value(array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn)), members.dtype, axes))
+        there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
+        best_one = w.keep(name, Value(array.call("member_of", picked.node), "i32", axes))
+        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there)))
     else:
         best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
         w.unpack((best, found), array.call(("pick_of_large_set" if large else "pick_of_set") if members else "pick", source, drawn))
-        best_one = Value(best, "i32", axes)
-    there = Value(found, "bool", axes)
-    chosen = _chosen_variable(member, axis, best_one)
+        there, best_one = Value(found, "bool", axes), Value(best, "i32", axes)
+        chosen = _chosen_variable(member, axis, best_one)
     if isinstance(chosen, CellVar) and isinstance(chosen.site.node, array.Call):
         chosen = replace(chosen, site=w.keep(name, chosen.site))
     place = replace(scope.binding(**{name: chosen}, **under(s.domain, chosen, w)), digits=(*scope.digits, (best_one, total)))
