@@ -8,11 +8,11 @@ import pytest
 from sjdsl.runtime.bits import pack
 from sjdsl.runtime.placing import (
     choose,
+    member_of,
     pair,
     pair_reached,
     pick,
     pick_of_large_set,
-    member_of,
     pick_of_set,
     pick_of_sets,
     place,
