@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import reduce
+from operator import or_
 
 import jax
 import jax.numpy as jnp
@@ -59,15 +60,15 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
 
     @custom_vmap
     def picked(members: Array, key: Array) -> Array:
-        result: Array = lax.cond(_several(members), chosen, lambda members, _: members, members, key)
+        result: Array = lax.cond(_several(members), lambda: chosen(members, key), lambda: members)
         return result
 
     @picked.def_vmap
     def batched(size: int, in_batched: list[bool], members: Array, key: Array) -> tuple[Array, bool]:
         axes = tuple(0 if batched else None for batched in in_batched)
         each = jax.vmap(chosen, in_axes=axes, axis_size=size)
-        as_they_are: Callable[..., Array] = jax.vmap(lambda members, _: members, in_axes=axes, axis_size=size)
-        return lax.cond(_several(members), each, as_they_are, members, key), True
+        as_they_are = members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
+        return lax.cond(_several(members), lambda: each(members, key), lambda: as_they_are), True
 
     result: Array = picked(members, key)
     return result
@@ -85,7 +86,7 @@ def _several(members: Array) -> Array:
     """
     rows = in_rows(members)
     rows[-1] = members[..., -rows[0].shape[-1] :]  # as long as the others: some sets are looked at twice
-    joined = reduce(jnp.bitwise_or, [row & (row - 1) for row in rows])
+    joined = reduce(or_, [row & (row - 1) for row in rows])
     while joined.ndim > 1:
         joined = lax.reduce(joined, joined.dtype.type(0), lax.bitwise_or, (0,))
     return jnp.any(joined != 0)

@@ -90,14 +90,14 @@ def check_step(game: ir.Game, before: World, moment: Moment) -> None:
     assert all(effect.by for effect in effects if id(effect) not in ticks), "a change without a rule"
     if moment.outcome is None:
         return
-    rewards = [np.float32(0) for _ in before.position]
+    rewards = [0.0 for _ in before.position]
     counts = {event.name: 0 for event in game.events}
     for effect in effects:
         if effect.sort == "reward":
-            rewards[effect.owner] = np.float32(rewards[effect.owner] + effect.new)
+            rewards[effect.owner] += effect.new
         if effect.sort == "event":
             counts[effect.name.partition("[")[0]] += effect.new
-    assert rewards == moment.outcome.reward
+    np.testing.assert_allclose(moment.outcome.reward, rewards, rtol=1e-6, atol=1e-6)  # each phase rounds
     assert counts == {name: int(np.sum(count)) for name, count in moment.outcome.events.items()}
     assert moment.outcome.terminated == any(effect.sort == "end" for effect in effects)
 
