@@ -131,13 +131,24 @@ def noisy(
     return [one(*data.T) for data in drawn]
 
 
+CORNERS = {  # S, R, P, T
+    "prisoner's dilemma": (0.0, 3.0, 1.0, 5.0),
+    "stag hunt": (0.0, 4.0, 1.0, 3.0),
+    "chicken": (1.0, 3.0, 0.0, 4.0),
+    "harmony": (2.0, 4.0, 1.0, 3.0),
+    "deadlock": (0.0, 1.0, 2.0, 3.0),
+    "public goods": (-0.5, 1.0, 0.0, 1.5),  # linear, four players, doubled: the ends of its two lines
+}
+
+
 @pytest.mark.parametrize("units", [3, 30])
-def test_the_four_intervals_hold_together(units: int) -> None:
+@pytest.mark.parametrize("game", ["prisoner's dilemma", *(pytest.param(g, marks=pytest.mark.thorough) for g in list(CORNERS)[1:])])
+def test_the_four_intervals_hold_together(game: str, units: int) -> None:
     """At least 95 % of 2,000 data sets, less three standard errors of such a share."""
-    corners = (0.0, 3.0, 1.0, 5.0)
-    truth = {"A": 2.0, "B": 3.0, "fear": 1.0, "greed": 2.0}
+    s, r, p, t = CORNERS[game]
+    truth = {"A": r - p, "B": r - s, "fear": p - s, "greed": t - r}
     held = 0
-    for samples in noisy(np.random.default_rng(units), DATA_SETS, corners, 2.0, units):
+    for samples in noisy(np.random.default_rng(units), DATA_SETS, CORNERS[game], 2.0, units):
         found = estimate_contrasts(samples)
         held += all(found[name].low <= value <= found[name].high for name, value in truth.items())
     assert held / DATA_SETS >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / DATA_SETS)

@@ -20,7 +20,7 @@ RESULTS = {
 LINEUPS = 4
 PATIENCE = 300.0
 
-pytestmark = [pytest.mark.slow, pytest.mark.parametrize("command", COMMANDS)]
+pytestmark = pytest.mark.parametrize("command", COMMANDS)
 
 
 def start(command: str, folder: Path) -> "subprocess.Popen[str]":
@@ -43,7 +43,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, bytes
     return found
 
 
-@pytest.mark.parametrize("parts", [0, 1, LINEUPS - 1])
+@pytest.mark.parametrize(
+    "parts", [pytest.param(1, marks=pytest.mark.thorough), *(pytest.param(n, marks=pytest.mark.slow) for n in (0, LINEUPS - 1))]
+)
 def test_kill_minus_nine(tmp_path: Path, whole: dict[str, dict[str, bytes]], command: str, parts: int) -> None:
     """Killed when so many line-ups are kept."""
     killed = tmp_path / "killed"
@@ -64,6 +66,7 @@ def test_kill_minus_nine(tmp_path: Path, whole: dict[str, dict[str, bytes]], com
     assert files_of(command, killed) == whole[command]
 
 
+@pytest.mark.thorough
 def test_two_processes_at_once(tmp_path: Path, whole: dict[str, dict[str, bytes]], command: str) -> None:
     """One of them plays everything; the other is refused in a line, or finds it done."""
     folder = tmp_path / "folder"
