@@ -1,15 +1,30 @@
-"""docs/results.md says what the CSV files in docs/results/data say."""
+"""docs/results.md says what the CSV files in docs/results/data say, and they hold all diagrams of docs/schelling."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from sjdsl.cli import run
+from sjdsl.report import read_folders
+from sjdsl.report.evidence import DiagramRow
 
 ROOT = Path(__file__).parents[1]
+DIAGRAMS = sorted(path.parent for path in (ROOT / "docs" / "schelling").glob("*/schelling.json"))
 
 
 def test_the_page_of_results_is_up_to_date(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(ROOT)
     status = run(["report", "docs/results/data", "-o", "docs/results.md", "--suite", "--check"])
     assert (status, capsys.readouterr().out) == (0, ""), "write it again with `make results`"
+
+
+def test_all_committed_diagrams_are_in_the_results() -> None:
+    """Whatever folder their policies were in when they were played."""
+
+    def named(row: DiagramRow) -> DiagramRow:
+        return replace(row, cooperators=Path(row.cooperators).name, defectors=Path(row.defectors).name)
+
+    there = {named(row) for row in read_folders([ROOT / "docs/results/data"]).diagrams}
+    missing = [folder.name for folder in DIAGRAMS for row in read_folders([folder]).diagrams if named(row) not in there]
+    assert not missing, "take them in as docs/reports.md says"

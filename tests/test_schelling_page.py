@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import build
+from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from sjdsl.policies.declared import policy_digest
@@ -29,6 +30,13 @@ def test_scripted_diagrams_are_of_the_policies_of_the_file(folder: Path) -> None
     game = build(read_source(find_game(folder.name))).game
     digests = {policy.name: policy_digest(policy) for policy in game.policies}
     assert {part["name"]: part["players"][0]["digest"] for part in stored["policies"]} == digests
+
+
+@pytest.mark.parametrize("folder", DIAGRAMS, ids=lambda folder: folder.name)
+def test_diagrams_are_of_the_rules_of_the_file(folder: Path) -> None:
+    stored = json.loads((folder / "schelling.json").read_text(encoding="utf-8"))
+    rules = game_hash(build(read_source(find_game(stored["game"]["name"]))).game)
+    assert stored["game"]["hash"] == rules, "the rules have changed since: play the diagram again by the command in docs/schelling.md"
 
 
 @pytest.mark.parametrize("folder", DIAGRAMS, ids=lambda folder: folder.name)

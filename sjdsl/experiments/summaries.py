@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from sjdsl.experiments.contrasts import IN_WORDS
 from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.mixtures import CrossPlay
-from sjdsl.experiments.published import published_shape
 from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores
 from sjdsl.trainers.estimates import Estimate
 
@@ -18,7 +17,7 @@ def diagram_text(found: Diagram) -> str:
     for others, (c, d, (difference, preferred)) in enumerate(zip(found.cooperating, found.defecting, found.preferences, strict=True)):
         lines.append((str(others), _with_bounds(c), _with_bounds(d), _with_bounds(difference), preferred))
     contrasts = [(name, _with_bounds(figure), IN_WORDS[name]) for name, figure in found.contrasts.items()]
-    published = published_shape(found.experiment.env.name)
+    published = found.published
     parts = [
         f"\n{found.experiment.title}: cooperators {cooperators.name}, defectors {defectors.name}; {found.population}",
         f"mean return of an agent, with 95 % intervals\n{_in_columns(lines)}",

@@ -4,10 +4,10 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from sjdsl.experiments.bundled_rules import rules_now, variant_now
 from sjdsl.games_folder import game_names
-from sjdsl.report.bundled_rules import rules_now
 from sjdsl.report.cells import Index, Setting
-from sjdsl.report.evidence import Evidence
+from sjdsl.report.evidence import DiagramRow, Evidence, Meeting
 from sjdsl.report.published import suite
 
 
@@ -45,6 +45,17 @@ class Contents:
         found = {row.game for table in tables for row in getattr(self.evidence, table)}
         return tuple(_ordered(found | (set(suite()) if self.whole_suite else set())))
 
+    def form(self, row: DiagramRow | Meeting) -> str:
+        """Returns what differs in the game that was played from the bundled game as it is now, in words; `""` where nothing does."""
+        now = rules_now(row.game, "")
+        if now is None or row.hash == now[0]:
+            return row.params
+        trained = (setting for setting in self.index.settings if (setting.game, setting.hash) == (row.game, row.hash))
+        known = next((_forms(setting.variant, setting.map) for setting in trained if setting.variant or setting.map), None)
+        agents = [f"{row.num_agents} agents"] if isinstance(row, DiagramRow) else []
+        forms = known or _forms(variant_now(row.game, row.hash) or "") or [f"rules {row.hash[:6]}", *agents]
+        return ", ".join([*forms, *filter(None, (row.params,))])
+
 
 def called(names: Iterable[str]) -> str:
     """Returns games as a command names them, each once: bundled and installed ones by name, others by their file."""
@@ -73,8 +84,13 @@ def _ordered(names: set[str]) -> list[str]:
 
 
 def _label(setting: Setting) -> str:
-    more = [f"variant {setting.variant}" if setting.variant else "", setting.params, f"map {setting.map}" if setting.map else ""]
-    return ", ".join([setting.game, *(part for part in more if part)])
+    variant, other_map = _forms(setting.variant), _forms(map_name=setting.map)
+    return ", ".join([setting.game, *variant, *filter(None, (setting.params,)), *other_map])
+
+
+def _forms(variant: str = "", map_name: str = "") -> list[str]:
+    """Returns a variant and a map as labels name them, those that there are."""
+    return [f"{word} {name}" for word, name in (("variant", variant), ("map", map_name)) if name]
 
 
 def notes_of_rules(contents: Contents) -> list[str]:
@@ -88,8 +104,10 @@ def notes_of_rules(contents: Contents) -> list[str]:
         if now is not None and now[1] == setting.num_agents and now[0] != setting.hash:
             notes.append(f"the runs of {game.label} are of other rules ({setting.hash}) than the game has now ({now[0]})")
     trained = {game.setting.hash for game in contents.games if game.setting is not None}
-    for row in contents.evidence.diagrams:
-        now = rules_now(row.game, "")
-        if now is not None and now[1] == row.num_agents and row.hash not in {now[0], *trained}:
-            notes.append(f"the diagram of {row.game} is of other rules ({row.hash}) than the game has now ({now[0]})")
+    played = [("diagram", row.game, row.hash) for row in contents.evidence.diagrams]
+    played += [("cross-play", row.game, row.hash) for row in contents.evidence.meetings]
+    for what, game, rules in played:
+        now = rules_now(game, "")
+        if now is not None and rules not in {now[0], *trained} and variant_now(game, rules) is None:
+            notes.append(f"the {what} of {game} is of other rules ({rules}) than the game has now ({now[0]})")
     return list(dict.fromkeys(notes))

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from sjdsl.report.bundled_rules import other_numbers
+from sjdsl.experiments.bundled_rules import other_numbers
 from sjdsl.report.evidence import DiagramRow, Evidence, Meeting, RandomRow, rounded
 from sjdsl.report.refusals import ReportError
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.report.bundled_rules import other_numbers
+from sjdsl.experiments.bundled_rules import other_numbers
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows

@@ -6,7 +6,7 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
-from report_folders import AGENTS, RULES, write_everything
+from report_folders import AGENTS, RULES, VARIANTS, write_everything
 
 from sjdsl.report import read_folders, write_report
 from sjdsl.report.evidence import Evidence
@@ -36,6 +36,7 @@ def fixed() -> Iterator[None]:
     known = {game: (rules, AGENTS[game]) for game, rules in now.items()}
     with (
         mock.patch("sjdsl.report.contents.rules_now", lambda game, variant: None if variant else known.get(game)),
+        mock.patch("sjdsl.report.contents.variant_now", lambda _, rules: VARIANTS.get(rules)),
         mock.patch("sjdsl.report.sections.over_games.is_installed", return_value=False),
     ):
         yield

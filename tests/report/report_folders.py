@@ -16,6 +16,8 @@ MACHINE = {"platform": "cpu", "device": "Some CPU", "cpu_cores": 2, "python": "3
 UPDATES = 4
 SMALL = {"num_envs": 10, "num_steps": 10, "num_minibatches": 1, "network": "mlp", "total_timesteps": 100 * UPDATES}
 RULES = {"coins": "c01", "harvest_open": "4a7", "pd_arena": "9da"}  # hashes
+POLICIES = ("cooperators", "defectors")
+VARIANTS = {"c02": "socialjax"}  # by hash
 AGENTS = {"coins": 2, "harvest_open": 7, "pd_arena": 4}
 
 
@@ -108,8 +110,11 @@ def write_diagram(
     outcome: str,
     notes: Sequence[str] = (),
     caution: str | None = None,
+    rules: str | None = None,
+    agents: int | None = None,
+    scripted: bool = False,
 ) -> None:
-    """Writes the JSON of a diagram of two pools."""
+    """Writes the JSON of a diagram of two pools, or of two policies of the game's file; of other rules or agents where they are given."""
     verdict = {
         "outcome": outcome,
         "fear": contrasts["fear"][1] > 0,
@@ -119,12 +124,16 @@ def write_diagram(
         "caution": caution,
     }
     figures = {name: dict(zip(("mean", "low", "high"), bounds, strict=True)) for name, bounds in contrasts.items()}
-    names = {"cooperators": f"runs/{game}_common", "defectors": f"runs/{game}_individual"}
-    content = {"format": 1, "game": described(game), "unit": "training seed", "units": 5, "episodes": 30, "notes": list(notes), **names}
+    names = ("cooperator", "defector") if scripted else (f"runs/{game}_common", f"runs/{game}_individual")
+    over = {"unit": "episode", "units": 30} if scripted else {"unit": "training seed", "units": 5}
+    played = {**described(game, rules), **({} if agents is None else {"num_agents": agents})}
+    content = {"format": 1, "game": played, **over, "episodes": 30, "notes": list(notes), **dict(zip(POLICIES, names, strict=True))}
     write_json(folder / "schelling.json", {**content, "contrasts": figures, "verdict": verdict})
 
 
-def write_cross_play(folder: Path, game: str, policies: Mapping[str, tuple[float, float | None, float | None]]) -> None:
+def write_cross_play(
+    folder: Path, game: str, policies: Mapping[str, tuple[float, float | None, float | None]], rules: str | None = None
+) -> None:
     """Writes the JSON of a cross-play of each policy with itself: what an agent of it earned."""
     number = AGENTS.get(game, 3)
     mixtures = [
@@ -136,7 +145,9 @@ def write_cross_play(folder: Path, game: str, policies: Mapping[str, tuple[float
         }
         for name, figure in policies.items()
     ]
-    write_json(folder / "crossplay.json", {"format": 1, "game": described(game), "unit": "episode", "notes": [], "mixtures": mixtures})
+    write_json(
+        folder / "crossplay.json", {"format": 1, "game": described(game, rules), "unit": "episode", "notes": [], "mixtures": mixtures}
+    )
 
 
 def write_speeds(path: Path, rates: Mapping[tuple[str, int | None, int], float]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 import pytest
-from report_folders import write_diagram, write_run
+from report_folders import write_cross_play, write_diagram, write_run
 
 from sjdsl.cli import commands
 from sjdsl.report import Evidence, read_folders
@@ -144,6 +144,65 @@ def test_runs_of_other_rules_are_noted_and_never_pooled(tmp_path: Path) -> None:
         "the runs of coins, rules old, 2 agents are of other rules (old) than the game has now (c01)",
         "the diagram of harvest_open is of other rules (4a7) than the game has now (new)",
     ]
+
+
+CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5))
+
+
+def test_a_diagram_of_another_form_of_a_game_does_not_pass_for_the_game(tmp_path: Path) -> None:
+    """Of a variant, another number of agents, another map that a run tells of, and rules that are gone."""
+    write_run(tmp_path / "run", "coins", (10.0, 12.0), rules="map1", provenance={"map": "maps/large.txt"})
+    forms = {"c02": ("variant socialjax", None), "ab12cd34": ("rules ab12cd, 3 agents", 3), "map1": ("map large.txt", None)}
+    for rules, (_, agents) in forms.items():
+        write_diagram(tmp_path / f"d_{rules}", "coins", CONTRASTS, "dilemma", caution="Zeros.", rules=rules, agents=agents)
+    report = report_of(tmp_path)
+    section = report.page.split("## Schelling")[1].split("## Cross-play")[0]
+    for label, _ in forms.values():
+        row = next(row for row in section.splitlines() if row.startswith(f"| coins, {label} |"))
+        assert "| dilemma, fear and greed |  | 5 training seeds |" in row
+        assert f"coins, {label}: Zeros." in section
+    assert "| coins |  |  |  |  |  |  |  | fear, called a prisoner's dilemma" in section
+    assert "sjdsl schelling coins --cooperators runs/coins_common" in section
+    assert {row["published_shape"] for row in records(report, "schelling")} == {""}
+    assert [note for note in report.notes if "the diagram" in note] == [
+        "the diagram of coins is of other rules (ab12cd34) than the game has now (c01)"
+    ]
+
+    write_diagram(tmp_path / "d", "coins", CONTRASTS, "dilemma")
+    section = report_of(tmp_path).page.split("## Schelling")[1].split("## Cross-play")[0]
+    assert next(row for row in section.splitlines() if row.startswith("| coins")).startswith("| coins | `runs/coins_common` |")
+    assert "| fear, called a prisoner's dilemma" in section
+    assert "sjdsl schelling" not in section
+
+
+def test_a_cross_play_of_another_form_of_a_game_does_not_pass_for_the_game(tmp_path: Path) -> None:
+    for rules in ("c02", "ab12cd34"):
+        write_cross_play(tmp_path / rules, "coins", {"stay": (0.0, None, None)}, rules)
+    report = report_of(tmp_path)
+    section = report.page.split("## Cross-play")[1].split("## Speed")[0]
+    assert "| coins, variant socialjax | 2 x stay |" in section
+    assert "| coins, rules ab12cd | 2 x stay |" in section
+    assert "sjdsl crossplay coins" in section
+    assert [note for note in report.notes if "cross-play" in note] == [
+        "the cross-play of coins is of other rules (ab12cd34) than the game has now (c01)"
+    ]
+    write_cross_play(tmp_path / "own", "coins", {"stay": (0.0, None, None)})
+    assert "sjdsl crossplay" not in report_of(tmp_path).page
+
+
+def test_a_diagram_of_scripted_policies_leaves_the_command_of_the_trained_one(tmp_path: Path) -> None:
+    write_diagram(tmp_path / "scripted", "coins", CONTRASTS, "dilemma", scripted=True)
+    section = report_of(tmp_path).page.split("## Schelling")[1].split("## Cross-play")[0]
+    assert "| coins | `cooperator` | `defector` |" in section
+    assert "| fear, called a prisoner's dilemma" in section
+    assert "its command is below" in section
+    assert "sjdsl schelling coins --cooperators runs/coins_common" in section
+    write_diagram(tmp_path / "trained", "coins", CONTRASTS, "dilemma")
+    first, second = [row for row in report_of(tmp_path).page.splitlines() if row.startswith("| coins | `") and "dilemma, " in row]
+    assert "`runs/coins_common`" in first
+    assert "| fear, called a prisoner's dilemma" in first
+    assert "called a" not in second
+    assert "sjdsl schelling" not in report_of(tmp_path).page
 
 
 def test_a_verdict_on_samples_without_spread_says_so(tmp_path: Path) -> None:

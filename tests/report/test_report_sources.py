@@ -147,7 +147,7 @@ def test_experiments(tmp_path: Path) -> None:
 
 
 def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("report_folders.described", lambda game: {**describe(game), "params": {"harm": -3.0}})
+    monkeypatch.setattr("report_folders.described", lambda *game: {**describe(*game), "params": {"harm": -3.0}})
     write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma")
     write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None)})
     found = read_folders([tmp_path])

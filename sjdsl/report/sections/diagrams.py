@@ -11,18 +11,25 @@ from sjdsl.report.page import Section, Table
 HEADINGS = (*("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "published", "over"),)
 
 
+TRAINED = "training seed"  # the unit of diagrams of pools
+
+
 def diagrams(contents: Contents) -> Section:
     """Returns the section of the contrasts of each diagram, and its verdict."""
-    found = {row.game for row in contents.evidence.diagrams if not row.params}
-    missing = [name for name in contents.names if name not in found]
+    found = contents.evidence.diagrams
+    own = [row for row in found if not contents.form(row)]
+    trained = {row.game for row in own if row.unit == TRAINED}
+    missing = [name for name in contents.names if name not in trained]
     rows = [row for name in contents.names for row in _rows(contents, name)]
-    records = tuple(_record(row) for row in contents.evidence.diagrams)
-    text = (
+    records = tuple(_record(contents, row) for row in found)
+    text = [
         "A: all cooperating against all defecting. B: cooperating together against cooperating alone. Fear: defecting against cooperating "
         "where the others defect. Greed: the same where the others cooperate.",
         "The intervals of the four hold together at 95 %. A dilemma has A and B above 0, and fear or greed.",
-    )
-    cautions = tuple(f"{row.game}: {row.caution}" for row in contents.evidence.diagrams if row.caution)
+    ]
+    if {row.game for row in own} - trained:
+        text.append("Where a game has only rows over episodes, the diagram over training seeds is missing: its command is below.")
+    cautions = tuple(f"{_label(contents, row)}: {row.caution}" for row in found if row.caution)
     title = "Contrasts of the return of an agent"
     tables = (Table("schelling", title, HEADINGS, tuple(rows), records, 3),) if rows else ()
     fill = tuple(
@@ -33,16 +40,19 @@ def diagrams(contents: Contents) -> Section:
 
 
 def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:
+    """Returns the rows of a game, first those of the game as it is, of which the first has what was published."""
     published = published_shape(game)
     note = f" ({published['note']})" if published and published["note"] else ""
     said = f"{published['shape']}, called a {published['type']}{note}" if published else ""
-    found = sorted((row for row in contents.evidence.diagrams if row.game == game), key=lambda row: row.params)
-    if said and not (found and not found[0].params):
-        return [(game, *("",) * 7, said, ""), *(_row(row, "") for row in found)]
-    return [_row(row, said if number == 0 else "") for number, row in enumerate(found)]
+    found = sorted(
+        (row for row in contents.evidence.diagrams if row.game == game), key=lambda row: (contents.form(row), row.unit != TRAINED)
+    )
+    if said and not (found and not contents.form(found[0])):
+        return [(game, *("",) * 7, said, ""), *(_row(contents, row, "") for row in found)]
+    return [_row(contents, row, said if number == 0 else "") for number, row in enumerate(found)]
 
 
-def _row(row: DiagramRow, said: str) -> tuple[str, ...]:
+def _row(contents: Contents, row: DiagramRow, said: str) -> tuple[str, ...]:
     contrasts = (
         bounded(row.A, row.A_low, row.A_high),
         bounded(row.B, row.B_low, row.B_high),
@@ -51,11 +61,14 @@ def _row(row: DiagramRow, said: str) -> tuple[str, ...]:
     )
     shape = " and ".join(name for name, there in (("fear", row.fear), ("greed", row.greed)) if there)
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
-    over = f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else ", of these policies only")
-    game = ", ".join(filter(None, (row.game, row.params)))
-    return (game, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, said, over)
+    over = f"{row.units} {row.unit}s" + ("" if row.unit == TRAINED else ", of these policies only")
+    return (_label(contents, row), f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, said, over)
 
 
-def _record(row: DiagramRow) -> dict[str, Any]:
-    published = {} if row.params else published_shape(row.game) or {}
+def _label(contents: Contents, row: DiagramRow) -> str:
+    return ", ".join(filter(None, (row.game, contents.form(row))))
+
+
+def _record(contents: Contents, row: DiagramRow) -> dict[str, Any]:
+    published = {} if contents.form(row) else published_shape(row.game) or {}
     return {**vars(row), "published_shape": published.get("shape"), "published_type": published.get("type")}

@@ -11,11 +11,18 @@ def meetings(contents: Contents) -> Section:
     for row in contents.evidence.meetings:
         over = "training seeds" if row.unit == "training seed" else f"{row.episodes} episodes, of these policies only"
         rows.append(
-            (", ".join(filter(None, (row.game, row.params))), row.mixture, f"`{row.policy}`", bounded(row.mean, row.low, row.high), over)
+            (
+                ", ".join(filter(None, (row.game, contents.form(row)))),
+                row.mixture,
+                f"`{row.policy}`",
+                bounded(row.mean, row.low, row.high),
+                over,
+            )
         )
+    of_the_game = any(not contents.form(row) for row in contents.evidence.meetings)
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
     records = tuple(vars(row) for row in contents.evidence.meetings)
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, tuple(rows), records, 3)
     game = next(iter(contents.names), "coins")
     fill = f"sjdsl crossplay {called([game])} --policies runs/{game}_common runs/{game}_individual --mix pairs -o runs/{game}_pairs"
-    return Section("Cross-play", (), (table,) if rows else (), fill=() if rows else (fill,))
+    return Section("Cross-play", (), (table,) if rows else (), fill=() if of_the_game else (fill,))

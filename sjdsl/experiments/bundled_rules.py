@@ -1,4 +1,4 @@
-"""The bundled games as they are now: whether a run was of the same rules and numbers."""
+"""The bundled games as they are now: whether results are of the same rules and numbers."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -7,13 +7,19 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import build, ir
+from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled, find_game
+from sjdsl.games_folder import OURS, bundled, find_game
 
 ROUNDING = 1e-5  # of numbers that were float32 on their way
+
+
+def _file(name: str) -> Source:
+    return read_source(find_game(f"{OURS}:{name}"))  # an installed package may have a game of this name, too
 
 
 @cache
@@ -22,7 +28,7 @@ def _game(name: str, variant: str) -> ir.Game | None:
     if name not in bundled():
         return None
     try:
-        return build(read_source(find_game(name)), tuple(variant.split("+")) if variant else ()).game
+        return build(_file(name), tuple(variant.split("+")) if variant else ()).game
     except CompileError:
         return None
 
@@ -31,6 +37,25 @@ def rules_now(name: str, variant: str) -> tuple[str, int] | None:
     """Returns the hash and the number of agents of a bundled game as it is now; None for another game, or a variant that is gone."""
     game = _game(name, variant)
     return None if game is None else (game_hash(game), game.agents.number)
+
+
+@cache
+def variant_now(name: str, rules: str) -> str | None:
+    """Returns the variant of a bundled game that has a hash now, `""` for the game itself; None for other rules, or another game."""
+    if name not in bundled():
+        return None
+    variants = ["", *compose(_file(name)).variants]
+    return next((variant for variant in variants if (rules_now(name, variant) or ("",))[0] == rules), None)
+
+
+def is_bundled(described: Mapping[str, Any]) -> bool:
+    """Returns whether a game is a bundled one as it is now: its rules, agents, map and numbers.
+
+    Args:
+      described: `name`, `hash` and `params` of the game as a manifest has them.
+    """
+    now = rules_now(described["name"], "")
+    return now is not None and now[0] == described["hash"] and not other_numbers(described)
 
 
 def other_numbers(described: Mapping[str, Any]) -> list[str]:
