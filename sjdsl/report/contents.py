@@ -106,8 +106,8 @@ def notes_of_rules(contents: Contents) -> list[str]:
     trained = {game.setting.hash for game in contents.games if game.setting is not None}
     played = [("diagram", row.game, row.hash) for row in contents.evidence.diagrams]
     played += [("cross-play", row.game, row.hash) for row in contents.evidence.meetings]
-    for what, game, rules in played:
-        now = rules_now(game, "")
-        if now is not None and rules not in {now[0], *trained} and variant_now(game, rules) is None:
-            notes.append(f"the {what} of {game} is of other rules ({rules}) than the game has now ({now[0]})")
+    for what, name, rules in played:
+        now = rules_now(name, "")
+        if now is not None and rules not in {now[0], *trained} and variant_now(name, rules) is None:
+            notes.append(f"the {what} of {name} is of other rules ({rules}) than the game has now ({now[0]})")
     return list(dict.fromkeys(notes))

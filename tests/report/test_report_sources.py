@@ -7,6 +7,8 @@ import pytest
 from report_folders import described as describe
 from report_folders import random_returns, write_cross_play, write_diagram, write_json, write_run, write_speeds, write_sweep, write_training
 
+import sjdsl
+from sjdsl.experiments.bundled_rules import variant_now
 from sjdsl.report import Evidence, ReportError, read_folders
 from sjdsl.report.evidence_files import evidence_files, read_evidence
 from sjdsl.report.reading_runs import POINTS
@@ -156,6 +158,12 @@ def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.Monk
     page = make_report(found, "sjdsl report").page
     assert "| coins, harm=-3.0 | `runs/coins_common` |" in page
     assert "| dilemma, greed |  |" in page
+
+
+def test_which_variant_of_a_bundled_game_rules_are_of() -> None:
+    own, socialjax = (sjdsl.make("coins", variant=variant).hash for variant in (None, "socialjax"))
+    assert [variant_now("coins", rules) for rules in (own, socialjax, "0")] == ["", "socialjax", None]
+    assert variant_now("orchard", own) is None
 
 
 def test_an_experiment_that_is_not_finished(tmp_path: Path) -> None:
