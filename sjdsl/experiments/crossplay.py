@@ -82,9 +82,7 @@ def plan_cross_play(
         if len(set(pools)) < len(pools):
             twice = next(pool.name for pool, count in Counter(pools).items() if count > 1)
             raise ExperimentError(f"`{twice}` is named twice; every mixture with itself is played anyway")
-    experiment = Experiment(env, pools, lineups, episodes, seed, permuted=slots is None)
-    _ = experiment.replicates  # unequal pools are refused here
-    return experiment
+    return Experiment(env, pools, lineups, episodes, seed, permuted=slots is None)
 
 
 def write_cross_play(found: CrossPlay, folder: Path) -> None:

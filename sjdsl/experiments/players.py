@@ -64,6 +64,12 @@ class Pool:
     name: str
     players: tuple[Player, ...]
     notes: tuple[str, ...] = ()  # what is to be said about them
+    diverged: tuple[int, ...] = ()  # seeds that are left out, as their loss was not finite
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Of its trained players."""
+        return tuple(player.seed for player in self.players if player.seed is not None)
 
     @property
     def is_trained(self) -> bool:
@@ -97,7 +103,8 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():
         return Pool(name, (_untrained(name, find_policy(name, env)),))
-    folders, notes = _seed_folders(path)
+    folders, diverged = _seed_folders(path)
+    notes = [f"seed {seed} of {path} is left out: its loss was not finite in update {update}" for seed, update in diverged.items()]
     players = []
     for folder in folders:
         player, said = _stored(name, policy_path(folder, which), env)
@@ -105,7 +112,7 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         notes += said
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    return Pool(name, tuple(players), tuple(notes))
+    return Pool(name, tuple(players), tuple(notes), tuple(diverged))
 
 
 def _untrained(name: str, policy: Policy) -> Player:
@@ -114,17 +121,16 @@ def _untrained(name: str, policy: Policy) -> Player:
     return Player(name, None, digest, ("one of its own", name), lambda _: policy)
 
 
-def _seed_folders(path: Path) -> tuple[list[Path], list[str]]:
-    """Returns the folders of the seeds of a run that did not diverge, and what is to be said of those that did; else `path` alone."""
+def _seed_folders(path: Path) -> tuple[list[Path], dict[int, int]]:
+    """Returns the folders of the seeds of a run that did not diverge, and the updates in which the others did; else `path` alone."""
     folders = sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number) if path.is_dir() else []
     if not folders or (path / POLICIES).is_dir():
-        return [path], []
+        return [path], {}
     diverged = _diverged(path)
     left = [folder for folder in folders if _number(folder) not in diverged]
     if not left:
         raise ExperimentError(f"the loss of every seed of {path} was not finite at some point: there is no policy to play")
-    notes = [f"seed {seed} of {path} is left out: its loss was not finite in update {update}" for seed, update in diverged.items()]
-    return left, notes
+    return left, diverged
 
 
 def _number(folder: Path) -> int:
@@ -179,22 +185,11 @@ def _shown(value: Any) -> str:
 
 
 def replicates_of(pools: Sequence[Pool]) -> int:
-    """Returns R, the number of training seeds of pools that have several; replicate i plays seed i of each.
+    """Returns R, the number of training seeds of pools that `pair_pools` made equal; replicate i plays player i of each.
 
     A policy that was not trained plays with every seed.
-
-    Raises:
-      ExperimentError: two pools have different numbers of seeds.
     """
-    trained = [pool for pool in pools if pool.is_trained]
-    numbers = {len(pool.players) for pool in trained}
-    if len(numbers) > 1:
-        listed = ", ".join(f"{pool.name} has {len(pool.players)}" for pool in trained)
-        raise ExperimentError(
-            f"pools must have equally many seeds, for seed i of one plays with seed i of the other: {listed}; name single seeds, "
-            "such as RUN/seed_0, or train as many of each"
-        )
-    return numbers.pop() if numbers else 1
+    return max(len(pool.players) for pool in pools)
 
 
 def player_of(pool: Pool, replicate: int) -> Player:

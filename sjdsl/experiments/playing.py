@@ -9,6 +9,7 @@ import numpy as np
 
 from sjdsl.experiments.folder import Folder
 from sjdsl.experiments.lineups import Lineup, as_given, key_words, orders_of, play_key
+from sjdsl.experiments.pairing import pair_pools
 from sjdsl.experiments.players import Pool, find_pool, player_of, replicates_of
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.stacks import make_player_of_lineups
@@ -80,12 +81,18 @@ class Part:
 
 
 def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tuple[Pool, ...]:
-    """Returns the pool of each policy; the same for a policy that is named twice."""
+    """Returns the pool of each policy, paired seed by seed; the same for a policy that is named twice.
+
+    Raises:
+      ExperimentError, PolicyError: as `find_pool` and `pair_pools`.
+    """
     found: list[tuple[Any, Pool]] = []
     for policy in policies:
         same = next((pool for other, pool in found if policy is other or (isinstance(policy, str) and policy == other)), None)
         found.append((policy, same or find_pool(policy, env)))
-    return tuple(pool for _, pool in found)
+    pools = tuple(dict.fromkeys(pool for _, pool in found))
+    paired = dict(zip(pools, pair_pools(pools), strict=True))
+    return tuple(paired[pool] for _, pool in found)
 
 
 def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell, wanted: Collection[Lineup] | None = None) -> list[Part]:

@@ -29,7 +29,7 @@ def schelling_diagram(
     """Plays k cooperators with N - k defectors for k = 0 .. N.
 
     Episode e begins alike and gives the slots in the same order for every k; the first k of them cooperate. Of two pools seed i of one
-    plays with seed i of the other.
+    plays with seed i of the other: see `pair_pools`.
 
     Args:
       env: one environment of N agents, two at least.
@@ -64,9 +64,7 @@ def plan_diagram(
     if slots < 2:
         raise ExperimentError(f"a Schelling diagram needs two agents at least, and {env.name} has one here; ask for more with --agents")
     pools = find_pools((cooperators, defectors), env)
-    experiment = Experiment(env, pools, tuple(cooperating(k, slots) for k in range(slots + 1)), episodes, seed, permuted=True)
-    _ = experiment.replicates  # unequal pools are refused here
-    return experiment
+    return Experiment(env, pools, tuple(cooperating(k, slots) for k in range(slots + 1)), episodes, seed, permuted=True)
 
 
 def write_diagram(found: Diagram, folder: Path) -> None:

@@ -7,7 +7,9 @@ from small_games import STAY, matrix_game, public_goods
 from stored_policies import store, store_pool
 
 from sjdsl.experiments import ExperimentError, find_pool
+from sjdsl.experiments.pairing import pair_pools
 from sjdsl.experiments.players import LEARNING, player_of, replicates_of
+from sjdsl.experiments.playing import find_pools
 from sjdsl.experiments.schelling import plan_diagram
 from sjdsl.trainers import PolicyError, PPOConfig, VDNConfig
 
@@ -104,6 +106,59 @@ def test_unequal_pools_are_refused(tmp_path: Path) -> None:
     assert [replicates_of(pools) for pools in ([two, two], [three, chance], [one, chance], [chance])] == [2, 3, 1, 1]
     for pools in ([two, three], [one, two]):
         with pytest.raises(ExperimentError, match="pools must have equally many seeds"):
-            replicates_of(pools)
+            pair_pools(pools)
     assert [player_of(three, replicate).seed for replicate in range(3)] == [0, 1, 2]
     assert player_of(chance, 2) is chance.players[0]
+
+
+def played_together(first: Path, second: Path) -> tuple[list[tuple[int | None, ...]], list[str]]:
+    """Returns the seeds of the pairs that two pools make, and what a diagram says of them; of folders by their last name."""
+    experiment = plan_diagram(matrix_game(), str(first), str(second), 2, 0)
+    pairs = [tuple(player_of(pool, replicate).seed for pool in experiment.pools) for replicate in range(experiment.replicates)]
+    return pairs, [note.replace(f"{first.parent}/", "") for note in experiment.notes]
+
+
+def test_seeds_of_one_number_play_together(tmp_path: Path) -> None:
+    """A seed that diverged in one pool is left out of the other: it does not shift those that follow."""
+    env = matrix_game()
+    one, two = store_pool(tmp_path / "one", env, range(5), diverged=(1,)), store_pool(tmp_path / "two", env, range(5), diverged=(3,))
+    with pytest.warns(UserWarning, match="is left out, as seed"):
+        pairs, notes = played_together(one, two)
+    assert pairs == [(0, 0), (2, 2), (4, 4)]
+    assert notes == [
+        "seed 1 of one is left out: its loss was not finite in update 3",
+        "seed 3 of one is left out, as seed 3 of two is, which it would play with",
+        "seed 3 of two is left out: its loss was not finite in update 3",
+        "seed 1 of two is left out, as seed 1 of one is, which it would play with",
+    ]
+    shifted = store_pool(tmp_path / "shifted", env, range(2, 7))
+    with pytest.warns(UserWarning, match="seed 5 of .*shifted is left out: .* has no seed 5"):
+        assert played_together(store_pool(tmp_path / "whole", env, range(5)), shifted)[0] == [(2, 2), (3, 3), (4, 4)]
+
+
+def test_other_seeds_play_together_by_rank(tmp_path: Path) -> None:
+    """No number is in both pools; ranks are counted before the seeds that diverged are left out."""
+    env = matrix_game()
+    one, other = store_pool(tmp_path / "one", env, range(3)), store_pool(tmp_path / "other", env, range(5, 8))
+    assert played_together(one, other) == ([(0, 5), (1, 6), (2, 7)], [])
+    store_pool(one, env, range(3), diverged=(1,))
+    with pytest.warns(UserWarning, match="seed 6 of"):
+        pairs, notes = played_together(one, other)
+    assert pairs == [(0, 5), (2, 7)]
+    assert notes[1:] == ["seed 6 of other is left out, as seed 1 of one is, which it would play with"]
+    alone = find_pools([f"{one}/seed_0", f"{one}/seed_2", f"{one}/seed_0/policies/last.safetensors"], env)
+    assert [pool.seeds for pool in alone] == [(0,), (2,), (0,)], "single policies play together, whatever their seeds"
+
+
+@pytest.mark.filterwarnings("ignore:seed")
+def test_too_few_seeds_of_one_number_are_refused(tmp_path: Path) -> None:
+    env = matrix_game()
+    seeds = range(3)
+    one, two = store_pool(tmp_path / "one", env, seeds, diverged=(0,)), store_pool(tmp_path / "two", env, seeds, diverged=(1,))
+    with pytest.raises(ExperimentError, match=r"only one is left in all pools: .*one has 1, 2; .*two has 0, 2; name single seeds, such as"):
+        played_together(one, two)
+    store_pool(one, env, seeds, diverged=(0, 2))
+    assert played_together(one, store_pool(two, env, seeds))[0] == [(1, 1)], "one of the pools has no more"
+    store_pool(two, env, seeds, diverged=(1,))
+    with pytest.raises(ExperimentError, match="none is left in all pools"):
+        played_together(one, two)
