@@ -1,27 +1,27 @@
-"""`sjdsl evaluate`: prints the returns of a trained policy, compared with a random policy in the same episodes."""
+"""`sjdsl evaluate`: prints the returns of a policy, compared with a random policy in the same episodes."""
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sjdsl.cli.environment_options import SEED, make_environment
+from sjdsl.cli.evaluate_policy import evaluate_policy
+from sjdsl.cli.evaluation_table import echo_table, interval
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.provenance import provenance_of
-from sjdsl.cli.scenarios import check_scenario_options, evaluate_in_scenarios, scenario_options
+from sjdsl.cli.scenarios import OR_A_GAME, check_scenario_options, evaluate_in_scenarios, scenario_options
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers.policy_names import split_name
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
-    from sjdsl.trainers import Estimate
 
 
 @click.command("evaluate")
-@click.argument("run", metavar="RUN")
+@click.argument("run", metavar="RUN|POLICY")
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes to play.")
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
 @click.option(
@@ -46,13 +46,17 @@ def command(
     output: str | None,
     **described: Any,
 ) -> None:
-    """Evaluates the policy of RUN and a random one, and writes the figures to a file in RUN.
+    """Evaluates the policy of RUN, or any POLICY in a GAME, and a random one; writes the figures of RUN to a file in it.
 
     RUN is a folder that `sjdsl train` wrote, or one of its policies: RUN@best, RUN@UPDATE; of several seeds, each is evaluated.
     The file is evaluation.json for the last policy, evaluation_best.json or evaluation_UPDATE.json for another.
 
+    With --game GAME all agents of the game play POLICY, which is no run: random, stay, a policy of the game's file, a .safetensors
+    file, or FILE.py:FUNCTION. The figures are written where -o FILE says.
+
     With --scenario the agents of RUN play among the policies of a scenario, with a score between random agents, 0, and the best
-    scripted ones, 1. The file is scenarios.json, and the same command goes on with a stopped one. With --game GAME, RUN may be any policy.
+    scripted ones, 1. The file is scenarios.json, and the same command goes on with a stopped one. With --game GAME, RUN may be any
+    policy.
     """
 
     check_scenario_options(scenario, game, output, described)
@@ -66,11 +70,16 @@ def command(
         policy = f"{run}@{which}" if which is not None and path == Path(run) else run
         evaluate_in_scenarios(policy, scenario, game, episodes, seed, output, described)
         return
-    which = which or named
+    given, which = which, which or named
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))
-    provenance = provenance_of(path)
+    if game is not None:
+        if given is not None:
+            raise click.UsageError(f"--which is for a run, and `{run}` is to be a policy of its own", click.get_current_context())
+        evaluate_policy(run, game, episodes, seed, greedy, film, output, described)
+        return
+    provenance = provenance_of(path, OR_A_GAME)
     with stages(LOADING):
         env = make_environment(provenance)
     folders = sorted(path.glob("seed_*")) or [path]
@@ -97,16 +106,9 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
         say(f"compiling and playing {episodes} episodes of a random policy")
         chance = summarise(evaluate(env, random_policy(env), key, episodes))
     figures = summarise(trained)
-    undeclared = {f"{'final' if measure.mean else 'mean'} {measure.name}" for measure in env.game.measures}
-    names = [name for name in figures if name.startswith("return of") or " of agent " not in name]
-    names = [name for name in names if name not in undeclared]
-    shown = [("", "trained", "random"), *((name, _interval(figures[name]), _interval(chance[name])) for name in names)]
-    widths = [max(len(row[column]) for row in shown) for column in range(3)]
     played = {"last": "", "best": ", the best policy"}.get(str(which), f", the policy of update {which}")
-    click.echo(f"\n{env.title or env.name}{played}: means of {episodes} episodes with their 95 % confidence intervals")
-    for row in shown:
-        click.echo("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
-    earned, guessed = _interval(figures["collective return"]), _interval(chance["collective return"])
+    echo_table(env, {"trained": figures, "random": chance}, episodes, played)
+    earned, guessed = interval(figures["collective return"]), interval(chance["collective return"])
     click.echo(f"trained return {earned} against {guessed} of a random policy")
 
 
@@ -121,13 +123,6 @@ def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, 
 
     with warnings_as_notes():
         return load_policy(source, env, greedy=greedy, which=which)
-
-
-def _interval(figure: "Estimate") -> str:
-    """Returns `97.3 [95.1, 99.4]`; what some episode does not define has no mean."""
-    if math.isnan(figure.mean):
-        return "not defined"
-    return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
 
 
 def list_files(run_dir: Path) -> None:

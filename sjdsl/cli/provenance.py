@@ -16,7 +16,7 @@ def provenance_of(run_dir: Path, otherwise: str = "") -> dict[str, Any]:
       ClickException: there is no such folder, it is that of no run, or the run does not know its game.
     """
     path = run_dir / "manifest.json"
-    if not path.is_file() and (run_dir.parent / "manifest.json").is_file():
+    if not path.is_file() and run_dir.is_dir() and (run_dir.parent / "manifest.json").is_file():
         path = run_dir.parent / "manifest.json"  # one seed of several
     if not run_dir.exists():
         raise click.ClickException(f"there is no folder `{run_dir}`; name the folder of a run that `sjdsl train` wrote{otherwise}")

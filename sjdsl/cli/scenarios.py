@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 Command = Callable[..., Any]
-OR_A_GAME = ", or name a game with --game"
+OR_A_GAME = ", or, for a policy that is no run, add --game GAME"
 
 
 def scenario_options(command: Command) -> Command:
@@ -28,22 +28,29 @@ def scenario_options(command: Command) -> Command:
         "--scenario", metavar="NAME|all", help="Play RUN as the focal agents of a scenario of the game's file, of several (A,B), or of all."
     )
     game = click.option(
-        "--game", metavar="GAME", help="The game of the scenario, where RUN is no run or is to play in another form of its game."
+        "--game",
+        metavar="GAME",
+        help="The game that a POLICY plays in, which is no run; with --scenario also for RUN in another form of its game.",
     )
-    output = click.option("-o", "output", metavar="DIR", help="The folder for the results of scenarios; that of RUN unless given.")
+    output = click.option(
+        "-o",
+        "output",
+        metavar="FILE|DIR",
+        help="The .json file for the figures of a POLICY; the folder for the results of scenarios, that of RUN unless given.",
+    )
     return scenario(game(output(environment_options(command))))
 
 
 def check_scenario_options(scenario: str | None, game: str | None, output: str | None, described: Mapping[str, Any]) -> None:
-    """Raises UsageError for options that mean nothing without --scenario, or without --game."""
+    """Raises UsageError for options that mean nothing without --scenario or --game."""
     context = click.get_current_context(silent=True)
     names = {"variant": "--variant", "map_file": "--map", "agents": "--agents", "params": "--param"}
     given = [names[name] for name, value in described.items() if value not in (None, ())]
-    if scenario is None:
-        unused = [*(["--game"] if game else []), *(["-o"] if output else []), *given]
-        if unused:
-            raise click.UsageError(f"{unused[0]} is for --scenario; without it a run is evaluated alone, in its own game", context)
-    elif game is None and given:
+    if game is not None:
+        return
+    if scenario is None and output:
+        raise click.UsageError("-o is for --scenario and --game; without them the figures of a run are written to its folder", context)
+    if given:
         raise click.UsageError(f"{given[0]} is for --game; without it a run plays in the game that it was trained in", context)
 
 

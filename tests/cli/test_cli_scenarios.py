@@ -69,9 +69,8 @@ def test_a_policy_of_the_file(sjdsl: Sjdsl, folder: Path) -> None:
         (
             ("evaluate", "eater", "--scenario", "all"),
             1,
-            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or name",
+            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or, for",
         ),
-        (("evaluate", "runs/a", "--game", "grove.sj"), 2, "--game is for --scenario"),
         (("evaluate", "runs/a", "-o", "there"), 2, "-o is for --scenario"),
         (("evaluate", "runs/a", "--scenario", "all", "--agents", "3"), 2, "--agents is for --game"),
         ((*SCRIPTED, "all", "--greedy"), 2, "--greedy is not for --scenario"),

@@ -28,7 +28,7 @@ def metrics(contents: Contents) -> Section:
         lines.append(Line(game.label, cells, [metric.printed[column] for column in columns], (metric.what, _choices(cells))))
     text = [
         "One figure a game says how much its agents cooperate, as the paper has it. "
-        "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight that was chosen.",
+        "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight shown.",
         f"Published: {published.source('metrics')}.",
     ]
     text += [f"{game}: {note}." for game, note in published.remarks("metrics").items() if game in {game.name for game in contents.games}]

@@ -1,0 +1,95 @@
+"""`sjdsl evaluate POLICY --game GAME`: policies that are no runs, with the figures that runs and cross-play have; and what is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import GAME, Sjdsl
+
+from sjdsl.cli.environment_options import describe_environment, make_environment
+from sjdsl.experiments import cross_play
+from tests.experiments.stored_policies import store
+
+POLICY = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
+}
+"""
+PLAYED = ("--game", "grove.sj", "--episodes", "3", "--seed", "4")
+
+
+@pytest.fixture(autouse=True)
+def _grove(folder: Path) -> None:
+    (folder / "grove.sj").write_text(GAME.rstrip().removesuffix("}").replace("game orchard", "game grove") + POLICY)
+
+
+def test_a_policy_of_the_file_is_its_line_up(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl("evaluate", "eater", *PLAYED, "--variant", "rich", "-o", "eater.json")
+    assert shown.status == 0, shown.text
+    header, collective = shown.out.splitlines()[2:4]
+    assert header.split() == ["eater", "random"]
+    assert collective.startswith("  collective return")
+    assert "final left" not in shown.out, "what the game does not declare is not shown of runs either"
+    assert "of a random policy" in shown.out
+    assert shown.out.endswith("\neater.json\n")
+    stored = json.loads((folder / "eater.json").read_text())
+    assert (stored["policy"], stored["game"]["name"], stored["seed"], stored["episodes"]) == ("eater", "grove", 4, 3)
+    env = make_environment(describe_environment("grove.sj", "rich", None, None, {}))
+    met = cross_play(env, slots=["eater", "eater"], episodes=3, seed=4)
+    np.testing.assert_array_equal(np.asarray(stored["per_episode"]["returns"], np.float32), met.parts[0].played.returns)
+    assert stored["summary"]["collective return"]["mean"] > 0
+
+
+def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path) -> None:
+    described = describe_environment("grove.sj", None, None, None, {})
+    file = store(folder / "runs/one", make_environment(described), 0)
+    (folder / "runs/one/manifest.json").write_text(json.dumps({"provenance": described}))
+    alone = sjdsl("evaluate", file, *PLAYED, "--drawn", "-o", "alone.json")
+    run = sjdsl("evaluate", "runs/one", "--drawn", "--episodes", "3", "--seed", "4")
+    assert (alone.status, run.status) == (0, 0), alone.text + run.text
+    shown_alone, shown_run = ([line.split() for line in shown.out.splitlines() if line.startswith("  event")] for shown in (alone, run))
+    assert shown_alone == shown_run
+    there, here = (json.loads((folder / name).read_text()) for name in ("runs/one/evaluation.json", "alone.json"))
+    assert there["per_episode"] == here["per_episode"]
+    assert here["digest"]
+    (folder / "orchard.sj").write_text((folder / "grove.sj").read_text().replace("game grove", "game orchard"))
+    other = sjdsl("evaluate", file, "--game", "orchard.sj")
+    assert (other.status, "was trained on another game: grove there, orchard here" in other.err) == (1, True), other.text
+    again = sjdsl("evaluate", "runs/one", "--game", "grove.sj")
+    assert (again.status, "a run is evaluated in its own game" in again.err) == (2, True), again.text
+    for missing in (file, folder / "runs/one/kept.safetensors"):
+        missing.touch()
+        shown = sjdsl("evaluate", missing)
+        assert (shown.status, "for a policy that is no run, add --game GAME" in shown.err) == (1, True), shown.text
+
+
+def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl("evaluate", "random", *PLAYED)
+    assert shown.status == 0, shown.text
+    assert shown.out.splitlines()[2].split() == ["random"]
+    assert "of a random policy" not in shown.out
+    assert sorted(path.name for path in folder.iterdir()) == ["grove.sj", "orchard.sj"], "nothing is written that was not asked for"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (
+            ("eater",),
+            1,
+            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or, for a policy that is no run, add --game",
+        ),
+        (("random",), 1, "for a policy that is no run, add --game GAME"),
+        (("eatr", *PLAYED), 1, "there is no policy `eatr`; did you mean `eater`?"),
+        (("eater", "--variant", "rich"), 2, "--variant is for --game"),
+        (("eater", *PLAYED, "--greedy"), 2, "--greedy is for trained policies, and `eater` is none"),
+        (("eater", *PLAYED, "--which", "best"), 2, "--which is for a run"),
+        (("eater", *PLAYED, "-o", "eater"), 2, "-o names the file for the figures, which must end in .json; `eater` does not"),
+        (("eater", *PLAYED, "-o", "nowhere/eater.json"), 1, "there is no folder `nowhere` to write eater.json to"),
+        (("eater", *PLAYED, "--variant", "poor"), 1, "poor"),
+    ],
+)
+def test_what_is_refused(sjdsl: Sjdsl, arguments: tuple[str, ...], status: int, said: str) -> None:
+    shown = sjdsl("evaluate", *arguments)
+    assert shown.status == status, shown.text
+    assert said in shown.err
+    assert "playing" not in shown.err
