@@ -157,7 +157,7 @@ def _list(plan: Plan, folder: Path) -> None:
         from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, steps_of
         from sjdsl.sweeps.running import following_cells
 
-    known = merged(folder, describe_sweep(plan.asked, plan.cells))
+    known = merged(folder, describe_sweep(plan.asked, plan.cells), plan)
     cells = [*plan.cells]
     following = following_cells(folder, plan, known) if plan.follows else []
     cells += following or []

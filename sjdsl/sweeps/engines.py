@@ -132,7 +132,10 @@ def _tell_states(batch: Batch, tell: Tell) -> None:
 
 
 def _with_ray(batches: Sequence[Batch], crew: Crew) -> None:
-    """Runs batches as tasks of Ray: of the cluster that RAY_ADDRESS names, else of one on this machine, which is ended afterwards."""
+    """Runs batches as tasks of Ray, at most `workers` at once.
+
+    They run in the cluster that RAY_ADDRESS names, else in one on this machine, which is ended afterwards.
+    """
     import ray
 
     ours = not ray.is_initialized()
@@ -142,8 +145,11 @@ def _with_ray(batches: Sequence[Batch], crew: Crew) -> None:
     try:
         gpus = {"num_gpus": 1} if ray.cluster_resources().get("GPU") else {}
         task = ray.remote(run_cells).options(**{"num_cpus": 1, **gpus, **crew.options})
-        waiting = {task.remote(batch): batch for batch in batches}
-        while waiting:
+        left, waiting = [*batches], dict[Any, Batch]()
+        while left or waiting:
+            while left and len(waiting) < (crew.workers or len(batches)):  # a cluster may have room for more than are asked for
+                batch = left.pop(0)
+                waiting[task.remote(batch)] = batch
             (done,), _ = ray.wait([*waiting], num_returns=1)
             batch = waiting.pop(done)
             _take_result(partial(ray.get, done), batch, crew.tell, (ray.exceptions.WorkerCrashedError, ray.exceptions.OutOfMemoryError))

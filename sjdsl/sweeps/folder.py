@@ -8,11 +8,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
 
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.experiments.folder import differences, read_json
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import Holder, holder_of
-from sjdsl.sweeps.plan import Asked
+from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.run_files import UNFINISHED, plain, write_json
 from sjdsl.trainers.run_folder import MANIFEST, versions
@@ -55,9 +56,11 @@ def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:
     }
 
 
-def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
+def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) -> dict[str, Any]:
     """Returns what `sweep.json` is to say: what is wanted now, added to what the folder holds.
 
+    Args:
+      plan: from which that is; with it, cells that are not named again are looked at, too. None: they have been before.
     Raises:
       ExperimentError: the folder holds something else; nothing in it is changed.
     """
@@ -72,9 +75,10 @@ def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
         if inside:
             raise ExperimentError(f"{folder} is not empty and holds no sweep to go on with ({', '.join(inside[:3])}); name another folder")
         return dict(wanted)
-    faults = list(_faults(before, wanted))
+    faults = list(_faults(before, wanted)) or (list(_faults_of_others(before, wanted, plan)) if plan is not None else [])
     if faults:
-        raise ExperimentError(f"{folder} holds another sweep: {'; '.join(faults)}. Name another folder")
+        advice = "Ask for new values of its axes with all else as it was, the games' files included, or name another folder"
+        raise ExperimentError(f"{folder} holds another sweep: {'; '.join(faults)}. {advice}")
     axes = {name: [*values, *(value for value in wanted["axes"][name] if value not in values)] for name, values in before["axes"].items()}
     both = {key: {**before[key], **wanted[key]} for key in ("games", "cells")}
     return {**before, "axes": axes, "loggers": wanted["loggers"], **both}
@@ -101,6 +105,34 @@ def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[st
             what = "; ".join(differences(_flat(there), _flat(cell)))
             yield f"its cell {name} has {what}"
             return  # the others most likely for the same reason
+
+
+def _faults_of_others(before: Mapping[str, Any], wanted: Mapping[str, Any], plan: Plan) -> Iterator[str]:
+    """Yields why new cells would not belong to cells of the same game that are not named again.
+
+    Those are made once more, by what is asked now: whatever else than an axis has changed, in the game's file, the preset or the
+    settings, makes them others. One for each algorithm, reward and variant tells, for presets and files have a part for each.
+    """
+    new = {cell["game"] for name, cell in wanted["cells"].items() if name not in before["cells"]}
+    told = {_part(cell) for name, cell in before["cells"].items() if name in wanted["cells"]}
+    for cell in cells_of(before):
+        there = cell.described()
+        if cell.game not in new or cell.stage != 1 or _part(there) in told:
+            continue
+        told.add(_part(there))
+        try:
+            here = plain(made_again(plan, cell).described())
+        except (ExperimentError, CompileError) as error:
+            yield f"its cell {cell.name} can no longer be made: {str(error).splitlines()[0]}"
+            return
+        what = "; ".join(differences(_flat(there), _flat(here)))
+        if what:
+            yield f"its cell {cell.name} has {what}"
+            return
+
+
+def _part(cell: Mapping[str, Any]) -> tuple[Any, ...]:
+    return cell["game"], cell["config"].get("algorithm"), cell["config"].get("reward"), cell["provenance"].get("variant")
 
 
 def _flat(cell: Mapping[str, Any]) -> dict[str, Any]:

@@ -65,6 +65,23 @@ def plan_sweep(asked: Asked, describe: Describe) -> Plan:
     return Plan(asked, describe, tuple(cells))
 
 
+def made_again(plan: Plan, cell: Cell) -> Cell:
+    """Returns the cell that this plan would have where a sweep with the same axes and protocol has one of its first stage.
+
+    It differs from that one where the game's file has changed since, or where other settings are asked for.
+
+    Args:
+      cell: of one of the plan's games.
+
+    Raises:
+      ExperimentError: the plan's settings or the game, as it is now, do not fit those values. What `describe` raises.
+    """
+    game = next(other.provenance["game"] for other in plan.cells if other.game == cell.game)
+    point = next(point for point in points_of(plan.asked.protocol, Path(game).stem, plan.asked.settings) if point.place == cell.point)
+    chosen = {axis.name: _of_axis(cell, axis) for axis in plan.asked.axes}
+    return make_cell(game, point, chosen, _fixed(plan.asked, plan.describe))
+
+
 def second_stage(plan: Plan, returns: Mapping[str, Sequence[float]]) -> list[Cell]:
     """Returns the second stage of `svo`: for each game and combination of axes the angles, at the weight that was best.
 

@@ -65,7 +65,7 @@ def sweep(
     check_loggers(asked.loggers)
     path = Path(folder).resolve()
     plan = plan_sweep(asked, describe or describe_with_make)
-    merged(path, describe_sweep(asked, plan.cells))
+    merged(path, describe_sweep(asked, plan.cells), plan)
     check_cells(plan.cells)
     known = write_sweep(path, describe_sweep(asked, plan.cells))
     cells = [*plan.cells]

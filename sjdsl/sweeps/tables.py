@@ -20,9 +20,9 @@ STATUS = "status.csv"
 Row = dict[str, str]
 
 OF_CELL = ("cell", "game", "hash", "protocol", "stage", "point", "algorithm", "reward", "sharing", "variant")
-OF_RUN = ("seed", "updates", "env_steps", "episodes", "together", "seconds", "hardware")
+OF_RUN = ("seed", "updates", "env_steps", "episodes", "together", "hardware")
 FIRST = ("collective_return", "collective_return_low", "collective_return_high", "equality", "episode_length")
-OF_STATUS = ("cell", "game", "stage", "point", "seeds", "state", "update", "updates", "env_steps", "by", "reason")
+OF_STATUS = ("cell", "game", "stage", "point", "seeds", "state", "update", "updates", "env_steps", "seconds", "by", "reason")
 
 
 def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
@@ -79,7 +79,6 @@ def _of_run(seed: int, path: Path, own: Path, evaluation: Mapping[str, Any]) -> 
         "env_steps": last.get("env_steps"),
         "episodes": evaluation["episodes"],
         "together": manifest.get("together", 1),
-        "seconds": f"{last.get('seconds', 0.0):.1f}",
         "hardware": f"{device.get('platform', '?')} x{device.get('count', '?')}: {device.get('kind', '?')}",
     }
     return {key: str(value) for key, value in known.items()}
@@ -111,10 +110,10 @@ def _number(value: float | None) -> str:
 
 def status(folder: Path, known: Mapping[str, Any]) -> list[Row]:
     """Returns a row for each cell: how far it is, who runs it, why it failed."""
-    return [_status_of(cell, progress_of(folder, cell, known["episodes"])) for cell in cells_of(known)]
+    return [_status_of(cell, progress_of(folder, cell, known["episodes"]), run_dir(folder, cell)) for cell in cells_of(known)]
 
 
-def _status_of(cell: Cell, progress: Progress) -> Row:
+def _status_of(cell: Cell, progress: Progress, path: Path) -> Row:
     seeds = cell.seeds
     steps = steps_of(cell)
     updates = cell.configuration().num_updates
@@ -128,10 +127,23 @@ def _status_of(cell: Cell, progress: Progress) -> Row:
         "update": progress.update,
         "updates": updates,
         "env_steps": steps * progress.update // updates,
+        "seconds": _seconds(cell, progress, path),
         "by": f"{progress.by.host} {progress.by.pid}" if progress.by else "",
         "reason": progress.reason,
     }
     return {key: str(value) for key, value in known.items()}
+
+
+def _seconds(cell: Cell, progress: Progress, path: Path) -> str:
+    """Returns the seconds of a cell's updates, all its seeds together; empty while it trains, for they change with every look.
+
+    They are not among its results, which are to be the same whenever and wherever the cell is run.
+    """
+    try:
+        last = _last_row(seed_dirs(path, cell)[cell.seeds[0]] / METRICS_JSONL)
+    except FileNotFoundError:  # it is yet to be run, or to be run anew
+        return ""
+    return "" if progress.state == "running" else f"{last.get('seconds', 0.0):.1f}"
 
 
 def write_tables(folder: Path, known: Mapping[str, Any]) -> None:

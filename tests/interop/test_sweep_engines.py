@@ -1,6 +1,5 @@
 """Engines of sweeps: Ray on this machine, and submitit's local executor in place of Slurm, come to the results of one process."""
 
-import csv
 import json
 import os
 import signal
@@ -25,9 +24,8 @@ def asked(**settings: Any) -> Asked:
     return Asked([GAME], [Axis("reward", ("individual", "common"))], settings={**TINY, **settings}, episodes=2)
 
 
-def results(folder: Path) -> list[dict[str, str]]:
-    with open(folder / "results.csv", newline="", encoding="utf-8") as file:
-        return [{name: value for name, value in row.items() if name != "seconds"} for row in csv.DictReader(file)]
+def results(folder: Path) -> bytes:
+    return (folder / "results.csv").read_bytes()
 
 
 @pytest.fixture(scope="module")

@@ -44,8 +44,8 @@ def rows_of(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def timeless(rows: list[dict[str, str]]) -> list[dict[str, str]]:
-    return [{name: value for name, value in row.items() if name not in ("seconds", "together")} for row in rows]
+def table_of(folder: Path) -> bytes:
+    return (folder / "results.csv").read_bytes()
 
 
 def states_of(folder: Path) -> dict[str, str]:
@@ -87,6 +87,8 @@ def test_a_new_value_only_adds_cells(grown: tuple[Path, list[str], Outcome]) -> 
     assert [*known["cells"]] == [LOW, HIGH]
     assert known["cells"][HIGH]["values"] == {"exchange_ratio": 0.75}
     assert states_of(folder) == {LOW: "done", HIGH: "done"}
+    with open(folder / "status.csv", newline="", encoding="utf-8") as file:
+        assert all(float(row["seconds"]) >= 0.0 for row in csv.DictReader(file))
 
 
 def test_results_are_the_evaluations_of_the_last_policies(grown: tuple[Path, list[str], Outcome]) -> None:
@@ -110,12 +112,12 @@ def test_a_cell_is_a_pool_of_its_seeds(grown: tuple[Path, list[str], Outcome]) -
 
 def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(work, "train_side_by_side", None)
-    before = (grown[0] / "results.csv").read_bytes()
+    before = table_of(grown[0])
     said: list[str] = []
     outcome = sweep(asked(0.25, 0.75), grown[0], crew=Crew(tell=said.append))
     assert outcome.done == (LOW, HIGH)
     assert said == []
-    assert (grown[0] / "results.csv").read_bytes() == before
+    assert table_of(grown[0]) == before
 
 
 @pytest.mark.thorough
@@ -127,7 +129,7 @@ def test_killed_it_goes_on_to_the_same_results(grown: tuple[Path, list[str], Out
     said: list[str] = []
     sweep(asked(0.25, 0.75), folder, crew=Crew(tell=said.append))
     assert said[0] == f"{HIGH}: training, from its last checkpoint"
-    assert timeless(rows_of(folder)) == timeless(rows_of(grown[0]))
+    assert table_of(folder) == table_of(grown[0])
 
 
 def test_what_another_process_runs_is_waited_for(
@@ -161,7 +163,7 @@ def test_an_evaluation_of_something_else_is_not_taken_for_a_result(grown: tuple[
     file = tmp_path / "copy" / "cells" / LOW / "seed_1" / "evaluation.json"
     file.write_text(json.dumps(json.loads(file.read_text()) | {"seed": 0}))
     assert sweep(asked(0.25, 0.75), tmp_path / "copy").done == (LOW, HIGH)
-    assert timeless(rows_of(tmp_path / "copy")) == timeless(rows_of(grown[0]))
+    assert table_of(tmp_path / "copy") == table_of(grown[0])
 
 
 REFUSED: list[tuple[Any, str]] = [
@@ -174,10 +176,17 @@ REFUSED: list[tuple[Any, str]] = [
     (Asked([GAME], (), "exchange", settings=TINY, episodes=3), "its protocol is none, here exchange"),
     (Asked([GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}), "it has 3 episodes of each seed, here 30"),
     (asked(0.25, variant="chicken"), "hash of the game"),
+    # a new value alone, with something else than before
+    (
+        asked(0.5, settings={"seeds": 3}),
+        f"its cell {LOW} has seeds 2 there, 3 here. Ask for new values of its axes with all else as it was",
+    ),
+    (asked(0.5, settings={"network_width": 8, "seed": 1}), f"its cell {LOW} has network_width 4 there, 8 here; seed 0 there, 1 here"),
+    (asked(0.5, variant="chicken"), f"its cell {LOW} has hash of the game"),
 ]
 
 
-@pytest.mark.parametrize(("other", "said"), REFUSED, ids=[said[:30] for _, said in REFUSED])
+@pytest.mark.parametrize(("other", "said"), REFUSED, ids=[f"{said[:30]} {other.axes and other.axes[0].values}" for other, said in REFUSED])
 def test_another_sweep_is_refused(grown: tuple[Path, list[str], Outcome], other: Asked, said: str) -> None:
     before = (grown[0] / "sweep.json").read_bytes()
     with pytest.raises(ExperimentError, match="holds another sweep") as refused:
