@@ -82,7 +82,8 @@ def _pick_one(
     many = members is not None and not large and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
     if many and need_no_state((*scope.digits, (iota(turns), turns.extent))):  # most steps need none of the random bits
         source = source if scope.mask is None else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
-        picked = w.keep("picked", Value(array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn)), members.dtype, axes))
+        alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
+        picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
         there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
         best_one = w.keep(name, Value(array.call("member_of", picked.node), "i32", axes))
         chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there)))
