@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import reduce
-from operator import or_
 
 import jax
 import jax.numpy as jnp
@@ -86,7 +85,7 @@ def _several(members: Array) -> Array:
     """
     rows = in_rows(members)
     rows[-1] = members[..., -rows[0].shape[-1] :]  # as long as the others: some sets are looked at twice
-    joined = reduce(or_, [row & (row - 1) for row in rows])
+    joined = reduce(lambda one, other: one | other, [row & (row - 1) for row in rows])
     while joined.ndim > 1:
         joined = lax.reduce(joined, joined.dtype.type(0), lax.bitwise_or, (0,))
     return jnp.any(joined != 0)

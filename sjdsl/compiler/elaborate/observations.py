@@ -53,18 +53,22 @@ def observables(game: Composition, static: Static, problems: Problems) -> tuple[
     for sort, movers in static.movers.items():
         seen["mover", sort, ""] = ir.Observable(what="mover", kind=sort, type=words((sort,)), origin=movers.origin)
     shown: set[Key] = set()
+    lost: set[str] = set()  # kinds of which something is shown or hidden that has a mistake
     for observable in game.observables.values():
+        kinds = set(static.kinds_of(observable.what.name.text) or ()) - lost
+        lost |= kinds
         with problems.survive():
             if isinstance(observable, ast.Show):
                 _show(observable, seen, shown, static, problems)
             elif not is_of_a_plane(observable, static):
                 _hide(observable, seen, static, problems)
-    _put_looks(seen, game, static, problems)
+            lost -= kinds
+    _put_looks(seen, lost, game, static, problems)
     order = ("cell", "heading", "other", "mover", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
-def _put_looks(seen: dict[Key, ir.Observable], game: Composition, static: Static, problems: Problems) -> None:
+def _put_looks(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, static: Static, problems: Problems) -> None:
     """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
     for observable in game.observables.values():
@@ -75,7 +79,7 @@ def _put_looks(seen: dict[Key, ir.Observable], game: Composition, static: Static
             )
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
         del seen[key]
-    detailed = {kind: field for what, kind, field in seen if what == "cell" and field}
+    detailed = {kind: field for what, kind, field in seen if what == "cell" and field and kind not in lost}
     for kind in whole:
         for label in seen["cell", kind, ""].labels:
             if label.name in detailed:
