@@ -55,8 +55,7 @@ def command(
     file, or FILE.py:FUNCTION. The figures are written where -o FILE says.
 
     With --scenario the agents of RUN play among the policies of a scenario, with a score between random agents, 0, and the best
-    scripted ones, 1. The file is scenarios.json, and the same command goes on with a stopped one. With --game GAME, RUN may be any
-    policy.
+    scripted ones, 1. The file is scenarios.json, and the same command goes on with a stopped one. With --game GAME, RUN may be any policy.
     """
 
     check_scenario_options(scenario, game, output, described)

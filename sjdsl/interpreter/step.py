@@ -129,8 +129,11 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
     shift(writes.shifts, here, world)
     world.marks += [(phase.name, *cell) for cell in sorted(writes.marks)]
     with watched(lambda: _adding(phase, ir.Give), here.world.step):
-        for agent in {agent for agent, _ in writes.gives}:
-            outcome.reward[agent] = added_up([outcome.reward[agent], *(value for who, value in writes.gives if who == agent)])
+        given: dict[int, list[np.float32]] = {}
+        for agent, value in writes.gives:
+            given.setdefault(agent, []).append(value)
+        for agent, values in given.items():
+            outcome.reward[agent] = added_up([outcome.reward[agent], *values])
     for counted in writes.tallies:
         _count(counted, here.board, outcome)
     outcome.terminated = outcome.terminated or writes.end

@@ -98,7 +98,7 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer) -> Va
 def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
     """Returns an agent of each instance as a set of its own, empty for the instances that do not happen."""
     alone = who.alone
-    if alone is not None and scope.mask in (alone.mask, alone.mask and w.keep("active", alone.mask)):
+    if alone is not None and scope.mask in (alone.mask, w.keep("active", alone.mask)):  # as it was made, or as a block has named it
         return alone.members
     dtype = w.module.set_dtype
     bit = Binary("<<", scalar(Literal(1), dtype), as_dtype(who.index, dtype).node)

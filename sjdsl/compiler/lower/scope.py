@@ -20,7 +20,7 @@ class SetOfOne(Record):
     """An agent of each instance as a set, which is empty where `mask` does not hold."""
 
     members: Value
-    mask: Value | None
+    mask: Value
 
 
 class AgentVar(Record):

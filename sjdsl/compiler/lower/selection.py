@@ -86,7 +86,7 @@ def _pick_one(
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
         there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
         best_one = w.keep(name, Value(array.call("member_of", picked.node), "i32", axes))
-        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there)))
+        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there) or there))
     else:
         best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
         w.unpack((best, found), array.call(("pick_of_large_set" if large else "pick_of_set") if members else "pick", source, drawn))
