@@ -135,6 +135,7 @@ bench: .venv/ready
 	$(BENCH) coins clean_up --training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
 	$(BENCH) harvest_open --sweep regrow_3 --values 64 $(PAGE)
 	$(BENCH) pd_arena --sweep payoff --values 64 $(PAGE)
+	$(BENCH) $(NINE) --devices 2 --envs 128,1024,4096 $(PAGE)
 
 # The table of Melting Pot's substrates in docs/performance.md, written anew after each of them: a run that is stopped leaves its rows.
 bench-meltingpot: .venv/ready

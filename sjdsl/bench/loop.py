@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.bench import yardstick
+from sjdsl.bench.devices import on_devices
 from sjdsl.runtime.env import Environment
 
 YARDSTICK = "yardstick"
@@ -52,14 +53,19 @@ def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Tas
     return Task(name or env.name, env.num_agents, env.num_actions, reset, step, env, crowd)
 
 
-def make_loop(task: Task, num_envs: int, num_steps: int) -> Callable[[Array], Array]:
-    """Returns a function of a key that plays and returns the sum of all rewards and of the last observations."""
+def make_loop(task: Task, num_envs: int, num_steps: int, devices: int = 1) -> Callable[[Array], Array]:
+    """Returns a function of a key that plays and returns the sum of all rewards and of the last observations.
+
+    Args:
+      num_envs: environments in all, a multiple of `devices`; each device plays its share of them.
+    """
+    each = num_envs // devices
 
     def run(key: Array) -> Array:
-        start = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), task.reset())
-        return play(jax.vmap(task.step), start, (num_envs, task.num_agents), task.num_actions, num_steps, key)
+        start = jax.tree.map(lambda x: jnp.broadcast_to(x, (each, *x.shape)), task.reset())
+        return play(jax.vmap(task.step), start, (each, task.num_agents), task.num_actions, num_steps, key)
 
-    return run
+    return run if devices == 1 else on_devices(run, devices)
 
 
 def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actions: int, num_steps: int, key: Array) -> Array:

@@ -10,13 +10,18 @@ import jax
 from sjdsl.version import __version__
 
 
-def describe_machine() -> dict[str, Any]:
-    """Returns the machine and the versions; `compilation_cache`: whether XLA may have found programs compiled before."""
+def describe_machine(devices: int = 1) -> dict[str, Any]:
+    """Returns the machine and the versions.
+
+    `devices`: over how many of JAX's devices the environments were split. `compilation_cache`: whether XLA may have found programs
+    compiled before.
+    """
     device = jax.devices()[0]
     return {
         "platform": device.platform,
         "device": _processor() if device.platform == "cpu" else device.device_kind,
         "cpu_cores": os.cpu_count(),
+        "devices": devices,
         "python": platform.python_version(),
         "jax": jax.__version__,
         "sjdsl": __version__,
@@ -26,8 +31,14 @@ def describe_machine() -> dict[str, Any]:
 
 def machine_line(machine: dict[str, Any]) -> str:
     """Returns the machine in one line."""
-    line = f"{machine['device']}, {machine['cpu_cores']} CPU cores, JAX {machine['jax']}, Python {machine['python']}"
+    cores = f"{machine['cpu_cores']} CPU cores{devices_said(machine)}"
+    line = f"{machine['device']}, {cores}, JAX {machine['jax']}, Python {machine['python']}"
     return f"{line}; compile seconds with JAX's cache of compiled programs" if machine["compilation_cache"] else line
+
+
+def devices_said(machine: dict[str, Any]) -> str:
+    """Returns `, 2 devices` where environments were split over so many, else nothing. Figures of older files were not split."""
+    return f", {machine['devices']} devices" if machine.get("devices", 1) > 1 else ""
 
 
 def device_peak_bytes() -> int | None:

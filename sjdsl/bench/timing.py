@@ -61,6 +61,7 @@ def measure(
     tell: Callable[[str], object] = lambda _: None,
     workers: int = 1,
     one_step: bool = True,
+    devices: int = 1,
 ) -> Report:
     """Returns the speeds of all tasks and of the yardstick at each number of environments.
 
@@ -71,6 +72,7 @@ def measure(
       steps: number of environments -> steps of one timing.
       tell: called with a line whenever something has begun.
       workers: programs compiled at the same time; seconds of compiling mean little with more than one.
+      devices: over how many the environments are split (`bench.devices`); every number of environments is a multiple of it.
       one_step: whether one step of one environment is compiled as well, for its size and its seconds.
     """
     compilations = []
@@ -80,17 +82,19 @@ def measure(
             compilations.append(compile_step(task.env, task.name))
     speeds: list[Speed] = []
     for number in num_envs:
-        speeds += _race([yardstick_task(), *tasks], number, steps(number), repeats, tell, workers)
-    return Report(describe_machine(), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
+        speeds += _race([yardstick_task(), *tasks], number, steps(number), repeats, tell, workers, devices)
+    return Report(describe_machine(devices), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
-def _race(tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], object], workers: int) -> list[Speed]:
+def _race(
+    tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], object], workers: int, devices: int
+) -> list[Speed]:
     """Measures all tasks at one number of environments; the first of them is the yardstick."""
 
     def compile_loop(task: Task) -> tuple[Compiled, float]:
         tell(f"compiling {task.name} for {num_envs} environments")
         began = time.perf_counter()
-        loop = jax.jit(make_loop(task, num_envs, num_steps)).lower(jax.random.key(0)).compile()
+        loop = jax.jit(make_loop(task, num_envs, num_steps, devices)).lower(jax.random.key(0)).compile()
         return loop, time.perf_counter() - began
 
     with ThreadPoolExecutor(workers) as pool:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli import bench_substrates
-from sjdsl.cli.bench_everything import Stored, measure_all, read_all
+from sjdsl.cli.bench_devices import check_devices, divide_cpu
+from sjdsl.cli.bench_everything import Stored, measure_all, read_all, speed_section
 from sjdsl.cli.bench_games import choose_tasks
 from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Quoting, Words, flat
 from sjdsl.cli.bench_training import Asked, asked_of, plan_training, training_options, with_hours
@@ -42,6 +43,14 @@ SWEPT = (16,)  # of each value
     help="Forms of observations: tokens (the default), onehot, or tokens,onehot.",
 )
 @click.option("--agents", type=Agents(), default="own", show_default=True, help="Numbers of agents, such as own,20.")
+@click.option(
+    "--devices",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=1,
+    show_default=True,
+    help="Split the environments over N devices: GPUs, or parts of the CPU with a core each.",
+)
 @click.option("--repeats", type=click.IntRange(min=1), metavar="N", default=5, show_default=True, help="Rounds of timings.")
 @click.option(
     "--steps",
@@ -86,6 +95,7 @@ def command(
     envs: tuple[int, ...] | None,
     observations: "tuple[tuple[Encoding, ...], ...]",
     agents: tuple[int | None, ...],
+    devices: int,
     repeats: int,
     steps: int | None,
     sweep: str | None,
@@ -105,6 +115,7 @@ def command(
     Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a machine
     varies over time; the ratio to the yardstick, taken round by round, does not.
     """
+    divide_cpu(devices)
     from sjdsl.bench.stored import write_found
     from sjdsl.cli.bench_output import Outputs
 
@@ -119,14 +130,16 @@ def command(
     if stored:
         _show_stored(Path(stored), outputs, said, asked, keep)
         return
-    compile_everything_anew()
     if substrates:
+        compile_everything_anew()
         bench_substrates.refuse_others(context)
         bench_substrates.measure_all(games, envs, repeats, steps, outputs, keep, said)
         return
     seen = flat(observations) or (OBSERVATIONS if folder else ("tokens",))
-    raced = envs or ((1,) if asked.networks or sweep else RACED)
+    raced = envs or ((1,) if asked.networks or sweep else tuple(number for number in RACED if number % devices == 0))
     _refuse_mixtures(context, games, seen, agents, raced, sweep, asked.networks, plots, folder)
+    check_devices(context, devices, raced, alone=not (folder or sweep or asked.networks))
+    compile_everything_anew()
     tasks, refused = choose_tasks(games or main_games(), variant, seen, agents)
     if folder:
         measure_all(games or main_games(), tasks, envs, repeats, minutes, Path(folder), said)
@@ -136,7 +149,7 @@ def command(
     elif sweep:
         planned = _plan_sweep(tasks[0], sweep, values, (envs or SWEPT)[0], repeats, steps)
     else:
-        planned = _plan_race(tasks, envs or RACED, repeats, steps)
+        planned = _plan_race(tasks, raced, repeats, steps, devices)
     _measure(planned, outputs, keep, said, tuple(refused))
 
 
@@ -165,12 +178,15 @@ def _plan_sweep(task: "Task", param: str, values: int, num_envs: int, repeats: i
     return f"sweep {task.name} {param}", lambda tell: measure_sweep(task, param, swept, num_envs, repeats, steps, tell=tell)
 
 
-def _plan_race(tasks: "Sequence[Task]", num_envs: Sequence[int], repeats: int, steps: int | None) -> Planned:
+def _plan_race(tasks: "Sequence[Task]", num_envs: Sequence[int], repeats: int, steps: int | None, devices: int) -> Planned:
     """Returns what is measured and its measurement."""
     from sjdsl.bench import measure
     from sjdsl.bench.loop import steps_for
 
-    return "speed", lambda tell: measure(tasks, num_envs, repeats, lambda number: steps or steps_for(number), tell)
+    def measured(tell: Callable[[str], object]) -> Any:
+        return measure(tasks, num_envs, repeats, lambda number: steps or steps_for(number), tell, devices=devices)
+
+    return speed_section(devices), measured
 
 
 def _show_stored(path: Path, outputs: "Outputs", said: str, asked: Asked, keep: "Callable[[Found], None]") -> None:

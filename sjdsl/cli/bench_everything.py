@@ -78,6 +78,11 @@ def read_all(path: Path, command: str) -> Iterator[Stored]:
         raise click.ClickException(str(error)) from None
 
 
+def speed_section(devices: int) -> str:
+    """Returns the name of the marks for speeds, without the platform: `speed`, or `speed 2 devices`."""
+    return "speed" if devices == 1 else f"speed {devices} devices"
+
+
 def section_of(found: "Found") -> str:
     """Returns the marks of a page between which these figures belong: `speed gpu`, `training mlp gpu`, `sweep coins spawn cpu`."""
     from sjdsl.bench import Sweep, Training
@@ -97,7 +102,7 @@ def section_of(found: "Found") -> str:
         case Substrates():
             what = "substrates"
         case _:
-            what = "speed"
+            what = speed_section(found.machine.get("devices", 1))
     return f"{what} {found.machine['platform']}"
 
 

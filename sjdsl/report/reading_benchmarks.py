@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.bench.loop import YARDSTICK
+from sjdsl.bench.machine import devices_said
 from sjdsl.bench.stored import read_found
 from sjdsl.bench.timing import Report
 from sjdsl.bench.training import Training
@@ -40,7 +41,8 @@ def read_benchmark(path: Path) -> Evidence:
 
 def hardware_of(machine: dict[str, Any]) -> str:
     """Returns what figures were measured on: the processor with its cores, or the accelerator."""
-    return f"{machine['device']}, {machine['cpu_cores']} cores" if machine["platform"] == "cpu" else str(machine["device"])
+    cores = f", {machine['cpu_cores']} cores" if machine["platform"] == "cpu" else ""
+    return f"{machine['device']}{cores}{devices_said(machine)}"
 
 
 def _speeds(found: Report) -> tuple[SpeedRow, ...]:

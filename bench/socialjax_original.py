@@ -1,0 +1,96 @@
+"""Measures a game of SocialJax itself: environment steps a second under random actions, with its own automatic resets.
+
+It runs in a Python of its own, with nothing of sjdsl, with the versions that SocialJax pins:
+
+    git clone https://github.com/cooperativex/SocialJax && git -C SocialJax checkout 0d00e2b
+    python3.11 -m venv original
+    original/bin/pip install jax==0.4.23 jaxlib==0.4.23 flax==0.7.4 'numpy<2' 'scipy<1.13'
+    original/bin/python bench/socialjax_original.py SocialJax coop_mining.coop_mining:CoopMining --agents 6
+
+Only the game's own modules are loaded; what the rest of the package imports (Gymnax, Brax, pictures) is not needed for them. The
+loop is that of `sjdsl bench`: actions are drawn within it, and all rewards and the last observations are summed up.
+"""
+
+import argparse
+import importlib
+import statistics
+import sys
+import time
+import types
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+
+def main() -> None:
+    """Prints the steps a second: the median of the rounds, the slowest and the fastest, and the microseconds of processor time."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("checkout", help="a checkout of SocialJax")
+    parser.add_argument("game", help="module and class under socialjax/environments, such as coop_mining.coop_mining:CoopMining")
+    parser.add_argument("--agents", type=int, required=True)
+    parser.add_argument("--envs", type=int, default=1024, help="environments side by side")
+    parser.add_argument("--steps", type=int, default=25, help="of each environment in a round")
+    parser.add_argument("--rounds", type=int, default=5)
+    asked = parser.parse_args()
+    env = load(Path(asked.checkout), asked.game)(num_agents=asked.agents, shared_rewards=False)
+    run = jax.jit(loop(env, asked.envs, asked.steps))
+    jax.block_until_ready(run(jax.random.PRNGKey(0)))
+    rates, busy, steps = [], [], asked.envs * asked.steps
+    for number in range(asked.rounds):
+        began, worked = time.perf_counter(), time.process_time()
+        jax.block_until_ready(run(jax.random.PRNGKey(number + 1)))
+        rates.append(steps / (time.perf_counter() - began))
+        busy.append((time.process_time() - worked) / steps * 1e6)
+    spread = f"{min(rates):,.0f} to {max(rates):,.0f}"
+    print(f"JAX {jax.__version__}, {asked.game}, {asked.agents} agents, {asked.envs} environments")
+    print(f"{statistics.median(rates):,.0f} steps a second ({spread}), {statistics.median(busy):.2f} us of processor time a step")
+
+
+def load(checkout: Path, game: str) -> Any:
+    """Returns the class of the game. Its packages stand empty: their own __init__ loads every game and what those need."""
+    module, name = game.split(":")
+    parts = ["socialjax", "environments", *module.split(".")[:-1]]
+    for depth in range(1, len(parts) + 1):
+        package = types.ModuleType(".".join(parts[:depth]))
+        package.__path__ = [str(checkout.joinpath(*parts[:depth]))]
+        sys.modules[package.__name__] = package
+    return getattr(importlib.import_module(f"socialjax.environments.{module}"), name)
+
+
+def loop(env: Any, num_envs: int, num_steps: int) -> Any:
+    """Returns a function of a key that plays so many steps in each of the environments and sums what comes out."""
+
+    def step(key: jax.Array, state: Any, actions: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
+        """As `step` of SocialJax's MultiAgentEnv: both the next state and a fresh one are computed, and one of them is selected."""
+        key, again = jax.random.split(key)
+        observed, state, reward, done, _ = env.step_env(key, state, actions)
+        first, fresh = env.reset(again)
+        state, observed = jax.tree_util.tree_map(
+            lambda new, old: jax.lax.select(done["__all__"], jnp.asarray(new, jnp.result_type(old)), jnp.asarray(old)),
+            (fresh, first),
+            (state, observed),
+        )
+        return state, reward, observed
+
+    def run(key: jax.Array) -> jax.Array:
+        first, key = jax.random.split(key)
+        observed, states = jax.vmap(env.reset)(jax.random.split(first, num_envs))
+        states = jax.tree_util.tree_map(jnp.asarray, states)
+
+        def body(carry: Any, key: jax.Array) -> tuple[Any, None]:
+            states, total, _ = carry
+            acting, stepping = jax.random.split(key)
+            actions = jax.random.randint(acting, (num_envs, env.num_agents), 0, env.num_actions)
+            states, rewards, observed = jax.vmap(step)(jax.random.split(stepping, num_envs), states, actions)
+            return (states, total + jnp.sum(jnp.asarray(rewards, jnp.float32)), observed), None
+
+        (_, total, last), _ = jax.lax.scan(body, (states, jnp.float32(0), observed), jax.random.split(key, num_steps))
+        return total + jnp.sum(jnp.asarray(last, jnp.float32))
+
+    return run
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,30 @@
+"""Splits environments over the devices of one machine; on a CPU, each core then plays environments of its own.
+
+As one device, a CPU with several cores shares out the work of every kernel. A step of a fast game has some 200 kernels of a few
+microseconds each, so that the cores wait for one another most of the time (docs/performance.md).
+"""
+
+from collections.abc import Callable
+
+import jax
+import numpy as np
+from jax import Array, lax
+from jax.sharding import Mesh, PartitionSpec
+
+AXIS = "devices"
+
+
+def on_devices(loop: Callable[[Array], Array], devices: int) -> Callable[[Array], Array]:
+    """Returns a function of a key that runs the loop on every device, each with a key of its own, and adds up what they return."""
+    mesh = Mesh(np.asarray(jax.devices()[:devices]), (AXIS,))
+
+    def own(key: Array) -> Array:
+        return loop(jax.random.fold_in(key, lax.axis_index(AXIS)))[None]
+
+    every = jax.shard_map(own, mesh=mesh, in_specs=PartitionSpec(), out_specs=PartitionSpec(AXIS), check_vma=False)
+
+    def run(key: Array) -> Array:
+        result: Array = every(key).sum()
+        return result
+
+    return run

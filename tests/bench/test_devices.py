@@ -1,0 +1,86 @@
+"""Environments split over devices: every one of them is played, each device draws its own actions, and what cannot be split is refused."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import pytest
+
+from sjdsl.cli import run
+
+SUMS = """
+import jax, jax.numpy as jnp
+jax.config.update("jax_num_cpu_devices", 2)
+from sjdsl.bench import Task
+from sjdsl.bench.devices import on_devices
+from sjdsl.bench.loop import make_loop
+
+def count(state, actions, key):
+    return state + 1, state.astype(jnp.float32), state
+
+loop = make_loop(Task("count", 2, 3, lambda: jnp.zeros(2, jnp.int32), count), num_envs=6, num_steps=4, devices=2)
+compiled = jax.jit(loop).lower(jax.random.key(0)).compile()
+drawn = on_devices(lambda key: jax.random.uniform(key, ()), 2)
+key = jax.random.key(5)
+own = [float(jax.random.uniform(jax.random.fold_in(key, device), ())) for device in (0, 1)]
+print(float(compiled(jax.random.key(1))), float(drawn(key)), sum(own), own[0] != own[1])
+"""
+
+
+def run_alone(arguments: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Runs Python anew: JAX divides the CPU before its first computation alone."""
+    alone = {name: value for name, value in os.environ.items() if name not in ("XLA_FLAGS", "JAX_NUM_CPU_DEVICES")}
+    return subprocess.run([sys.executable, *arguments], cwd=folder, env=alone, capture_output=True, text=True, check=False)
+
+
+def test_each_device_plays_its_share_with_a_key_of_its_own(tmp_path: Path) -> None:
+    """Six environments of two agents: rewards 0 + 1 + 2 + 3 each, and 3 as the last observation, once for all steps."""
+    ended = run_alone(["-c", SUMS], tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    played, drawn, expected, differ = ended.stdout.split()
+    assert float(played) == 6 * 2 * (0 + 1 + 2 + 3) + 6 * 2 * 3
+    assert float(drawn) == pytest.approx(float(expected), abs=1e-6)
+    assert differ == "True"
+
+
+def test_the_example_of_the_page_of_speeds_runs(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "performance.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    shown = "print(rewards.shape, len(rewards.sharding.device_set), bool((rewards.sum((1, 2)) > 0).any()))"
+    ended = run_alone(["-c", f"{example}\n{shown}"], tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.strip() == "(1024, 100, 6) 2 True"
+
+
+@pytest.mark.thorough
+def test_the_command_splits_environments(meadow: Path, tmp_path: Path) -> None:
+    (tmp_path / "meadow.sj").write_text(meadow.read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "page.md").write_text("<!-- speed 2 devices cpu -->\n<!-- end speed 2 devices cpu -->\n", encoding="utf-8")
+    asked = "bench meadow.sj --devices 2 --envs 4 --steps 2 --repeats 1 --json out.json --markdown page.md"
+    ended = run_alone(["-m", "sjdsl", *asked.split()], tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["machine"]["devices"] == 2
+    assert "CPU cores, 2 devices, JAX" in (tmp_path / "page.md").read_text(encoding="utf-8")
+    shown = run_alone(["-m", "sjdsl", "bench", "--from", "out.json"], tmp_path)
+    assert "2 devices" in shown.stdout
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("--envs 3", "--envs 3 cannot be split evenly over 2 devices"),
+        ("--envs 4 --sweep growth", "--devices is for speeds"),
+        ("--envs 4 --training mlp", "--devices is for speeds"),
+        ("--everything figures", "--devices is for speeds"),
+        ("--envs 4", "JAX has 1 device here (cpu), not 2; change --devices"),
+    ],
+)
+def test_what_cannot_be_split_is_refused(meadow: Path, asked: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """This process has one device, as JAX has begun with one."""
+    assert len(jax.devices()) == 1
+    assert run(["bench", str(meadow), "--devices", "2", *asked.split()]) != 0
+    assert said in capsys.readouterr().err
