@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -116,22 +117,17 @@ def command(
     varies over time; the ratio to the yardstick, taken round by round, does not.
     """
     divide_cpu(devices)
-    from sjdsl.bench.stored import write_found
     from sjdsl.cli.bench_output import Outputs
 
     said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
     outputs, asked = Outputs(page, plots), asked_of(training)
     asked.check(stored is not None)
-
-    def keep(found: "Found") -> None:
-        if json_file:
-            write_found(Path(json_file), found)
-
+    keep = partial(_keep, json_file)
     if stored:
         _show_stored(Path(stored), outputs, said, asked, keep)
         return
+    compile_everything_anew()
     if substrates:
-        compile_everything_anew()
         bench_substrates.refuse_others(context)
         bench_substrates.measure_all(games, envs, repeats, steps, outputs, keep, said)
         return
@@ -139,7 +135,6 @@ def command(
     raced = envs or ((1,) if asked.networks or sweep else tuple(number for number in RACED if number % devices == 0))
     _refuse_mixtures(context, games, seen, agents, raced, sweep, asked.networks, plots, folder)
     check_devices(context, devices, raced, alone=not (folder or sweep or asked.networks))
-    compile_everything_anew()
     tasks, refused = choose_tasks(games or main_games(), variant, seen, agents)
     if folder:
         measure_all(games or main_games(), tasks, envs, repeats, minutes, Path(folder), said)
@@ -151,6 +146,14 @@ def command(
     else:
         planned = _plan_race(tasks, raced, repeats, steps, devices)
     _measure(planned, outputs, keep, said, tuple(refused))
+
+
+def _keep(json_file: str | None, found: "Found") -> None:
+    """Writes figures to the file of `--json`, if there is one."""
+    from sjdsl.bench.stored import write_found
+
+    if json_file:
+        write_found(Path(json_file), found)
 
 
 def _measure(planned: Planned, outputs: "Outputs", keep: Callable[["Found"], None], said: str, refused: tuple[str, ...]) -> None:
