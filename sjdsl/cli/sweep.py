@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     "--workers",
     type=click.IntRange(min=1),
     metavar="K",
-    help="Processes, tasks or jobs at once.  [default: 1 process; as many tasks or jobs as fit]",
+    help="Processes (with a share of the cores each), tasks or jobs at once.  [default: 1 process; as many tasks or jobs as fit]",
 )
 @click.option(
     "--engine-set",

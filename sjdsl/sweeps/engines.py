@@ -4,11 +4,10 @@ None of them keeps a queue of ours. Running a cell twice does it once, so that a
 """
 
 import logging
-import multiprocessing
 import os
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -20,6 +19,7 @@ from typing import Any, Literal, get_args
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.near_names import meant
 from sjdsl.sweeps.claims import left_by
+from sjdsl.sweeps.cores import processes
 from sjdsl.sweeps.folder import FAILED, cells_of, progress_of, read_sweep, record_failure
 from sjdsl.sweeps.work import Tell, Watch, run_cells
 from sjdsl.trainers.progress import ProgressStyle
@@ -73,11 +73,10 @@ def run_batches(batches: Sequence[Batch], crew: Crew) -> None:
 
 
 def _with_processes(batches: Sequence[Batch], crew: Crew) -> None:
-    """Runs batches in spawned processes; one that the system kills costs its cell, and the others go on in new ones."""
+    """Runs batches in spawned processes, which share the cores; one that the system kills costs its cell, and the others go on in new ones."""
     left = [*batches]
     while left:
-        spawn = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(min(crew.workers or 1, len(left)), mp_context=spawn) as pool:
+        with processes(min(crew.workers or 1, len(left))) as pool:
             futures: dict[Future[list[str]], Batch] = {pool.submit(run_cells, batch): batch for batch in left}
             try:
                 for done in as_completed(futures):
