@@ -12,7 +12,7 @@ from sjdsl.cli import bench_substrates
 from sjdsl.cli.bench_devices import check_devices, divide_cpu
 from sjdsl.cli.bench_everything import Stored, measure_all, read_all, speed_section
 from sjdsl.cli.bench_games import choose_tasks
-from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Quoting, Words, flat
+from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Quoting, Words, flat, refuse_others
 from sjdsl.cli.bench_training import Asked, asked_of, plan_training, training_options, with_hours
 from sjdsl.cli.game_file import variant_option
 from sjdsl.cli.stages import stages
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 Planned = tuple[str, Callable[[Callable[[str], object]], Any]]  # which section of a page, and the measurement
 RACED = (1, 128, 1024, 4096)  # environments
 SWEPT = (16,)  # of each value
+OF_STORED = "--from", ("stored", "hours", "json_file", "page", "plots")  # parameters that it takes notice of
+OF_SUBSTRATES = "--substrates", ("games", "substrates", "envs", "repeats", "steps", "json_file", "page")
 
 
 @click.command("bench", cls=Quoting)
@@ -116,19 +118,21 @@ def command(
     Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a machine
     varies over time; the ratio to the yardstick, taken round by round, does not.
     """
+    if stored or substrates:
+        refuse_others(context, *(OF_STORED if stored else OF_SUBSTRATES))
+    asked = asked_of(training)
+    asked.check(stored is not None)
     divide_cpu(devices)
     from sjdsl.cli.bench_output import Outputs
 
     said = shlex.join(["sjdsl", "bench", *context.meta["written"]])
-    outputs, asked = Outputs(page, plots), asked_of(training)
-    asked.check(stored is not None)
+    outputs = Outputs(page, plots)
     keep = partial(_keep, json_file)
     if stored:
         _show_stored(Path(stored), outputs, said, asked, keep)
         return
     compile_everything_anew()
     if substrates:
-        bench_substrates.refuse_others(context)
         bench_substrates.measure_all(games, envs, repeats, steps, outputs, keep, said)
         return
     seen = flat(observations) or (OBSERVATIONS if folder else ("tokens",))

@@ -1,6 +1,6 @@
 """Parses the options of `sjdsl bench`."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -73,6 +73,20 @@ class Steps(click.ParamType[int]):
 def flat(words: Iterable[tuple[Word, ...]]) -> tuple[Word, ...]:
     """Returns the words of an option that may be given several times, each once."""
     return tuple(dict.fromkeys(word for several in words for word in several))
+
+
+def refuse_others(context: click.Context, mode: str, allowed: Container[str]) -> None:
+    """Raises UsageError for a parameter that was written and that a mode of the command takes no notice of.
+
+    Args:
+      mode: the option that chooses it, such as `--from`.
+      allowed: names of the parameters that it does take notice of.
+    """
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        if name not in allowed and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            said = parameter.opts[0] if isinstance(parameter, click.Option) else parameter.make_metavar(context)
+            raise click.UsageError(f"{mode} goes without {said}", context)
 
 
 class Quoting(click.Command):

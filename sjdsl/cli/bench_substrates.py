@@ -54,12 +54,3 @@ def measure_all(
             substrate_tasks(entries), envs or RACED, repeats, store, lambda number: steps or short_steps(number), tell
         )
     outputs.show(Stored(section, taken, command, ()))
-
-
-def refuse_others(context: click.Context) -> None:
-    """Raises UsageError for options that say nothing about substrates."""
-    allowed = {"games", "substrates", "envs", "repeats", "steps", "json_file", "page"}
-    for parameter in context.command.params:
-        name = parameter.name or ""
-        if name not in allowed and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            raise click.UsageError(f"--substrates goes without {parameter.opts[0]}", context)

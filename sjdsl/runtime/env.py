@@ -122,6 +122,9 @@ class Environment:
           observation (of the state returned); state; reward `[N]` float32, raw; done bool; info: `truncated`, `terminated` bool,
           `events` int32 `[N]` or scalar counts of this step, `metrics` float32 scalars, `terminal_observation` and
           `terminal_state` (before the reset; they cost nothing under `jit` when unused).
+        Raises:
+          TypeError: actions are not whole numbers.
+          ValueError: there is not one action for each agent.
         """
         params = self.params if params is None else params
         words = key_words(key)
@@ -140,10 +143,12 @@ class Environment:
         return observation, state, reward, done, info
 
     def _transition(self, words: Array, state: State, actions: Array, params: Params) -> tuple[State, Array, Array, Info]:
-        actions = jnp.asarray(actions).astype(jnp.int32)
+        actions = jnp.asarray(actions)
+        if not jnp.issubdtype(actions.dtype, jnp.integer):
+            raise TypeError(f"actions are {actions.dtype}, but they are numbers of actions: whole numbers, such as int32")
         if actions.shape != (self.num_agents,):
             raise ValueError(f"actions have shape {actions.shape}, one for each agent is wanted: ({self.num_agents},)")
-        state, out = self.module.step(state, actions, params, words)
+        state, out = self.module.step(state, actions.astype(jnp.int32), params, words)
         metrics = self.module.measures(state, params)
         state = state.replace(step=state.step + 1)
         truncated = (state.step >= self.module.episode_length(params)) & ~out.ended

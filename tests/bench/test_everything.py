@@ -164,6 +164,20 @@ def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
     assert differences(tmp_path / "whole", tmp_path / "resumed")[0] == "2 and 1 rows of metrics"
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["coins"], "--from goes without [GAME...]"),
+        (["--envs", "1"], "--from goes without --envs"),
+        (["--substrates"], "--from goes without --substrates"),
+        (["--training", "mlp"], "--from goes without --training"),
+    ],
+)
+def test_stored_figures_are_shown_as_they_are(arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["bench", "--from", str(tmp_path), *arguments]) == 2
+    assert said in " ".join(capsys.readouterr().err.split())
+
+
 @pytest.mark.parametrize(("number", "chosen"), [(0, []), (1, [1]), (2, [1, 9]), (3, [1, 4, 9]), (9, [1, 2, 4, 8, 9])])
 def test_games_are_chosen_from_the_smallest_observation_to_the_largest(number: int, chosen: list[int]) -> None:
     envs: Any = [SimpleNamespace(observation_shape=(2, size, 1, 1)) for size in (9, 2, 4, 1, 8)]
