@@ -16,6 +16,7 @@ from .config_errors import ConfigError
 from .convolution import convolve
 from .extensions import find
 from .initialisation import orthogonal
+from .window_layer import WindowLayer
 
 HIDDEN_GAIN = 2.0**0.5
 ACTOR_GAIN = 0.01
@@ -48,15 +49,15 @@ class Torso(nn.Module):
         lead = observation.shape[:-3]
         if self.kind not in ("mlp", "cnn"):
             return self._own(observation.reshape(-1, *observation.shape[-3:])).reshape(*lead, -1).astype(self.dtype)
+        if self.kind == "mlp":
+            return nn.relu(WindowLayer(self.width, self.planes, HIDDEN_GAIN, self.dtype, name="Dense_0")(observation))
         features = to_channels(observation, self.planes, self.dtype, scale_numbers=True)
-        features = features.reshape(-1, *features.shape[-3:])
-        if self.kind == "cnn":
-            features = jnp.moveaxis(features, 1, -1)  # convolutions want channels last
-            for index, side in enumerate(self.sides):
-                shape = (side, side, features.shape[-1], self.channels)
-                kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
-                bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:])
-                features = nn.relu(convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype))
+        features = jnp.moveaxis(features.reshape(-1, *features.shape[-3:]), 1, -1)  # convolutions want channels last
+        for index, side in enumerate(self.sides):
+            shape = (side, side, features.shape[-1], self.channels)
+            kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
+            bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:])
+            features = nn.relu(convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype))
         return self._dense(features.reshape(*lead, -1))
 
     def _own(self, tokens: Array) -> Array:

@@ -144,7 +144,7 @@ def _with_structure(program: Train, structure: Any) -> Train:
         after, metrics = program.learn(inside(state), played)
         return outside(after), metrics
 
-    return Train(lambda key: outside(program.init(key)), collect, learn, program.parameters)
+    return Train(lambda key: outside(program.init(key)), collect, learn, program.parameters, loops=program.loops)
 
 
 class CheckpointsOfParts:

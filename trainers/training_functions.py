@@ -27,13 +27,14 @@ class TrainState:
 
 @dataclass(frozen=True)
 class Train:
-    """A training run as pure functions: all can be jitted, and vmapped over seeds."""
+    """A training run as pure functions: all can be jitted, and vmapped or mapped over seeds."""
 
     init: Callable[[Array], TrainState]  # key -> state before the first update
     collect: Callable[[TrainState], tuple[TrainState, Any]]  # plays; what was played goes to `learn`
     learn: Callable[[TrainState, Any], tuple[TrainState, Metrics]]  # gradient steps on what was played
     parameters: Callable[[TrainState], Any]  # of the agents' networks, from a state
     adopt: Callable[[TrainState, Any], TrainState] | None = None  # a state that goes on from other parameters, of a policy trained before
+    loops: bool = True  # whether a loop over seeds may be faster than `vmap`; not where a state is large: the loop would copy it
 
     def update(self, state: TrainState) -> tuple[TrainState, Metrics]:
         """Plays and learns."""

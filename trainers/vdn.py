@@ -124,7 +124,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         diverged = ~jnp.isfinite(losses["loss"])
         return TrainState(key, ValueLearner(after, target, replay), state.worlds, updates, diverged), metrics
 
-    return Train(init, collect, learn, lambda state: state.learner.online.params, adopt)
+    return Train(init, collect, learn, lambda state: state.learner.online.params, adopt, loops=False)  # the replay buffer is large
 
 
 def adopt(state: TrainState, parameters: Any) -> TrainState:

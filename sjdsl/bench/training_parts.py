@@ -77,5 +77,6 @@ def _flops_of_vdn(env: Environment, config: VDNConfig, parameters: Any) -> float
 
 
 def _flops(function: Callable[..., Any], parameters: Any) -> float:
-    analysis: Any = jax.jit(function).lower(parameters).cost_analysis()
+    """Returns XLA's count for the program of a GPU, whatever device there is: that of a CPU has loops, which are counted as one turn."""
+    analysis: Any = jax.jit(function).trace(parameters).lower(lowering_platforms=("cuda",)).cost_analysis()
     return float(analysis["flops"])

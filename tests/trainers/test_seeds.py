@@ -9,7 +9,8 @@ import pytest
 from jax import Array
 from probes import FAST_TO_COMPILE, learn, matching, quick, run_of
 
-from sjdsl.trainers import make_train
+from sjdsl.trainers import Config, make_train
+from sjdsl.trainers.compiled import compile_train
 
 VARIANTS: list[dict[str, Any]] = [
     {},
@@ -30,6 +31,24 @@ def test_each_seed_of_a_batch_is_the_run_it_would_have_been_alone(changes: dict[
         np.testing.assert_allclose(together["loss"][seed, :5], alone["loss"][:5], rtol=1e-3, atol=1e-4)
         np.testing.assert_array_equal(together["agent_return"][seed, 0], alone["agent_return"][0])
         np.testing.assert_allclose(together["agent_return"][seed, -1], alone["agent_return"][-1], atol=0.1)
+
+
+@pytest.mark.parametrize("algorithm", ["ippo", "vdn"])
+def test_compiled_seeds_are_the_runs_they_would_have_been_alone(algorithm: str) -> None:
+    """One after the other or as a batch, as it is for this device: two updates, to rounding."""
+
+    def played(config: Config) -> tuple[Any, Any]:
+        run = compile_train(make_train(matching(), config), config)
+        state = run.start()
+        for _ in range(2):
+            state, metrics = run.learn(*run.collect(state))
+        return run.parameters(state), metrics
+
+    config = quick(algorithm=algorithm)
+    with jax.debug_key_reuse(False):  # JAX takes the keys of any vmapped scan for used
+        together = played(config.model_copy(update={"seeds": 3, "seed": 1}))
+        alone = [played(config.model_copy(update={"seed": seed})) for seed in (1, 2, 3)]
+    jax.tree.map(lambda all_of, *own: np.testing.assert_allclose(all_of, np.stack(own), rtol=1e-4, atol=1e-5), together, *alone)
 
 
 def test_other_seeds_are_other_runs() -> None:
