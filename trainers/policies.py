@@ -104,6 +104,7 @@ def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bo
       greedy: take the best action instead of drawing one. None: as what was learnt is meant to act: actors, which learn probabilities,
         draw their actions; action values have none, and the best is taken. Values with `greedy=False` explore as the run did at its end.
     """
+    parameters = jax.tree.map(jnp.asarray, parameters)  # those of a file are NumPy's, which some transformations do not take
     match config:
         case PPOConfig():
             policy = _actor_policy(env, config, parameters, bool(greedy))

@@ -39,9 +39,7 @@ class WindowLayer(nn.Module):
         inputs = jax.eval_shape(lambda one: _channels(one, self.planes, self.dtype), jax.ShapeDtypeStruct((1, *window), tokens.dtype))
         kernel = self.param("kernel", orthogonal(self.gain), (inputs.shape[1], self.width))
         bias = self.param("bias", nn.initializers.zeros, (self.width,))
-        result: Array = weigh(jnp.asarray(kernel, self.dtype), jnp.asarray(tokens).reshape(-1, *window), self.planes) + bias.astype(
-            self.dtype
-        )
+        result: Array = weigh(kernel.astype(self.dtype), tokens.reshape(-1, *window), self.planes) + bias.astype(self.dtype)
         return result.reshape(*lead, self.width)
 
 
