@@ -1,4 +1,4 @@
-"""Runs side by side: those that differ only in numbers without shape are one program under `vmap`, a lane for each seed of each run."""
+"""Runs side by side: those that differ only in numbers without shape are one program, with a lane for each seed of each run."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass

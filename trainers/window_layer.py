@@ -19,7 +19,9 @@ from sjdsl.runtime.tokens import to_channels
 
 from .initialisation import orthogonal
 
-PIECE = 1_500_000  # bytes of a piece's channels; from a third of it to four times as much made no difference
+PIECE = 3_000_000  # bytes of a piece's channels: half of it was as good, twice as much was not
+FEWEST_PIECES = 4  # fewer are no faster than the whole, which a larger cache holds
+FEWEST_WINDOWS = 128  # of a piece: fewer, of large windows, would read the kernel too often
 
 Planes = tuple[TokenPlane, ...]
 
@@ -83,8 +85,8 @@ def _gradient_of_all(tokens: Array, gradient: Array, planes: Planes) -> Array:
 
 
 def _weigh_pieces(kernel: Array, tokens: Array, planes: Planes) -> Array:
-    number, length = _pieces(tokens, kernel.shape[0], kernel.dtype)
-    if number < 2:
+    number, length = _pieces(tokens.shape[0], kernel.shape[0], kernel.dtype)
+    if number < FEWEST_PIECES:
         return _weigh_all(kernel, tokens, planes)
     body, rest = _cut(tokens, number, length)
     done = jax.lax.map(lambda piece: _weigh_all(kernel, piece, planes), body)
@@ -93,8 +95,8 @@ def _weigh_pieces(kernel: Array, tokens: Array, planes: Planes) -> Array:
 
 def _gradient_of_pieces(tokens: Array, gradient: Array, planes: Planes) -> Array:
     inputs = jax.eval_shape(lambda tokens: _channels(tokens, planes, gradient.dtype), tokens).shape[1]
-    number, length = _pieces(tokens, inputs, gradient.dtype)
-    if number < 2:
+    number, length = _pieces(tokens.shape[0], inputs, gradient.dtype)
+    if number < FEWEST_PIECES:
         return _gradient_of_all(tokens, gradient, planes)
     (tokens, rest), (gradient, rest_gradient) = _cut(tokens, number, length), _cut(gradient, number, length)
 
@@ -105,10 +107,10 @@ def _gradient_of_pieces(tokens: Array, gradient: Array, planes: Planes) -> Array
     return total
 
 
-def _pieces(tokens: Array, inputs: int, dtype: Any) -> tuple[int, int]:
-    """Returns how many whole pieces there are, and how many windows each has."""
-    length = max(1, PIECE // (inputs * jnp.dtype(dtype).itemsize))
-    return tokens.shape[0] // length, length
+def _pieces(windows: int, inputs: int, dtype: Any) -> tuple[int, int]:
+    """Returns how many whole pieces there are, 0 where they would be too small, and how many windows each has."""
+    length = PIECE // (inputs * jnp.dtype(dtype).itemsize)
+    return (windows // length if length >= FEWEST_WINDOWS else 0), length
 
 
 def _cut(array: Array, number: int, length: int) -> tuple[Array, Array]:

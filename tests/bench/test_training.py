@@ -56,7 +56,8 @@ def test_operations_are_those_of_the_matrices(
     meadow_env: Environment, algorithm: str, sharing: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Who shares does not matter, nor pieces. Of mappo the critic is a network of its own that sees the windows of both agents."""
-    monkeypatch.setattr(window_layer, "PIECE", 1)
+    monkeypatch.setattr(window_layer, "PIECE", 10_000)
+    monkeypatch.setattr(window_layer, "FEWEST_WINDOWS", 1)
     (setup,), _ = training_setups([meadow_env], ["mlp"], [algorithm], [sharing], ENVS, STEPS)
     program = make_train(meadow_env, setup.config)
     parameters = program.parameters(jax.eval_shape(program.init, jax.random.key(0)))

@@ -51,6 +51,8 @@ def draw_windows(seed: int, *lead: int) -> Array:
 def _rows(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """How many windows are in a piece, of float32; 12 are 12, 4, or 3 pieces, or one whole."""
     monkeypatch.setattr(window_layer, "PIECE", request.param * INPUTS * 4)
+    monkeypatch.setattr(window_layer, "FEWEST_PIECES", 1)
+    monkeypatch.setattr(window_layer, "FEWEST_WINDOWS", 1)
     jax.clear_caches()  # the size is read when a function is traced
 
 
