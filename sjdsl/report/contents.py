@@ -10,6 +10,8 @@ from sjdsl.report.cells import Index, Setting
 from sjdsl.report.evidence import DiagramRow, Evidence, Meeting
 from sjdsl.report.published import suite
 
+PAPERS_VARIANTS = ("", "socialjax")  # of the games that the paper has figures of: the game itself, and the rules of its released code
+
 
 @dataclass(frozen=True)
 class Game:
@@ -21,8 +23,9 @@ class Game:
 
     @property
     def published(self) -> str:
-        """The name under which the paper has figures of it; of other numbers or another map it has none."""
-        return self.name if self.setting is None or self.setting.plain else ""
+        """The name under which the paper has figures of it; of other numbers, another map or another variant it has none."""
+        of_the_paper = self.setting is None or (self.setting.plain and self.setting.variant in PAPERS_VARIANTS)
+        return self.name if of_the_paper else ""
 
 
 @dataclass(frozen=True)

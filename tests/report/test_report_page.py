@@ -162,7 +162,7 @@ def test_a_diagram_of_another_form_of_a_game_does_not_pass_for_the_game(tmp_path
         assert "| dilemma, fear and greed |  | 5 training seeds |" in row
         assert f"coins, {label}: Zeros." in section
     assert "| coins |  |  |  |  |  |  |  | fear, called a prisoner's dilemma" in section
-    assert "sjdsl schelling coins --cooperators runs/coins_common" in section
+    assert "sjdsl schelling coins --cooperators runs/rewards/cells/coins_reward-common" in section
     assert {row["published_shape"] for row in records(report, "schelling")} == {""}
     assert [note for note in report.notes if "the diagram" in note] == [
         "the diagram of coins is of other rules (ab12cd34) than the game has now (c01)"
@@ -196,7 +196,7 @@ def test_a_diagram_of_scripted_policies_leaves_the_command_of_the_trained_one(tm
     assert "| coins | `cooperator` | `defector` |" in section
     assert "| fear, called a prisoner's dilemma" in section
     assert "its command is below" in section
-    assert "sjdsl schelling coins --cooperators runs/coins_common" in section
+    assert "sjdsl schelling coins --cooperators runs/rewards/cells/coins_reward-common" in section
     write_diagram(tmp_path / "trained", "coins", CONTRASTS, "dilemma")
     first, second = [row for row in report_of(tmp_path).page.splitlines() if row.startswith("| coins | `") and "dilemma, " in row]
     assert "`runs/coins_common`" in first

@@ -2,6 +2,7 @@
 
 import math
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,10 @@ from report_folders import nearly
 from scipy import integrate, special
 
 from sjdsl.report import published
+from sjdsl.report.cells import Setting
+from sjdsl.report.contents import Game
 from sjdsl.report.ninety_five_percent_rule import choice_frequencies, chosen_ratio
+from sjdsl.report.sections.over_games import _chosen_games
 from sjdsl.report.welch import compare
 from sjdsl.trainers.estimates import estimate
 
@@ -118,3 +122,40 @@ def test_every_table_of_the_paper_is_whole() -> None:
     assert published.hours("coins") == 3
     crowded = [game for game in published.suite() if published.speed(game, crowd=True)]
     assert set(published.suite()) - set(crowded) == {"coins", "pd_arena"}
+
+
+@pytest.mark.parametrize(
+    ("ways", "chosen"),
+    [
+        (["abcd", "abc", "abc"], "abc"),  # one game more in one way takes no comparison away
+        (["abcd", "abcd", "ab", "ab", "ab", "ab"], "ab"),  # twelve pairs rather than eight
+        (["abcd", "ab"], "ab"),  # two ways rather than one
+        (["abcd"], "abcd"),
+        (["ab", "ac"], "ab"),  # as good as each other: the first
+        (["ac", "ab"], "ab"),
+        (["abc", "bcd"], "bc"),
+        (["a", "b"], ""),
+        ([], ""),
+    ],
+)
+def test_games_in_which_most_can_be_compared(ways: list[str], chosen: str) -> None:
+    found = {f"way {number}": dict.fromkeys(games, np.zeros(2)) for number, games in enumerate(ways)}
+    assert _chosen_games("abcd", found) == list(chosen)
+    assert _chosen_games("abcd", dict(reversed(found.items()))) == list(chosen)
+
+
+@pytest.mark.parametrize(
+    ("form", "published_as"),
+    [
+        ({}, "harvest_open"),
+        ({"variant": "socialjax"}, "harvest_open"),
+        ({"variant": "crowd", "num_agents": 20}, ""),
+        ({"variant": "meltingpot"}, ""),
+        ({"params": "apple=2"}, ""),
+        ({"map": "other.txt"}, ""),
+    ],
+)
+def test_published_figures_are_of_the_papers_game(form: dict[str, Any], published_as: str) -> None:
+    """Nothing published stands beside another form of a game; `socialjax` has the rules of the paper's code."""
+    plain = {"game": "harvest_open", "hash": "0", "variant": "", "params": "", "map": "", "num_agents": 7}
+    assert Game("harvest_open", "any", Setting(**{**plain, **form})).published == published_as

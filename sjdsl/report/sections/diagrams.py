@@ -7,6 +7,7 @@ from sjdsl.report.contents import Contents, called
 from sjdsl.report.evidence import DiagramRow
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section, Table
+from sjdsl.report.sections.own_and_common import REWARDS, rewards_sweep
 
 HEADINGS = (*("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "published", "over"),)
 
@@ -32,11 +33,12 @@ def diagrams(contents: Contents) -> Section:
     cautions = tuple(f"{_label(contents, row)}: {row.caution}" for row in found if row.caution)
     title = "Contrasts of the return of an agent"
     tables = (Table("schelling", title, HEADINGS, tuple(rows), records, 3),) if rows else ()
-    fill = tuple(
-        f"sjdsl schelling {called([name])} --cooperators runs/{name}_common --defectors runs/{name}_individual -o runs/{name}_diagram"
+    fill = [
+        f"sjdsl schelling {called([name])} --cooperators {REWARDS}/{name}_reward-common --defectors {REWARDS}/{name}_reward-individual "
+        f"-o runs/{name}_diagram"
         for name in missing
-    )
-    return Section("Schelling diagrams", (*text, *cautions), tables, fill=fill)
+    ]
+    return Section("Schelling diagrams", (*text, *cautions), tables, fill=(rewards_sweep(missing), *fill) if fill else ())
 
 
 def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:

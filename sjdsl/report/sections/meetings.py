@@ -3,6 +3,7 @@
 from sjdsl.report.contents import Contents, called
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section, Table
+from sjdsl.report.sections.own_and_common import REWARDS, rewards_sweep
 
 
 def meetings(contents: Contents) -> Section:
@@ -24,5 +25,6 @@ def meetings(contents: Contents) -> Section:
     records = tuple(vars(row) for row in contents.evidence.meetings)
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, tuple(rows), records, 3)
     game = next(iter(contents.names), "coins")
-    fill = f"sjdsl crossplay {called([game])} --policies runs/{game}_common runs/{game}_individual --mix pairs -o runs/{game}_pairs"
-    return Section("Cross-play", (), (table,) if rows else (), fill=() if of_the_game else (fill,))
+    pools = f"{REWARDS}/{game}_reward-common {REWARDS}/{game}_reward-individual"
+    fill = rewards_sweep([game]), f"sjdsl crossplay {called([game])} --policies {pools} --mix pairs -o runs/{game}_pairs"
+    return Section("Cross-play", (), (table,) if rows else (), fill=() if of_the_game else fill)

@@ -9,7 +9,7 @@ from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.page import Section
 from sjdsl.report.published import PaperMetric
 from sjdsl.report.sections.exchange import RATIOS
-from sjdsl.report.sections.svo import PROSOCIAL, by_angle
+from sjdsl.report.sections.svo import PROSOCIAL, by_angle, tried_weights
 from sjdsl.report.ways import Way, common, exchanged, individual, mappo, vdn
 from sjdsl.report.ways import svo as svo_way
 
@@ -25,10 +25,12 @@ def metrics(contents: Contents) -> Section:
             continue
         cells = [_cell(contents, game, metric, way) for way in _ways(contents, game)]
         empty += [game.name] if None in cells else []
-        lines.append(Line(game.label, cells, [metric.printed[column] for column in columns], (metric.what, _choices(cells))))
+        chosen = _choices(contents, game, cells)
+        lines.append(Line(game.label, cells, [metric.printed[column] for column in columns], (metric.what, chosen)))
     text = [
         "One figure a game says how much its agents cooperate, as the paper has it. "
-        "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight shown.",
+        "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight shown. "
+        "Beside each stands of how many: the paper tried four ratios and six weights.",
         f"Published: {published.source('metrics')}.",
     ]
     text += [f"{game}: {note}." for game, note in published.remarks("metrics").items() if game in {game.name for game in contents.games}]
@@ -42,24 +44,32 @@ def _ways(contents: Contents, game: Game) -> list[Way]:
     return [individual, common, mappo, vdn, _best_exchange(contents, game), _chosen_svo(contents, game)]
 
 
-def _choices(cells: list[Cell | None]) -> str:
-    """Returns which ratio and which weight the columns of exchange and SVO have."""
+def _choices(contents: Contents, game: Game, cells: list[Cell | None]) -> str:
+    """Returns which ratio and which weight the columns of exchange and SVO have, and how many were tried."""
     exchanged_run, svo_run = (None if cell is None else cell.run for cell in cells[-2:])
-    ratio = "" if exchanged_run is None else f"ratio {1 if exchanged_run.exchange_ratio is None else exchanged_run.exchange_ratio:g}"
-    weight = "" if svo_run is None else f"weight {svo_run.svo_weight:g}"
-    return ", ".join(part for part in (ratio, weight) if part)
+    said = []
+    if exchanged_run is not None:
+        ratio = 1 if exchanged_run.exchange_ratio is None else exchanged_run.exchange_ratio
+        said.append(f"ratio {ratio:g}, the best of {len(_exchange_means(contents, game))}")
+    if svo_run is not None:
+        said.append(f"weight {svo_run.svo_weight:g}, {tried_weights(contents, game)}")
+    return "; ".join(said)
 
 
-def _best_exchange(contents: Contents, game: Game) -> Way:
+def _exchange_means(contents: Contents, game: Game) -> dict[float, float]:
+    """Returns the mean return by exchange ratio, common reward being 1; none if there is nothing but common reward."""
     if game.setting is None:
-        return lambda _: False
+        return {}
     others = {run.exchange_ratio for run in contents.index.runs(game.setting) if run.exchange_ratio is not None}
     ratios = [ratio for ratio in sorted({*RATIOS, *others}) if ratio > 0]
     found = {ratio: contents.index.returns(game.setting, exchanged(ratio)) for ratio in ratios}
     means = {ratio: cell.estimate.mean for ratio, cell in found.items() if cell is not None and cell.estimate is not None}
-    if not set(means) & others:  # common reward alone is no sweep of ratios
-        return lambda _: False
-    return exchanged(max(means, key=lambda ratio: means[ratio]))
+    return means if set(means) & others else {}
+
+
+def _best_exchange(contents: Contents, game: Game) -> Way:
+    means = _exchange_means(contents, game)
+    return exchanged(max(means, key=lambda ratio: means[ratio])) if means else lambda _: False
 
 
 def _chosen_svo(contents: Contents, game: Game) -> Way:

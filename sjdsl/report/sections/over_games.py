@@ -1,9 +1,10 @@
 """Over games: interquartile mean, performance profiles and probability of improvement of normalised scores, all by `rliable`."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from hashlib import sha256
+from typing import Any
 
 import numpy as np
 
@@ -47,17 +48,20 @@ def over_games(contents: Contents) -> Section:
 def scores_of(contents: Contents) -> tuple[list[str], Scores, list[str]]:
     """Returns the games, the scores of each way of training in them, and what must be said of the choice.
 
-    The games are those of the way of training that has most; ways that lack one of them are left out, and seeds beyond the fewest.
+    The games are those in which most can be compared (`_chosen_games`); ways that lack one of them are left out, and seeds beyond the
+    fewest.
     """
     found: dict[str, dict[str, np.ndarray]] = {}
     for game in contents.games:
         for way, values in _scores_in(contents, game).items():
             found.setdefault(way, {})[game.label] = values
-    most = max(found.values(), key=len, default={})
-    if len(most) < 2:
+    games = _chosen_games([game.label for game in contents.games], found)
+    if not games:
         return [], {}, []
-    games = list(most)
     scores, remarks = {}, []
+    others = sorted({game for by_game in found.values() for game in by_game} - set(games))
+    if others:
+        remarks.append(f"* Left out for games in which more ways of training can be compared: {', '.join(others)}.")
     for way, by_game in sorted(found.items()):
         if not set(games) <= by_game.keys():
             remarks.append(f"* {way} is left out: it lacks {', '.join(game for game in games if game not in by_game)}.")
@@ -69,6 +73,25 @@ def scores_of(contents: Contents) -> tuple[list[str], Scores, list[str]]:
     return games, scores, remarks
 
 
+def _chosen_games(order: Sequence[str], found: Mapping[str, Mapping[str, np.ndarray]]) -> list[str]:
+    """Returns the games, two at least, in which the most pairs of a game and a way of training are left; none where there are no two.
+
+    If possible, two ways have all of them. Of sets with as many pairs it is the one with more games, then the first in their order.
+    Larger sets than those that some ways have in common would not have more ways, so these are all that are looked at.
+    """
+    common: set[frozenset[str]] = set()
+    for by_game in found.values():
+        own = frozenset(by_game)
+        common |= {own} | {own & other for other in common}
+    sets = [[game for game in order if game in games] for games in common if len(games) > 1]
+
+    def worth(games: Sequence[str]) -> tuple[Any, ...]:
+        ways = sum(set(games) <= by_game.keys() for by_game in found.values())
+        return ways > 1, ways * len(games), len(games), [-order.index(game) for game in games]
+
+    return max(sets, key=worth, default=[])
+
+
 def _scores_in(contents: Contents, game: Game) -> Mapping[str, np.ndarray]:
     """Returns the scores of the seeds by way of training; of two seeds at least."""
     best = published.best_return(game.published)
@@ -76,7 +99,7 @@ def _scores_in(contents: Contents, game: Game) -> Mapping[str, np.ndarray]:
     if best is None or random is None or game.setting is None:
         return {}
     scores = {}
-    for way in {in_words(run) for run in contents.index.runs(game.setting) if run.stage != 1}:
+    for way in sorted({in_words(run) for run in contents.index.runs(game.setting) if run.stage != 1}):
         cell = contents.index.returns(game.setting, partial(_is, way))
         if cell is not None and cell.estimate is not None and len(cell.values) > 1:
             scores[way] = (np.array(cell.values) - random.mean) / (best - random.mean)

@@ -1,11 +1,15 @@
 """What common reward changes: individual against common reward in each game, by Welch's t-test."""
 
+from collections.abc import Iterable
+
 from sjdsl.report.comparing import Pair, compared_table
 from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section
 from sjdsl.report.published import difficulty
 from sjdsl.report.ways import common, individual
+
+REWARDS = "runs/rewards/cells"  # where the sweep that is named for empty cells puts its runs
 
 
 def own_and_common(contents: Contents) -> Section:
@@ -23,8 +27,13 @@ def own_and_common(contents: Contents) -> Section:
     )
     text = ("If common reward earns the group more than individual reward does, what is good for an agent is bad for the group.",)
     missing = dict.fromkeys(game.name for game, line in zip(contents.games, lines, strict=True) if None in line[1:])
-    fill = f"sjdsl sweep {called(missing or ['coins'])} --axis reward=individual,common --preset two_cores --seeds 5 --run runs/rewards"
-    return Section("Individual and common reward", text, (table,) if lines else (), fill=(fill,) if missing or not lines else ())
+    fill = (rewards_sweep(missing or ["coins"]),) if missing or not lines else ()
+    return Section("Individual and common reward", text, (table,) if lines else (), fill=fill)
+
+
+def rewards_sweep(games: Iterable[str]) -> str:
+    """Returns the command that trains in games with individual and with common reward."""
+    return f"sjdsl sweep {called(games)} --axis reward=individual,common --preset two_cores --seeds 5 --run runs/rewards"
 
 
 def _random(contents: Contents, game: Game) -> str:

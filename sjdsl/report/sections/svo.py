@@ -21,7 +21,7 @@ def svo(contents: Contents) -> Section:
     weights = {game: _by_weight(contents, game) for game in contents.games}
     angles = {game: by_angle(contents, game) for game in contents.games}
     text = (
-        "Weights are compared at 90 degrees, angles at the weight that was chosen. "
+        "Weights are compared at 90 degrees, angles at the weight shown: of several that were tried, the best. "
         "Angles have fresh seeds: the weight that is best among a few seeds owes that partly to them.",
         f"Published: {published.source('svo')}.",
     )
@@ -48,6 +48,12 @@ def _by_weight(contents: Contents, game: Game) -> dict[float, Cell]:
         weight: contents.index.returns(game.setting, way(PROSOCIAL, weight, 1)) for weight in sorted(w for w in weights if w is not None)
     }
     return {weight: cell for weight, cell in cells.items() if cell is not None}
+
+
+def tried_weights(contents: Contents, game: Game) -> str:
+    """Returns of how many weights at 90 degrees one was chosen, in words."""
+    tried = len(_by_weight(contents, game))
+    return f"of {tried} tried" if tried > 1 else "no other tried"
 
 
 def by_angle(contents: Contents, game: Game) -> tuple[float, dict[float, Cell]]:
@@ -81,6 +87,6 @@ def _angle_table(contents: Contents, angles: dict[Game, tuple[float, dict[float,
     lines = []
     for game, (weight, cells) in found.items():
         printed = published.svo(game.published)
-        ours = (f"{weight:g}",) if cells else ("",)
+        ours = (f"{weight:g}, {tried_weights(contents, game)}",) if cells else ("",)
         lines.append(Line(game.label, [cells.get(angle) for angle in columns], [printed.get(angle) for angle in columns], ours))
     return [beside_table("svo_angles", "Collective return by SVO angle", [f"{angle:g}°" for angle in columns], lines, ("weight",))]
