@@ -9,6 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from sjdsl.experiments.program_digest import program_digest
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.policies.declared import declared_policies, policy_digest
 from sjdsl.runtime.policy import Policy
@@ -51,7 +52,7 @@ class Player:
 
     name: str  # of its pool
     seed: int | None  # that it was trained with
-    digest: str | None  # SHA-256 of the file that it is stored, or written, in
+    digest: str | None  # SHA-256 of the file that it is stored, or written, in; of a function of Python, of what it does
     kind: Hashable  # players of one kind differ in parameters only
     policy_of: Callable[[Any], Policy]  # the policy of parameters
     parameters: Any = ()
@@ -94,7 +95,8 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
       game, or no seed of the run is left.
     """
     if not isinstance(policy, str | Path):
-        return Pool(name_of("policy", policy), (_untrained(name_of("policy", policy), policy),))
+        own = name_of("policy", policy)
+        return Pool(own, (replace(_untrained(own, policy), digest=program_digest(policy, env)),))
     name = str(policy)
     declared = declared_policies(env)
     if name in declared:

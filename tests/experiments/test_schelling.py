@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax import Array
 from small_games import OTHER, STAY, matrix_game, public_goods
 
 import sjdsl
@@ -180,6 +182,20 @@ def test_another_experiment_does_not_go_on_in_the_folder(tmp_path: Path) -> None
     for message, other in changed.items():
         with pytest.raises(ExperimentError, match=message):
             play_diagram(other, tmp_path / "diagram", lambda _: None)
+
+
+def test_a_function_of_python_is_known_by_what_it_does() -> None:
+    """Across processes, where names begin anew: the same program has the same digest, with another number in it another."""
+
+    def digest(*numbers: int) -> str | None:
+        def mine(key: Array, observation: Array) -> Array:
+            del key, observation
+            return jnp.asarray(numbers, jnp.int32)
+
+        return plan_diagram(matrix_game(), "stay", mine, 2, 0).pools[1].players[0].digest
+
+    assert digest(0, 0) == digest(0, 0)
+    assert len({digest(0, 0), digest(0, 1), digest(1, 1), None}) == 4
 
 
 def test_returns_that_are_not_finite_are_refused() -> None:
