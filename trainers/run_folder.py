@@ -12,6 +12,7 @@ import jax
 from jax.tree_util import keystr, tree_leaves_with_path
 
 from .config import Config
+from .device import device_name
 from .environment import Environment, reset_shapes
 from .extensions import file_of
 from .run_files import plain
@@ -35,7 +36,7 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
         "own_files": own_files(config),
         "derived": derived_figures(config, env.num_agents),
         "versions": versions(),
-        "device": {"platform": device.platform, "kind": device.device_kind, "count": jax.device_count()},
+        "device": {"platform": device.platform, "kind": device_name(device), "count": jax.device_count()},
     }
 
 

@@ -2,11 +2,11 @@
 
 import os
 import platform
-from pathlib import Path
 from typing import Any
 
 import jax
 
+from sjdsl.trainers.device import device_name
 from sjdsl.version import __version__
 
 
@@ -19,7 +19,7 @@ def describe_machine(devices: int = 1) -> dict[str, Any]:
     device = jax.devices()[0]
     return {
         "platform": device.platform,
-        "device": _processor() if device.platform == "cpu" else device.device_kind,
+        "device": device_name(device),
         "cpu_cores": os.cpu_count(),
         "devices": devices,
         "python": platform.python_version(),
@@ -44,13 +44,3 @@ def devices_said(machine: dict[str, Any]) -> str:
 def device_peak_bytes() -> int | None:
     """Returns the most memory the device has held in this process; None where the device does not count (a CPU)."""
     return (jax.devices()[0].memory_stats() or {}).get("peak_bytes_in_use")
-
-
-def _processor() -> str:
-    """Returns the processor's name where Linux tells it, else its architecture."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, "") or platform.machine()

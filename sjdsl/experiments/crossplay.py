@@ -67,6 +67,11 @@ def plan_cross_play(
     if (slots is None) == (policies is None):
         raise ExperimentError("give either slots, a policy for each agent, or policies, whose mixtures are played")
     number = env.num_agents
+    if number < 2:
+        raise ExperimentError(
+            f"cross-play needs two agents at least, and {env.name} has one here; ask for more with --agents, or see what one earns alone "
+            "with `sjdsl evaluate`"
+        )
     if slots is not None:
         if len(slots) != number:
             raise ExperimentError(f"{env.name} has {number} slots, and {len(slots)} policies are given for them; name one for each slot")

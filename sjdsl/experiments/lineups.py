@@ -40,10 +40,8 @@ def paired_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
     """Returns the mixtures of two policies of which one has a single slot, and of each policy with itself.
 
     Raises:
-      ExperimentError: there are more than 500, or no slot is left for a second policy.
+      ExperimentError: there are more than 500.
     """
-    if slots < 2:
-        raise ExperimentError("pairs need a game of two agents at least, and this one has one")
     found = {visiting(one, many, slots) for one in range(policies) for many in range(policies)}
     if len(found) > MOST:
         raise ExperimentError(f"{policies} policies make {len(found):,} pairs, and at most {MOST} are played; name fewer policies")

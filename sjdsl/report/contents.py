@@ -55,8 +55,7 @@ class Contents:
             return row.params
         trained = (setting for setting in self.index.settings if (setting.game, setting.hash) == (row.game, row.hash))
         known = next((_forms(setting.variant, setting.map) for setting in trained if setting.variant or setting.map), None)
-        agents = [f"{row.num_agents} agents"] if isinstance(row, DiagramRow) else []
-        forms = known or _forms(variant_now(row.game, row.hash) or "") or [f"rules {row.hash[:6]}", *agents]
+        forms = known or _forms(variant_now(row.game, row.hash) or "") or [f"rules {row.hash[:6]}", f"{row.num_agents} agents"]
         return ", ".join([*forms, *filter(None, (row.params,))])
 
 

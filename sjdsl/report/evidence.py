@@ -160,13 +160,15 @@ class Meeting:
     game: str
     hash: str
     params: str  # numbers that a bundled game has otherwise
+    num_agents: int
     mixture: str
     policy: str
     mean: float
     low: float | None
     high: float | None
     unit: str  # what the interval is over: `training seed` or `episode`
-    episodes: int
+    units: int
+    episodes: int  # of all seeds together
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from stored_policies import store, store_pool
 from sjdsl.experiments import ExperimentError, cross_play, schelling_diagram
 from sjdsl.experiments.lineups import play_key
 from sjdsl.trainers import evaluate, find_policy
-from tests.trainers.probes import hidden, recalled
+from tests.trainers.probes import constant, hidden, recalled
 
 # By the seed of their parameters: those of one network earn differently.
 KINDS: dict[int, dict[str, Any]] = {
@@ -133,6 +133,8 @@ def test_what_is_asked_wrongly_is_refused(tmp_path: Path) -> None:
         cross_play(env)
     with pytest.raises(ExperimentError, match="give either slots"):
         cross_play(env, slots=["stay", "stay"], policies=["stay"])
+    with pytest.raises(ExperimentError, match=r"needs two agents at least, and constant has one here.*`sjdsl evaluate`"):
+        cross_play(constant(1.0, num_agents=1), policies=["stay", "random"])
     with pytest.raises(ExperimentError, match="`stay` is named twice"):
         cross_play(env, policies=["stay", "random", "stay"])
     with pytest.raises(ExperimentError, match="name one policy at least"):

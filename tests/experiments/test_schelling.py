@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax import Array
-from small_games import OTHER, STAY, matrix_game, public_goods
+from small_games import OTHER, STAY, matrix_game, public_goods, threshold_goods
 
 import sjdsl
 from sjdsl.experiments import ExperimentError, schelling_diagram
@@ -51,13 +51,36 @@ def test_matrix_games_exactly(variant: str | None) -> None:
     assert [sign for _, sign in found.preferences] == ["defect" if value > 0 else "cooperate" for value in (p - s, t - r)]
 
 
-def test_public_goods_exactly() -> None:
-    """Four agents, what is given is doubled: C(l) = 2 (l + 1) / 4 - 1 and D(l) = 2 l / 4 a step, of two steps."""
-    found = schelling_diagram(public_goods(4), STAY, OTHER, episodes=2)
-    assert [figure.mean for figure in found.cooperating] == [2 * (2 * (others + 1) / 4 - 1) for others in range(4)]
-    assert [figure.mean for figure in found.defecting] == [2 * 2 * others / 4 for others in range(4)]
-    assert found.verdict.outcome == "dilemma"
-    assert [figure.high - figure.low for figure in found.everybody] == [0.0] * 5
+CROWDS = [2, 5, *(pytest.param(players, marks=pytest.mark.thorough) for players in (3, 4, 6, 7, 8))]
+
+
+@pytest.mark.parametrize("players", CROWDS)
+def test_linear_public_goods_exactly(players: int) -> None:
+    """C(l) = r (l + 1) / N - 1 and D(l) = r l / N a step, of two steps: a dilemma exactly if 1 < r < N, with the borders."""
+    for r in (0.5, 1.0, (1 + players) / 2, float(players), players + 1.0):
+        env = public_goods(players)
+        found = schelling_diagram(env.with_params(replace(env.params, multiplier=jnp.float32(r))), STAY, OTHER, episodes=2)
+        rounding = 2 * max(r, 1) * 4 * 2**-24  # of float32, in two steps: 1 / N, the share, the subtraction, the sum
+        exact = pytest.approx([2 * (r * (others + 1) / players - 1) for others in range(players)], rel=0, abs=rounding)
+        assert [figure.mean for figure in found.cooperating] == exact, r
+        exact = pytest.approx([2 * r * others / players for others in range(players)], rel=0, abs=rounding)
+        assert [figure.mean for figure in found.defecting] == exact, r
+        assert [figure.high - figure.low for figure in found.everybody] == [0.0] * (players + 1)
+        assert found.verdict.outcome == ("dilemma" if 1 < r < players else "no dilemma"), r
+        assert [sign for _, sign in found.preferences] == ["defect" if r < players else "equal" if r == players else "cooperate"] * players
+
+
+@pytest.mark.parametrize("players", CROWDS)
+def test_threshold_public_goods_exactly(players: int) -> None:
+    """Everybody has b where k agents at least have paid c: the lines cross only at l = k - 1, where one more payment is the one that is missing."""
+    b, c = 4, 1
+    for k in range(1, players + 1):
+        env = threshold_goods(players)
+        found = schelling_diagram(env.with_params(replace(env.params, needed=jnp.int32(k))), STAY, OTHER, episodes=2)
+        assert [figure.mean for figure in found.cooperating] == [2 * (b * (others + 1 >= k) - c) for others in range(players)], k
+        assert [figure.mean for figure in found.defecting] == [2 * b * (others >= k) for others in range(players)], k
+        assert [sign for _, sign in found.preferences] == ["cooperate" if others == k - 1 else "defect" for others in range(players)], k
+        assert found.verdict.outcome == ("no dilemma" if k == 1 else "dilemma"), "where one who pays is enough, all who pay have no more"
 
 
 def test_what_a_cooperator_earns_is_in_the_cooperators_line() -> None:

@@ -3,6 +3,7 @@
 import ast
 import os
 import re
+import resource
 import sys
 import tomllib
 from importlib.metadata import packages_distributions
@@ -74,7 +75,12 @@ def test_a_dilemma_is_written_and_changed() -> None:
 
 @pytest.mark.thorough
 def test_what_the_tour_shows() -> None:
+    """And that it is a tour: two minutes at most of a processor, which other work on the machine does not prolong."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     notebook = executed("tour")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    assert 1 < used < 120, used  # less than a second would not be the kernel's
     assert "orchard" in printed(notebook, "rules =")
     assert printed(notebook, "observation, state").startswith("((2,")
     assert printed(notebook, "def rollout").count("steps a second") == 2

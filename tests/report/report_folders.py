@@ -146,7 +146,16 @@ def write_cross_play(
         for name, figure in policies.items()
     ]
     write_json(
-        folder / "crossplay.json", {"format": 1, "game": described(game, rules), "unit": "episode", "notes": [], "mixtures": mixtures}
+        folder / "crossplay.json",
+        {
+            "format": 1,
+            "game": described(game, rules),
+            "unit": "episode",
+            "episodes": 30,
+            "keys": [[0, 0]],
+            "notes": [],
+            "mixtures": mixtures,
+        },
     )
 
 

@@ -181,7 +181,7 @@ def test_a_cross_play_of_another_form_of_a_game_does_not_pass_for_the_game(tmp_p
     report = report_of(tmp_path)
     section = report.page.split("## Cross-play")[1].split("## Speed")[0]
     assert "| coins, variant socialjax | 2 x stay |" in section
-    assert "| coins, rules ab12cd | 2 x stay |" in section
+    assert "| coins, rules ab12cd, 2 agents | 2 x stay |" in section
     assert "sjdsl crossplay coins" in section
     assert [note for note in report.notes if "cross-play" in note] == [
         "the cross-play of coins is of other rules (ab12cd34) than the game has now (c01)"

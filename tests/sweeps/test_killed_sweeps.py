@@ -14,8 +14,6 @@ import pytest
 
 from tests.sweeps.described import GAME
 
-pytestmark = pytest.mark.slow
-
 SMALL = ("num_envs=4", "num_steps=4", "num_minibatches=1", "num_epochs=1", "network=mlp", "network_width=4")
 SETS = [part for text in (*SMALL, "total_timesteps=4800", "checkpoint_updates=20") for part in ("--set", text)]
 ARGUMENTS = ["sweep", GAME, "--axis", "reward=individual,common,exchange", *SETS, "--seeds", "2", "--episodes", "4", "--run"]
@@ -57,8 +55,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(("cell", "rows"), [(0, 0), (0, 50), (1, 150), (2, 299)])
+@pytest.mark.parametrize(
+    ("cell", "rows"),
+    [pytest.param(1, 150, marks=pytest.mark.thorough), *(pytest.param(*at, marks=pytest.mark.slow) for at in ((0, 0), (0, 50), (2, 299)))],
+)
 def test_kill_minus_nine(whole: Path, tmp_path: Path, cell: int, rows: int) -> None:
+    """Killed when a cell has learnt so many updates of 300; at 0, when it has been claimed."""
     folder = tmp_path / "sweep"
     process = start(folder)
     wait_for(lambda: rows_in(folder, CELLS[cell]) >= rows if rows else (folder / "claims" / f"{CELLS[cell]}@0.json").exists(), process)
@@ -73,6 +75,7 @@ def test_kill_minus_nine(whole: Path, tmp_path: Path, cell: int, rows: int) -> N
     assert len(trained) == 3 - cell, "what was done is kept"
 
 
+@pytest.mark.thorough
 def test_two_processes_on_one_folder(whole: Path, tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
     both = [start(folder), start(folder)]
@@ -84,6 +87,7 @@ def test_two_processes_on_one_folder(whole: Path, tmp_path: Path) -> None:
     assert len([*(folder / "claims").glob("*.json")]) == 3
 
 
+@pytest.mark.slow
 def test_one_of_two_processes_is_killed_and_the_other_takes_over(whole: Path, tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
     first = start(folder)
@@ -97,6 +101,7 @@ def test_one_of_two_processes_is_killed_and_the_other_takes_over(whole: Path, tm
     assert results(folder) == results(whole)
 
 
+@pytest.mark.slow
 def test_a_worker_that_the_system_kills_costs_its_cell(whole: Path, tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
     process = start(folder, "--workers", "2")
@@ -114,6 +119,7 @@ def test_a_worker_that_the_system_kills_costs_its_cell(whole: Path, tmp_path: Pa
     assert results(folder) == results(whole)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [3000, 20_000])
 def test_a_full_disk(whole: Path, tmp_path: Path, limit: int) -> None:
     """The system refuses what goes beyond so many bytes of a file: `sweep.json`, and then the metrics of a run."""

@@ -17,6 +17,7 @@ from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
 from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, recorder, resume, run, train
+from sjdsl.trainers.device import device_name
 from sjdsl.trainers.learning_curve import draw_learning_curve
 from sjdsl.trainers.progress import show_progress
 
@@ -45,7 +46,8 @@ def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
         "observation_shape": [2, 1, 1, 1],
     }
     assert manifest["versions"]["jax"] == jax.__version__
-    assert manifest["device"]["platform"] == jax.devices()[0].platform
+    assert manifest["device"] == {"platform": "cpu", "kind": device_name(jax.devices("cpu")[0]), "count": jax.device_count()}
+    assert manifest["device"]["kind"] not in ("", "cpu"), "a report must tell processors apart"
     assert 0 < manifest["compile_seconds"] < manifest["seconds"] < result.seconds
     assert 0 < manifest["program_megabytes"] < manifest["peak_megabytes"]
 

@@ -4,7 +4,7 @@ import re
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,13 +27,14 @@ def learning_curves(contents: Contents) -> Section:
     """Returns a picture for each game: the mean over seeds, with the band of its 95 % interval by Student's t."""
     pictures, records = [], []
     for game in contents.games:
-        lines = _lines(contents, game)
-        if lines:
+        found = _lines(contents, game)
+        if found:
+            lines = [line for line, _ in found]
             pictures.append(Picture(re.sub(r"[^\w.-]+", "_", f"curves_{game.label}"), game.label, partial(_draw, lines, game.label)))
-        for line in lines:
+        for line, origin in found:
             low, high = (np.full(line.values.shape, np.nan) if bound is None else bound for bound in (line.low, line.high))
             for step, *figures in zip(line.steps, line.values, low, high, strict=True):
-                records.append({"game": game.label, "way": line.label, "env_steps": int(step), **_bounds(*figures)})
+                records.append({"game": game.label, "way": line.label, "env_steps": int(step), **_bounds(*figures), **origin})
     failed = [f"{in_words(run)} in {game.label}" for game in contents.games for run in _failed(contents, game)]
     text = (
         "Mean over seeds, with the band of its 95 % interval (Student's t). One seed has no band.",
@@ -48,16 +49,22 @@ def _bounds(mean: float, low: float, high: float) -> dict[str, float | None]:
     return {"mean": mean, "low": None if np.isnan(low) else finite(low), "high": None if np.isnan(high) else finite(high)}
 
 
-def _lines(contents: Contents, game: Game) -> list[Line]:
+def _lines(contents: Contents, game: Game) -> list[tuple[Line, dict[str, Any]]]:
+    """Returns the lines of a game, each with how many seeds it is of and on what they were trained."""
     if game.setting is None:
         return []
     whole = [run for run in contents.index.runs(game.setting) if not contents.index.has_failed(run)]
     found = [(run, curve) for run in whole if (curve := _curve(contents, run)) is not None]
     twice = {in_words(run) for run, _ in found if sum(in_words(other) == in_words(run) for other, _ in found) > 1}
     return [
-        _line(run, curve, in_words(run) in twice)
+        (_line(run, curve, in_words(run) in twice), _origin(contents, run))
         for run, curve in sorted(found, key=lambda pair: (in_words(pair[0]).casefold(), pair[0].run))
     ]
+
+
+def _origin(contents: Contents, run: Run) -> dict[str, Any]:
+    seeds = [row for row in contents.index.seeds(run) if row.status == "done"]
+    return {"seeds": len(seeds), "hardware": " and ".join(dict.fromkeys(row.hardware for row in seeds))}
 
 
 def _failed(contents: Contents, game: Game) -> list[Run]:

@@ -10,7 +10,7 @@ def meetings(contents: Contents) -> Section:
     """Returns the section of all mixtures that were played."""
     rows = []
     for row in contents.evidence.meetings:
-        over = "training seeds" if row.unit == "training seed" else f"{row.episodes} episodes, of these policies only"
+        over = f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else ", of these policies only")
         rows.append(
             (
                 ", ".join(filter(None, (row.game, contents.form(row)))),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.report import published
+from sjdsl.report.cells import Cell, short
 from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.evidence import Run
 from sjdsl.report.figure_text import bounded
@@ -18,11 +19,12 @@ from sjdsl.report.ways import in_words
 
 TITLE = "Over games"
 Scores = dict[str, np.ndarray]  # way of training -> [seeds, games]
+Origins = dict[str, tuple[str, str]]  # way of training -> steps of a seed, hardware
 
 
 def over_games(contents: Contents) -> Section:
     """Returns the section of the ways of training that were tried in the same two games or more, with two seeds at least."""
-    games, scores, remarks = scores_of(contents)
+    games, scores, origins, remarks = _scores_of(contents)
     text = [
         "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper. "
         "Intervals are of 95 %, by resampling the seeds of each game (stratified bootstrap). Within one game nothing of this is shown.",
@@ -35,30 +37,32 @@ def over_games(contents: Contents) -> Section:
             TITLE, (*text, "There are no two games yet with the same way of training, two seeds, and a random policy."), fill=tuple(fill)
         )
     text.append(f"Of the games {', '.join(games)}.")
-    stamp = sha256(json.dumps([games, {way: found.tolist() for way, found in scores.items()}]).encode()).hexdigest()[:12]
+    stamp = sha256(json.dumps([games, {way: [found.tolist(), origins[way]] for way, found in scores.items()}]).encode()).hexdigest()[:12]
     if not is_installed():
         return Section(TITLE, (*text, INSTALL), stamp=stamp, lacks=INSTALL)
-    tables = [_means_table(interquartile_means(scores), scores)]
+    tables = [_means_table(interquartile_means(scores), scores, origins)]
     if len(scores) > 1:
         tables.append(_improvement_table(improvements(scores)))
     pictures = (Picture("performance_profiles", "performance profiles", partial(draw_profiles, scores)),)
     return Section(TITLE, tuple(text), tuple(tables), pictures, stamp=stamp)
 
 
-def scores_of(contents: Contents) -> tuple[list[str], Scores, list[str]]:
-    """Returns the games, the scores of each way of training in them, and what must be said of the choice.
+def _scores_of(contents: Contents) -> tuple[list[str], Scores, Origins, list[str]]:
+    """Returns the games, the scores of each way of training in them and where they come from, and what must be said of the choice.
 
     The games are those in which most can be compared (`_chosen_games`); ways that lack one of them are left out, and seeds beyond the
     fewest.
     """
     found: dict[str, dict[str, np.ndarray]] = {}
+    cells: dict[str, dict[str, Cell]] = {}
     for game in contents.games:
-        for way, values in _scores_in(contents, game).items():
+        for way, (cell, values) in _scores_in(contents, game).items():
             found.setdefault(way, {})[game.label] = values
+            cells.setdefault(way, {})[game.label] = cell
     games = _chosen_games([game.label for game in contents.games], found)
     if not games:
-        return [], {}, []
-    scores, remarks = {}, []
+        return [], {}, {}, []
+    scores, origins, remarks = {}, {}, []
     others = sorted({game for by_game in found.values() for game in by_game} - set(games))
     if others:
         remarks.append(f"* Left out for games in which more ways of training can be compared: {', '.join(others)}.")
@@ -70,7 +74,15 @@ def scores_of(contents: Contents) -> tuple[list[str], Scores, list[str]]:
         if any(len(by_game[game]) > fewest for game in games):
             remarks.append(f"* Of {way} the first {fewest} seeds of each game are taken, for one game has no more.")
         scores[way] = np.stack([by_game[game][:fewest] for game in games], axis=1)
-    return games, scores, remarks
+        origins[way] = _origin([cells[way][game] for game in games])
+    return games, scores, origins, remarks
+
+
+def _origin(cells: Sequence[Cell]) -> tuple[str, str]:
+    """Returns the environment steps of a seed, from the fewest to the most, and the hardware of several cells."""
+    steps = sorted({cell.steps for cell in cells})
+    said = short(steps[0]) if len(steps) == 1 else f"{short(steps[0])} to {short(steps[-1])}"
+    return f"{said} steps", " and ".join(dict.fromkeys(cell.hardware for cell in cells))
 
 
 def _chosen_games(order: Sequence[str], found: Mapping[str, Mapping[str, np.ndarray]]) -> list[str]:
@@ -92,8 +104,8 @@ def _chosen_games(order: Sequence[str], found: Mapping[str, Mapping[str, np.ndar
     return max(sets, key=worth, default=[])
 
 
-def _scores_in(contents: Contents, game: Game) -> Mapping[str, np.ndarray]:
-    """Returns the scores of the seeds by way of training; of two seeds at least."""
+def _scores_in(contents: Contents, game: Game) -> Mapping[str, tuple[Cell, np.ndarray]]:
+    """Returns the cell and the scores of its seeds by way of training; of two seeds at least."""
     best = published.best_return(game.published)
     random = None if game.setting is None else contents.index.random(game.setting.game, game.setting.hash)
     if best is None or random is None or game.setting is None:
@@ -102,7 +114,7 @@ def _scores_in(contents: Contents, game: Game) -> Mapping[str, np.ndarray]:
     for way in sorted({in_words(run) for run in contents.index.runs(game.setting) if run.stage != 1}):
         cell = contents.index.returns(game.setting, partial(_is, way))
         if cell is not None and cell.estimate is not None and len(cell.values) > 1:
-            scores[way] = (np.array(cell.values) - random.mean) / (best - random.mean)
+            scores[way] = cell, (np.array(cell.values) - random.mean) / (best - random.mean)
     return scores
 
 
@@ -116,13 +128,14 @@ def _without_random(contents: Contents) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _means_table(means: Mapping[str, Interval], scores: Scores) -> Table:
-    rows = [(way, bounded(*found), f"{scores[way].shape[0]} seeds, {scores[way].shape[1]} games") for way, found in means.items()]
-    records = [
-        {"way": way, "iqm": mean, "low": low, "high": high, "seeds": scores[way].shape[0], "games": scores[way].shape[1]}
-        for way, (mean, low, high) in means.items()
-    ]
-    headings = ("way of training", "interquartile mean", "of")
+def _means_table(means: Mapping[str, Interval], scores: Scores, origins: Origins) -> Table:
+    rows, records = [], []
+    for way, (mean, low, high) in means.items():
+        (seeds, games), (steps, hardware) = scores[way].shape, origins[way]
+        rows.append((way, bounded(mean, low, high), f"{seeds} seeds, {games} games, {steps}, {hardware}"))
+        figures = {"way": way, "iqm": mean, "low": low, "high": high, "seeds": seeds, "games": games}
+        records.append(figures | {"steps": steps.removesuffix(" steps"), "hardware": hardware})
+    headings = ("way of training", "interquartile mean", "seeds, games, steps, hardware")
     return Table("over_games", "Interquartile mean of the scores", headings, tuple(rows), tuple(records))
 
 
