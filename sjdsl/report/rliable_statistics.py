@@ -1,4 +1,4 @@
-"""Statistics over games by the library `rliable` (Agarwal et al. 2021), which is an extra: nothing of it is written again here."""
+"""Statistics over games by the library `rliable` (Agarwal et al. 2021), which is an extra; one of its figures is computed faster here."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -49,13 +49,23 @@ def interquartile_means(scores: Scores) -> dict[str, Interval]:
 
 def improvements(scores: Scores) -> dict[tuple[str, str], Interval]:
     """Returns the probability that a seed of one way of training has more than one of another, on average over games, by pair."""
-    from rliable import library, metrics
+    from rliable import library
 
     pairs = {f"{number}": pair for number, pair in enumerate(permutations(scores, 2))}
     tables = {number: (scores[first], scores[second]) for number, (first, second) in pairs.items()}
     with _seeded():
-        means, bounds = library.get_interval_estimates(tables, metrics.probability_of_improvement, reps=RESAMPLES)
+        means, bounds = library.get_interval_estimates(tables, probability_of_improvement, reps=RESAMPLES)
     return {pair: _interval(means[number], bounds[number]) for number, pair in pairs.items()}
+
+
+def probability_of_improvement(first: np.ndarray, second: np.ndarray) -> float:
+    """Returns in how many pairs of a seed of `[seeds, games]` and of another such table the first has more; equal ones count half.
+
+    It is `rliable.metrics.probability_of_improvement`, which tests each game anew by SciPy's Mann-Whitney test and takes of it only this
+    share: a hundred times as long, minutes for five ways of training.
+    """
+    one, other = first[:, None], second[None]
+    return float(np.mean((one > other) + 0.5 * (one == other)))
 
 
 def _interval(mean: Any, bounds: Any) -> Interval:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sjdsl.report import rliable_statistics
-from sjdsl.report.rliable_statistics import draw_profiles, improvements, interquartile_means, is_installed
+from sjdsl.report.rliable_statistics import draw_profiles, improvements, interquartile_means, is_installed, probability_of_improvement
 
 pytest.importorskip("rliable")
 
@@ -36,6 +36,16 @@ def test_improvement_is_of_every_ordered_pair_and_the_same_each_time() -> None:
     before = np.random.get_state()[1].copy()
     assert interquartile_means(SCORES) == interquartile_means(SCORES)
     assert (np.random.get_state()[1] == before).all()  # the resamples are not drawn at anyone's cost
+
+
+def test_the_probability_of_improvement_is_that_of_rliable() -> None:
+    """Also of equal scores, and of tables with other numbers of seeds."""
+    from rliable import metrics
+
+    draws = np.random.default_rng(0)
+    for _ in range(20):
+        first, second = (draws.integers(0, 4, (seeds, 5)).astype(float) for seeds in draws.integers(1, 6, 2))
+        assert probability_of_improvement(first, second) == pytest.approx(metrics.probability_of_improvement(first, second))
 
 
 def test_profiles_are_drawn(tmp_path: Path) -> None:
