@@ -19,6 +19,8 @@ from pydantic import (
     model_validator,
 )
 
+from sjdsl.near_names import meant
+
 from .config_errors import ConfigError, sentence_of
 from .extensions import Kind, find, is_own, lasting, name_of
 from .policy_names import lasting_name
@@ -237,5 +239,5 @@ def make_config(values: Mapping[str, Any] | None = None, **more: Any) -> Config:
     given = {**(values or {}), **more}
     algorithm = given.setdefault("algorithm", "ippo")
     if algorithm not in CLASSES:
-        raise ConfigError(f"unknown algorithm {algorithm!r}; known: {', '.join(CLASSES)}")
+        raise ConfigError(f"unknown algorithm {algorithm!r}{meant(str(algorithm), CLASSES, 'known:')}")
     return CLASSES[algorithm](**given)

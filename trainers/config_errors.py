@@ -1,9 +1,10 @@
 """Error messages for wrong configurations."""
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
-from sjdsl.near_names import meant
+from sjdsl.near_names import meant, nearest
 
 RETIRED: Mapping[str, str] = {
     "checkpoint_every": "checkpoints are written by time now, see `checkpoint_minutes` and `checkpoint_share`, or every `checkpoint_updates` "
@@ -46,4 +47,6 @@ def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Map
             need = str(fault["ctx"]["error"])
         case _:
             need = fault["msg"]
-    return f"`{key}` must be {need}, not {fault['input']!r}"
+    words = re.findall(r"'([^']+)'", need)  # those that are known where only some are
+    near = nearest(fault["input"], words) if isinstance(fault["input"], str) else ""
+    return f"`{key}` must be {need}, not {fault['input']!r}" + (f"; did you mean `{near}`?" if near else "")

@@ -1,7 +1,8 @@
 """Finds policies by name and loads them: random, constant, trained or stored in a file."""
 
+import inspect
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, cast
 
@@ -84,10 +85,24 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
     if is_own("policy", name):
         try:
             result: Policy = find("policy", name)
-            return result
         except ConfigError as error:
             raise PolicyError(str(error)) from None
+        _check_arguments(name, result)
+        return result
     raise PolicyError(unknown_policy(name, tuple(declared)))
+
+
+def _check_arguments(name: str, policy: Any) -> None:
+    """Raises PolicyError for a function that cannot be called as a policy is, which JAX would say in a hundred lines."""
+    if hasattr(policy, "act"):
+        return
+    try:
+        arguments = inspect.signature(policy)
+        arguments.bind(None, None)
+    except ValueError:  # some functions of extensions do not tell what they take
+        return
+    except TypeError:
+        raise PolicyError(f"the policy `{name}` is called with a key and an observation, and takes {arguments}") from None
 
 
 def _not_compiled(name: str, refused: NotSupported) -> str:
@@ -210,12 +225,22 @@ def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
             f"{path} was trained on another form of the game: {game['name']} {game['hash']}, not {env.name} {env.hash}", stacklevel=2
         )
     if parameters is None:
-        raise PolicyError(
-            f"{path} does not fit {env.name}: it was trained on {game['name']} with "
-            f"{len(game['action_names'])} actions and observations {game['observation_shape']}; "
-            f"here are {env.num_actions} actions and observations {list(reset_shapes(env)[0].shape)}"
-        )
+        raise PolicyError(f"{path} does not fit {env.name}: {_unfit(game, env)}")
     return parameters, described
+
+
+def _unfit(game: Mapping[str, Any], env: Environment) -> str:
+    """Returns why the networks of a policy are not those of `env`: other actions or windows, else other things that windows show."""
+    there, here = (len(game["action_names"]), game["observation_shape"]), (env.num_actions, list(reset_shapes(env)[0].shape))
+    if there != here:
+        return (
+            f"it was trained on {game['name']} with {there[0]} actions and observations {there[1]}; "
+            f"here are {here[0]} actions and observations {here[1]}"
+        )
+    return (
+        f"it was trained on {game['name']} {game['hash']}, whose windows are as large and show other things than those of "
+        f"{env.name} {env.hash}; name the variant, map and observation that it was trained with"
+    )
 
 
 def make_partners(env: Environment, config: Config) -> Partners:

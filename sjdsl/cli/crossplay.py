@@ -61,6 +61,8 @@ def command(
     if slots is not None and mix is not None:
         raise click.UsageError("--mix is for --policies; --slots are one line-up", context)
     in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
+    if "" in (in_slots or policies):
+        raise click.UsageError("a policy has no name; write one between every two commas, as in --slots cooperator,random", context)
     folder = Path(output or f"{Path(game).stem}_crossplay")
     with experiment(game, in_slots or policies, folder, described) as (env, say):
         from sjdsl.experiments.crossplay import plan_cross_play, play_mixtures

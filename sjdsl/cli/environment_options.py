@@ -52,6 +52,8 @@ def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
                 raise click.UsageError(
                     f"`{name}` is given as one number and also word by word; give it one way", click.get_current_context(silent=True)
                 )
+        if last.strip() in inner:
+            raise click.UsageError(f"`{path.strip()}` is given twice; give it once", click.get_current_context(silent=True))
         inner[last.strip()] = _read_value(value.strip())
     return values
 

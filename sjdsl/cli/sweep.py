@@ -114,16 +114,17 @@ def command(
     for cell in plan.cells:
         check_policies(cell.configuration(), read[cell.hash])
     folder = Path(run_dir)
-    if dry_run:
-        _list(plan, folder)
-        return 0
+    options = {name: as_number(value) for name, value in read_texts(engine_options).items()}
     with stages(LOADING):
         from sjdsl.sweeps.engines import Crew
-        from sjdsl.sweeps.running import sweep
+        from sjdsl.sweeps.running import check_sweep, sweep
         from sjdsl.trainers.resuming import DiskError
 
-    options = {name: as_number(value) for name, value in read_texts(engine_options).items()}
     crew = Crew(engine, workers, options, "auto", lambda line: click.echo(line, err=True))
+    if dry_run:
+        check_sweep(asked, plan, folder.resolve(), crew)
+        _list(plan, folder)
+        return 0
     try:
         outcome = sweep(asked, folder, describe, crew, together, again)
     except (KeyboardInterrupt, OSError, DiskError):

@@ -1,11 +1,12 @@
 """Cells of tables: what the seeds of one way of training found, chosen by what a table asks for."""
 
+import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -77,6 +78,17 @@ def setting_of(run: Run) -> Setting:
     return Setting(run.game, run.hash, run.variant, run.params, run.map, run.num_agents)
 
 
+def settings_apart(run: Run, other: Run) -> dict[str, tuple[str, str]]:
+    """Returns the settings that two ways of training do not have alike: what each has, `the default` where it is that."""
+    own, theirs = (json.loads(each.settings) for each in (run, other))
+    names = sorted(own.keys() | theirs.keys())
+    return {name: (_said(own, name), _said(theirs, name)) for name in names if own.get(name) != theirs.get(name)}
+
+
+def _said(settings: Mapping[str, Any], name: str) -> str:
+    return json.dumps(settings[name]) if name in settings else "the default"
+
+
 class Index:
     """Evidence, looked up by game and run. Notes say where several ways of training compete for a cell."""
 
@@ -127,8 +139,10 @@ class Index:
             return None
         best, *others = sorted(cells, key=lambda cell: (-cell.steps, -cell.seeds, cell.run.run))
         for other in others:
+            apart = settings_apart(other.run, best.run)
             self.notes[
                 f"`{best.run.run}` ({best.origin}) is shown in tables, not `{other.run.run}` ({other.origin}), which differs in settings"
+                + (f": {', '.join(f'{name} {mine}, not {theirs}' for name, (mine, theirs) in apart.items())}" if apart else "")
             ] = None
         return best
 

@@ -40,6 +40,7 @@ class Run:
     stage: int | None  # of a sweep of svo: 1 weights, 2 angles at the weight that was chosen, with fresh seeds
     network: str
     steps: int  # environment steps that were asked for
+    settings: str  # what else of the configuration is not its default, as a JSON object
 
 
 @dataclass(frozen=True)

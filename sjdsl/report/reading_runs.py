@@ -11,6 +11,7 @@ import numpy as np
 
 from sjdsl.experiments.bundled_rules import other_numbers
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
+from sjdsl.trainers.config import make_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
 from sjdsl.trainers.resuming import RunError, read_manifest
@@ -21,6 +22,8 @@ RETURN = "collective return"  # its name in an evaluation
 # What does not make a way of training another: which seeds, and what is written when.
 NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
 NOT_A_WAY_EITHER = "checkpoint_"
+# What has a column of its own in the table of runs.
+COLUMNS = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle", "network", "total_timesteps")
 
 
 def is_run(path: Path) -> bool:
@@ -70,7 +73,15 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
         stage=stage,
         network=str(config["network"]),
         steps=int(config["total_timesteps"]),
+        settings=_settings(way),
     )
+
+
+def _settings(way: Mapping[str, Any]) -> str:
+    """Returns the settings of a way of training that are not the defaults of its algorithm, but for those with columns of their own."""
+    usual = make_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
+    own = {key: value for key, value in sorted(way.items()) if key not in COLUMNS and value != usual.get(key)}
+    return json.dumps(own, separators=(",", ":"))
 
 
 def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
@@ -132,9 +143,14 @@ def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _evaluation(path: Path) -> tuple[dict[str, float], int]:
-    """Returns the means of an evaluation of the last policy, without those of single agents, and its episodes; nothing where there is none."""
+    """Returns the means of an evaluation of the last policy, without those of single agents, and its episodes.
+
+    Nothing where there is none, or where its actions were chosen otherwise than the run's own evaluation chooses them.
+    """
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
+        if stored.get("greedy") is not None:
+            return {}, 0
         means = {name: figure["mean"] for name, figure in stored["summary"].items() if " of agent " not in name}
         return {name: float(mean) for name, mean in means.items() if mean is not None}, int(stored["episodes"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
@@ -151,5 +167,7 @@ def _notes(path: Path, manifest: Mapping[str, Any], seeds: tuple[Seed, ...]) -> 
         if row.status == "failed":
             notes.append(f"seed {row.seed} of `{path}` has failed, for its loss was not finite: nothing is averaged with it")
     if any(row.status == "done" and row.collective_return is None for row in seeds):
-        notes.append(f"`{path}` is not evaluated: `sjdsl evaluate {path}` does it")
+        notes.append(
+            f"`{path}` is not evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {path}` does it as the tables want it"
+        )
     return tuple(notes)

@@ -241,9 +241,12 @@ def record_failure(folder: Path, cell: Cell, reason: str) -> None:
 
 
 def retry(folder: Path, cell: Cell) -> None:
-    """Has a failed cell run again: from its last checkpoint, or anew where a loss was not finite; then its files are put aside."""
+    """Has a failed cell run again from its last checkpoint; or anew, where a loss was not finite or its manifest cannot be read.
+
+    What is run anew has its old files put aside.
+    """
     path = run_dir(folder, cell)
-    if path.is_dir() and (diverged_in(path) or not (path / MANIFEST).is_file()):
+    if path.is_dir() and (diverged_in(path) or read_json(path / MANIFEST) is None):
         number = 1
         while (aside := folder / FAILED / f"{cell.name}_{number}").exists():
             number += 1

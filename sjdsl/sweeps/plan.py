@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.near_names import meant
-from sjdsl.sweeps.axes import VARIANT, Axis, check_axes
+from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, check_axes
 from sjdsl.sweeps.cells import Cell, Describe, Fixed, make_cell
 from sjdsl.sweeps.protocols import PROTOCOLS, SETS, angles_at, points_of
 
@@ -110,7 +110,7 @@ def _mean(returns: Sequence[float]) -> float:
 def _of_axis(cell: Cell, axis: Axis) -> Any:
     """Returns the value of a cell on an axis as `make_cell` reads it: of a list the text that it may be written as."""
     value = cell.values[axis.name]
-    return ",".join(map(str, value)) if isinstance(value, list) and not axis.name.startswith("param.") else value
+    return ",".join(map(str, value)) if isinstance(value, list) and not axis.name.startswith(PARAM) else value
 
 
 def _alike(cells: Iterable[Cell]) -> list[list[Cell]]:
@@ -143,7 +143,8 @@ def _check(asked: Asked) -> None:
     for axis in asked.axes:
         if axis.name in sets:
             raise ExperimentError(f"the protocol {asked.protocol} sets `{axis.name}` itself: leave out the axis, or the protocol")
-        if axis.name in asked.settings or (axis.name == VARIANT and asked.variant is not None):
+        of_all = {*asked.settings, *(f"{PARAM}{name}" for name in asked.params), *([VARIANT] if asked.variant is not None else [])}
+        if axis.name in of_all:
             raise ExperimentError(f"`{axis.name}` is an axis, and is also set for all cells; say it once")
     for name in asked.settings:
         if name in sets:

@@ -61,12 +61,9 @@ def sweep(
       ExperimentError: what is asked does not fit together, or the folder holds something else. DiskError, OSError: the disk is full;
       the same call goes on.
     """
-    check_engine(crew)
-    check_loggers(asked.loggers)
     path = Path(folder).resolve()
     plan = plan_sweep(asked, describe or describe_with_make)
-    merged(path, describe_sweep(asked, plan.cells), plan)
-    check_cells(plan.cells)
+    check_sweep(asked, plan, path, crew)
     known = write_sweep(path, describe_sweep(asked, plan.cells))
     cells = [*plan.cells]
     if again:
@@ -97,6 +94,14 @@ def _tell_weights(following: Sequence[Cell], crew: Crew) -> None:
         for cell in following
     ):
         crew.tell(said)
+
+
+def check_sweep(asked: Asked, plan: Plan, folder: Path, crew: Crew) -> None:
+    """Raises ExperimentError for what is refused before anything is written: an engine, a logger, another folder, a wrong configuration."""
+    check_engine(crew)
+    check_loggers(asked.loggers)
+    merged(folder, describe_sweep(asked, plan.cells), plan)
+    check_cells(plan.cells)
 
 
 def check_cells(cells: Sequence[Cell]) -> None:

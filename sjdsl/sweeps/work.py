@@ -4,7 +4,7 @@ import gc
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -98,9 +98,14 @@ def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
     if unknown:
         raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
     cells = [named[path.name] for path in paths]
-    with _claimed(sweep, cells, known["episodes"]) as held:
-        write_status(sweep, known)
-        _run_held(sweep, held, known["episodes"], watch)
+    try:
+        with _claimed(sweep, cells, known["episodes"]) as held:
+            write_status(sweep, known)
+            _run_held(sweep, held, known["episodes"], watch)
+    except BaseException:  # also where a user interrupts: nobody runs the cells any more
+        with suppress(OSError):  # the disk may be full
+            write_status(sweep, known)
+        raise
     known = read_sweep(sweep)  # another process may have added cells
     write_tables(sweep, known)
     for one in held:

@@ -1,12 +1,13 @@
 """`sjdsl sweep` on a small game: what it lists, prints and writes, and what it refuses before anything is trained."""
 
 import csv
+import shlex
 from pathlib import Path
 
 import pytest
 from command_line import Sjdsl
 
-SMALL = ("num_envs=4", "num_steps=8", "num_minibatches=1", "num_epochs=1", "network=mlp", "network_width=4", "total_timesteps=64")
+SMALL = ("num_envs=4", "num_steps=8", "num_epochs=1", "network=mlp", "network_width=4", "total_timesteps=64")
 SETS = tuple(part for text in SMALL for part in ("--set", text))
 SWEEP = ("sweep", "orchard.sj", "--axis", "param.apple=1,2", *SETS, "--episodes", "2", "--run", "swept")
 
@@ -72,6 +73,19 @@ def test_a_protocol_of_two_stages_is_listed(sjdsl: Sjdsl) -> None:
             1,
             "unknown key `num_evs`; did you mean `num_envs`?",
         ),
+        (("orchard.sj", "--axis", "reward=comon", "--run", "swept"), 1, "did you mean `common`?"),
+        (("orchard.sj", "--axis", "algorithm=ipo", "--run", "swept"), 1, "did you mean `ippo`?"),
+        (
+            ("orchard.sj", "--axis", "param.apple=1,2", "--param", "apple=3", "--run", "swept"),
+            1,
+            "`param.apple` is an axis, and is also set for all cells",
+        ),
+        (
+            ("orchard.sj", "--axis", "reward=common", "--param", "apple=3", "--param", "apple=4", "--run", "swept"),
+            2,
+            "`apple` is given twice",
+        ),
+        (("orchard.sj", "--axis", "reward=common", *SETS, "--set", "num_envs=8", "--run", "swept"), 2, "`num_envs` is given twice"),
         (("orchard.sj", "--axis", "init_from=nowhere/at_all", "--run", "swept"), 1, "nowhere/at_all"),
     ],
 )
@@ -97,4 +111,17 @@ def test_what_is_refused_once_jax_is_there(sjdsl: Sjdsl, folder: Path, arguments
     shown = sjdsl(*SWEEP, *arguments)
     assert shown.status == 1, shown.text
     assert said in shown.err
+    assert sjdsl(*SWEEP, *arguments, "--dry-run").err.endswith(shown.err.splitlines()[-1] + "\n")
     assert not (folder / "swept").exists()
+
+
+@pytest.mark.thorough
+def test_the_commands_of_the_page_and_of_the_readme(sjdsl: Sjdsl, folder: Path) -> None:
+    root = Path(__file__).parents[2]
+    lines = [line for name in ("docs/sweeps.md", "README.md") for line in (root / name).read_text("utf-8").splitlines()]
+    commands = [shlex.split(line.partition("  #")[0])[1:] for line in lines if line.startswith("sjdsl sweep ")]
+    assert len(commands) >= 4
+    for arguments in commands:
+        shown = sjdsl(*arguments, *(() if "--dry-run" in arguments else ("--dry-run",)))
+        assert shown.status == 0, shown.text
+    assert not (folder / "runs").exists()

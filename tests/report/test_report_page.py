@@ -101,6 +101,13 @@ def test_of_several_ways_of_training_the_longer_is_shown_and_the_other_named(tmp
     assert line(report, "coins | ours")[6].startswith("51 [")
     (note,) = (note for note in report.notes if "is shown in tables, not" in note)
     assert "800 steps" in note.split("not")[0]
+    assert note.endswith("which differs in settings: num_envs 10, not 20")
+
+
+def test_curves_of_one_name_are_told_apart_by_their_settings(tmp_path: Path) -> None:
+    runs = [write_run(tmp_path / str(rate), "coins", (10.0, 12.0), learning_rate=rate) for rate in (0.25, 0.5)]
+    ways = {row["way"] for row in records(report_of(*runs), "learning_curves")}
+    assert ways == {f"IPPO, individual (learning_rate {rate}), 2 seeds" for rate in (0.25, 0.5)}
 
 
 def test_the_angles_have_the_fresh_seeds_and_not_those_that_chose_the_weight(evidence: Evidence) -> None:

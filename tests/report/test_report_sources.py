@@ -43,6 +43,25 @@ def test_a_run(tmp_path: Path) -> None:
     assert found.notes == ()
 
 
+def test_actions_that_were_chosen_otherwise_are_no_result(tmp_path: Path) -> None:
+    """`sjdsl evaluate --greedy` of a policy that draws its actions writes in the same place."""
+    folder = write_run(tmp_path / "run", "coins", (3.0, 5.0))
+    file = folder / "seed_1/evaluation.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"greedy": True}))
+    found = read_folders([folder])
+    assert earned(found) == {0: 3.0, 1: None}
+    assert found.notes == (
+        f"`{folder}` is not evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {folder}` does it as the tables want it",
+    )
+
+
+def test_settings_that_have_no_column_are_kept(tmp_path: Path) -> None:
+    (run,) = read_folders([write_run(tmp_path / "run", "coins", (3.0,), learning_rate=0.5, entropy_coefficient=0.25)]).runs
+    kept = json.loads(run.settings)
+    assert (kept["learning_rate"], kept["entropy_coefficient"], kept["num_envs"]) == (0.5, 0.25, 10)
+    assert not {"seed", "reward", "total_timesteps", "gamma"} & kept.keys()
+
+
 def test_a_single_seed_lies_in_the_folder_itself(tmp_path: Path) -> None:
     assert earned(read_folders([write_run(tmp_path / "run", "coins", (3.0,), first=7)])) == {7: 3.0}
 

@@ -275,6 +275,8 @@ def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list
 
 
 def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    resumed = work.train_side_by_side
+
     def nothing(*_: Any) -> None:
         raise DiskError("no room")
 
@@ -293,6 +295,25 @@ def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(DiskError):
         sweep(asked(0.25), tmp_path / "sweep", again=True)
     assert (tmp_path / "sweep" / "failed" / f"{LOW}_1" / "policies").is_dir()
+    (cell / "policies").mkdir(parents=True)
+    (cell / "manifest.json").write_text("{")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(work, "train_side_by_side", resumed)
+        assert "manifest.json" in sweep(asked(0.25), tmp_path / "sweep").failed[LOW]
+    with pytest.raises(DiskError):
+        sweep(asked(0.25), tmp_path / "sweep", again=True)
+    assert (tmp_path / "sweep" / "failed" / f"{LOW}_2" / "manifest.json").is_file(), "one that cannot be read is put aside, too"
+
+
+def test_an_interrupted_cell_is_run_by_nobody(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: Any) -> None:
+        assert states_of(tmp_path / "sweep")[LOW] == "running"
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(work, "train_side_by_side", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(asked(0.25), tmp_path / "sweep")
+    assert states_of(tmp_path / "sweep")[LOW] == "waiting"
 
 
 @pytest.mark.slow

@@ -15,6 +15,7 @@ from probes import QUICK, matching
 from run_outcomes import counting
 
 from sjdsl.cli.evaluate import stored_policy
+from sjdsl.runtime.planes import TokenPlane
 from sjdsl.trainers import MemoryPolicy, PolicyError, evaluate, load_policy, make_config, run, train, trained_policy
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_file import write_policy
@@ -90,6 +91,14 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
         load_policy(path, dataclasses.replace(matching(), num_actions=3))
     with pytest.warns(UserWarning, match=r"another form of the game: matching probe, not matching changed"):
         load_policy(path, dataclasses.replace(matching(), hash="changed"))
+    others = dataclasses.replace(matching(), hash="changed", token_planes=(TokenPlane("shown", "word", tuple("abc")),))
+    with (
+        pytest.warns(UserWarning, match="another form of the game"),
+        pytest.raises(
+            PolicyError, match="on matching probe, whose windows are as large and show other things than those of matching changed"
+        ),
+    ):
+        load_policy(path, others)
     with pytest.raises(PolicyError, match="does not exist"):
         load_policy(tmp_path / "none.safetensors", matching())
 

@@ -44,7 +44,7 @@ def _row(row: UpdateRow) -> tuple[str, ...]:
     printed = published.hours(row.game)
     before = [f"{name} {number(needed)}" for name, needed in published.melting_pot_hours(row.game).items()]
     said = "" if printed is None else ", ".join([f"{number(printed)}", *before])
-    shape = f"{row.num_envs} x {row.num_steps}, {row.rounds} rounds, {row.hardware}"
+    shape = f"{row.num_envs} x {row.num_steps}, {row.rounds} round{'s' * (row.rounds != 1)}, {row.hardware}"
     rates = f"{thousands(row.rate)} [{thousands(row.slowest)}, {thousands(row.fastest)}]"
     needed = bounded(_hours(row.rate), _hours(row.fastest), _hours(row.slowest))
     way = (row.game, NAMES.get(row.algorithm, row.algorithm), row.network, row.sharing.replace("_", " "))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sjdsl.report.cells import settings_apart
 from sjdsl.report.contents import Contents, Game
 from sjdsl.report.drawing import colours
 from sjdsl.report.evidence import Run
@@ -55,9 +56,8 @@ def _lines(contents: Contents, game: Game) -> list[tuple[Line, dict[str, Any]]]:
         return []
     whole = [run for run in contents.index.runs(game.setting) if not contents.index.has_failed(run)]
     found = [(run, curve) for run in whole if (curve := _curve(contents, run)) is not None]
-    twice = {in_words(run) for run, _ in found if sum(in_words(other) == in_words(run) for other, _ in found) > 1}
     return [
-        (_line(run, curve, in_words(run) in twice), _origin(contents, run))
+        (_line(run, curve, _apart(run, [other for other, _ in found])), _origin(contents, run))
         for run, curve in sorted(found, key=lambda pair: (in_words(pair[0]).casefold(), pair[0].run))
     ]
 
@@ -83,10 +83,19 @@ def _curve(contents: Contents, run: Run) -> dict[int, list[float]] | None:
     return whole or None
 
 
-def _line(run: Run, curve: dict[int, list[float]], twice: bool) -> Line:
+def _apart(run: Run, others: Sequence[Run]) -> str:
+    """Returns what tells a way of training from those that have the same name in words: its settings, else its digest."""
+    alike = [other for other in others if other is not run and in_words(other) == in_words(run)]
+    if not alike:
+        return ""
+    own = {name: mine for other in alike for name, (mine, _) in settings_apart(run, other).items()}
+    return f" ({', '.join(f'{name} {value}' for name, value in own.items()) or run.run[-8:]})"
+
+
+def _line(run: Run, curve: dict[int, list[float]], apart: str) -> Line:
     found = [estimate(np.array(values)) for values in curve.values()]
     seeds = len(next(iter(curve.values())))
-    label = f"{in_words(run)}{f' ({run.run[-8:]})' if twice else ''}, {seeds} seed{'s' if seeds > 1 else ''}"
+    label = f"{in_words(run)}{apart}, {seeds} seed{'s' if seeds > 1 else ''}"
     steps, means = np.array([*curve], float), np.array([figure.mean for figure in found])
     if seeds < 2:
         return Line(label, steps, means)

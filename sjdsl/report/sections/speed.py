@@ -49,7 +49,7 @@ def _lines(contents: Contents, game: str, crowd: bool, numbers: list[int]) -> It
     for kind in kinds:
         rates = {row.num_envs: row for row in found if (row.num_agents, row.observation, row.hardware, row.rounds) == kind}
         label = f"{game}, {kind[0]} agents, {kind[1]}"
-        yield (label, "ours", *(_text(rates.get(number)) for number in numbers), f"{kind[3]} rounds, {kind[2]}")
+        yield (label, "ours", *(_text(rates.get(number)) for number in numbers), f"{kind[3]} round{'s' * (kind[3] != 1)}, {kind[2]}")
     if printed and (kinds or contents.whole_suite):
         yield ("", "published", *(thousands(printed[number]) if number in printed else "" for number in numbers), "")
     before = published.melting_pot_speed(game)
