@@ -104,6 +104,15 @@ def test_of_several_ways_of_training_the_longer_is_shown_and_the_other_named(tmp
     assert note.endswith("which differs in settings: num_envs 10, not 20")
 
 
+def test_a_game_that_the_paper_did_not_play_so_is_in_no_table_of_its(tmp_path: Path) -> None:
+    """Neither a metric of it nor a score is to be had, by no command."""
+    other = {"provenance": {"params": {"length": 20}}}
+    page = report_of(write_run(tmp_path / "run", "coins", (1.0, 2.0), **other)).page
+    metric, over = (page.split(f"## {title}")[1].split("\n## ")[0] for title in ("Cooperation metrics", "Over games"))
+    assert "None of the games here is one of them." in metric and "```" not in metric
+    assert "There are no two games yet" in over and "```" not in over
+
+
 def test_curves_of_one_name_are_told_apart_by_their_settings(tmp_path: Path) -> None:
     runs = [write_run(tmp_path / str(rate), "coins", (10.0, 12.0), learning_rate=rate) for rate in (0.25, 0.5)]
     ways = {row["way"] for row in records(report_of(*runs), "learning_curves")}

@@ -13,6 +13,8 @@ from sjdsl.report.sections.svo import PROSOCIAL, by_angle, tried_weights
 from sjdsl.report.ways import Way, common, exchanged, individual, mappo, vdn
 from sjdsl.report.ways import svo as svo_way
 
+TITLE = "Cooperation metrics"
+
 
 def metrics(contents: Contents) -> Section:
     """Returns the section of the paper's six ways of training."""
@@ -27,6 +29,10 @@ def metrics(contents: Contents) -> Section:
         empty += [game.name] if None in cells else []
         chosen = _choices(contents, game, cells)
         lines.append(Line(game.label, cells, [metric.printed[column] for column in columns], (metric.what, chosen)))
+    if not lines:
+        return Section(
+            TITLE, ("The paper has a figure of cooperation for its nine games, as it played them. None of the games here is one of them.",)
+        )
     text = [
         "One figure a game says how much its agents cooperate, as the paper has it. "
         "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight shown. "
@@ -36,7 +42,7 @@ def metrics(contents: Contents) -> Section:
     text += [f"{game}: {note}." for game, note in published.remarks("metrics").items() if game in {game.name for game in contents.games}]
     table = beside_table("metrics", "Cooperation metric", columns, lines, ("figure", "chosen"))
     fill = [f"sjdsl sweep {called(empty)} --protocol algorithms --preset two_cores --seeds 5 --run runs/algorithms"] if empty else []
-    return Section("Cooperation metrics", tuple(text), (table,) if lines else (), fill=tuple(fill))
+    return Section(TITLE, tuple(text), (table,), fill=tuple(fill))
 
 
 def _ways(contents: Contents, game: Game) -> list[Way]:

@@ -123,7 +123,7 @@ def _is(way: str, run: Run) -> bool:
 
 
 def _without_random(contents: Contents) -> list[str]:
-    settings = [game.setting for game in contents.games if game.setting is not None]
+    settings = [game.setting for game in contents.games if game.setting is not None and game.published]
     names = [s.game for s in settings if published.best_return(s.game) is not None and contents.index.random(s.game, s.hash) is None]
     return list(dict.fromkeys(names))
 
