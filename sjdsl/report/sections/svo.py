@@ -23,6 +23,9 @@ def svo(contents: Contents) -> Section:
     text = (
         "Weights are compared at 90 degrees, angles at the weight shown: of several that were tried, the best. "
         "Angles have fresh seeds: the weight that is best among a few seeds owes that partly to them.",
+        "At 90 degrees an agent that alone is rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 on that is "
+        "more than a reward of 1, so that earning does not pay, unless as much is deducted while nobody is rewarded. The released code does "
+        "that; here it takes `svo_at_rest=selfish`.",
         f"Published: {published.source('svo')}.",
     )
     tables = [*_weight_table(weights), *_angle_table(contents, angles)]
