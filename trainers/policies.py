@@ -96,11 +96,14 @@ def _check_arguments(name: str, policy: Any) -> None:
     """Raises PolicyError for a function that cannot be called as a policy is, which JAX would say in a hundred lines."""
     if hasattr(policy, "act"):
         return
+    if not callable(policy):
+        raise PolicyError(f"the policy `{name}` is no function, but {policy!r}")
     try:
         arguments = inspect.signature(policy)
-        arguments.bind(None, None)
     except ValueError:  # some functions of extensions do not tell what they take
         return
+    try:
+        arguments.bind(None, None)
     except TypeError:
         raise PolicyError(f"the policy `{name}` is called with a key and an observation, and takes {arguments}") from None
 

@@ -1,11 +1,11 @@
 """The options of commands that train: what a configuration is made of."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED
+from sjdsl.cli.environment_options import SEED, refuse_second
 from sjdsl.cli.policies import check_policy
 
 if TYPE_CHECKING:
@@ -83,16 +83,12 @@ def read_texts(given: tuple[str, ...]) -> dict[str, str]:
     for text, (name, equals, _) in zip(given, pairs, strict=True):
         if not equals or not name:
             raise click.UsageError(f"`{text}` must have the form name=value", click.get_current_context(silent=True))
-    names = [name.strip() for name, _, _ in pairs]
-    refuse_twice(names)
-    return dict(zip(names, (value.strip() for _, _, value in pairs), strict=True))
-
-
-def refuse_twice(names: Sequence[str]) -> None:
-    """Raises UsageError where a name is given a second value: which one is meant cannot be told."""
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise click.UsageError(f"`{twice}` is given twice; give it once", click.get_current_context(silent=True))
+    values: dict[str, str] = {}
+    for name, _, value in pairs:
+        if name.strip() in values:
+            refuse_second(name.strip())
+        values[name.strip()] = value.strip()
+    return values
 
 
 def check_policies(config: "Config", game: "ir.Game") -> None:

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -53,9 +53,14 @@ def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
                     f"`{name}` is given as one number and also word by word; give it one way", click.get_current_context(silent=True)
                 )
         if last.strip() in inner:
-            raise click.UsageError(f"`{path.strip()}` is given twice; give it once", click.get_current_context(silent=True))
+            refuse_second(path.strip())
         inner[last.strip()] = _read_value(value.strip())
     return values
+
+
+def refuse_second(name: str) -> NoReturn:
+    """Raises UsageError for a name that has a value already: which one is meant cannot be told."""
+    raise click.UsageError(f"`{name}` is given twice; give it once", click.get_current_context(silent=True))
 
 
 def _read_value(text: str) -> Any:

@@ -122,8 +122,7 @@ def command(
 
     crew = Crew(engine, workers, options, "auto", lambda line: click.echo(line, err=True))
     if dry_run:
-        check_sweep(asked, plan, folder.resolve(), crew)
-        _list(plan, folder)
+        _list(plan, folder, check_sweep(asked, plan, folder.resolve(), crew))
         return 0
     try:
         outcome = sweep(asked, folder, describe, crew, together, again)
@@ -152,13 +151,11 @@ def _describer(map_file: str | None, agents: int | None, read: dict[str, ir.Game
     return describe
 
 
-def _list(plan: Plan, folder: Path) -> None:
-    """Prints the cells of a plan, and how far those are that the folder has."""
-    with stages(LOADING):
-        from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, steps_of
-        from sjdsl.sweeps.running import following_cells
+def _list(plan: Plan, folder: Path, known: Mapping[str, Any]) -> None:
+    """Prints the cells of a plan, and how far those are that the folder has; `known`: what its `sweep.json` is to say."""
+    from sjdsl.sweeps.folder import progress_of, steps_of
+    from sjdsl.sweeps.running import following_cells
 
-    known = merged(folder, describe_sweep(plan.asked, plan.cells), plan)
     cells = [*plan.cells]
     following = following_cells(folder, plan, known) if plan.follows else []
     cells += following or []

@@ -48,6 +48,11 @@ class Cell:
         return ", ".join(self.origins)
 
 
+def each_once(names: Iterable[str]) -> str:
+    """Returns the hardware of several seeds or cells as one phrase."""
+    return " and ".join(dict.fromkeys(names))
+
+
 def short(number: float) -> str:
     """Returns `3M`, `300M`, `1.5M`, `20k`: a large number in three digits at most."""
     for size, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
@@ -154,8 +159,7 @@ class Index:
         if not values and not failed:
             return None
         counted = [row for row in rows if row.status != "unfinished"]
-        hardware = " and ".join(dict.fromkeys(row.hardware for row in counted))
-        return Cell(run, values, failed, max(row.steps for row in counted), hardware)
+        return Cell(run, values, failed, max(row.steps for row in counted), each_once(row.hardware for row in counted))
 
 
 def _grouped(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Row]]:

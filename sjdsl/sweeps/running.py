@@ -96,12 +96,17 @@ def _tell_weights(following: Sequence[Cell], crew: Crew) -> None:
         crew.tell(said)
 
 
-def check_sweep(asked: Asked, plan: Plan, folder: Path, crew: Crew) -> None:
-    """Raises ExperimentError for what is refused before anything is written: an engine, a logger, another folder, a wrong configuration."""
+def check_sweep(asked: Asked, plan: Plan, folder: Path, crew: Crew) -> dict[str, Any]:
+    """Returns what `sweep.json` is to say.
+
+    Raises:
+      ExperimentError: an engine, a logger, a folder or a configuration is refused; nothing has been written.
+    """
     check_engine(crew)
     check_loggers(asked.loggers)
-    merged(folder, describe_sweep(asked, plan.cells), plan)
+    known = merged(folder, describe_sweep(asked, plan.cells), plan)
     check_cells(plan.cells)
+    return known
 
 
 def check_cells(cells: Sequence[Cell]) -> None:

@@ -103,8 +103,8 @@ def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
             write_status(sweep, known)
             _run_held(sweep, held, known["episodes"], watch)
     except BaseException:  # also where a user interrupts: nobody runs the cells any more
-        with suppress(OSError):  # the disk may be full
-            write_status(sweep, known)
+        with suppress(OSError, ExperimentError):  # the disk may be full
+            write_status(sweep, read_sweep(sweep))  # another process may have added cells
         raise
     known = read_sweep(sweep)  # another process may have added cells
     write_tables(sweep, known)

@@ -67,6 +67,9 @@ def test_what_is_no_policy_is_refused(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text("def alone(observation):\n    return observation\n")
     with pytest.raises(PolicyError, match=r"mine.py:alone` is called with a key and an observation, and takes \(observation\)"):
         find_pool(f"{tmp_path}/mine.py:alone", env)
+    (tmp_path / "number.py").write_text("seven = 7\n")
+    with pytest.raises(PolicyError, match=r"number.py:seven` is no function, but 7"):
+        find_pool(f"{tmp_path}/number.py:seven", env)
     (tmp_path / "begun/seed_0").mkdir(parents=True)
     (tmp_path / "begun/manifest.json").write_text("{}")
     (tmp_path / "begun/seed_0/policies").mkdir()

@@ -222,6 +222,17 @@ def test_the_data_of_a_report_is_read_as_it_was_written(tmp_path: Path) -> None:
     (data / "seeds.csv").write_text("seed,run\n")
     with pytest.raises(ReportError, match="must have the columns run, seed, status"):
         read_evidence(data)
+    (data / "runs.csv").write_text((data / "runs.csv").read_text().replace('"{""', '"{'))
+    with pytest.raises(ReportError, match=r"runs.csv, line \d: settings = "):
+        read_evidence(data)
+
+
+def test_what_the_intervals_of_a_cross_play_are_over(tmp_path: Path) -> None:
+    write_cross_play(tmp_path / "m", "coins", {"random": (-0.5, -1.0, 0.0)})
+    file = tmp_path / "m/crossplay.json"
+    assert [(row.num_agents, row.unit, row.units) for row in read_folders([tmp_path / "m"]).meetings] == [(2, "episode", 30)]
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"unit": "training seed", "keys": [[0, 0], [0, 1], [0, 2]]}))
+    assert [(row.unit, row.units) for row in read_folders([tmp_path / "m"]).meetings] == [("training seed", 3)]
 
 
 def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:

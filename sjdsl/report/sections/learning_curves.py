@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sjdsl.report.cells import settings_apart
+from sjdsl.report.cells import each_once, settings_apart
 from sjdsl.report.contents import Contents, Game
 from sjdsl.report.drawing import colours
 from sjdsl.report.evidence import Run
@@ -64,7 +64,7 @@ def _lines(contents: Contents, game: Game) -> list[tuple[Line, dict[str, Any]]]:
 
 def _origin(contents: Contents, run: Run) -> dict[str, Any]:
     seeds = [row for row in contents.index.seeds(run) if row.status == "done"]
-    return {"seeds": len(seeds), "hardware": " and ".join(dict.fromkeys(row.hardware for row in seeds))}
+    return {"seeds": len(seeds), "hardware": each_once(row.hardware for row in seeds)}
 
 
 def _failed(contents: Contents, game: Game) -> list[Run]:

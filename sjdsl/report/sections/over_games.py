@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass
 from functools import partial
 from hashlib import sha256
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.report import published
-from sjdsl.report.cells import Cell, short
+from sjdsl.report.cells import Cell, each_once, short
 from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.evidence import Run
 from sjdsl.report.figure_text import bounded
@@ -19,7 +20,19 @@ from sjdsl.report.ways import in_words
 
 TITLE = "Over games"
 Scores = dict[str, np.ndarray]  # way of training -> [seeds, games]
-Origins = dict[str, tuple[str, str]]  # way of training -> steps of a seed, hardware
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the scores of a way of training come from, in all games: the fewest and the most environment steps of a seed, and the hardware."""
+
+    fewest: int
+    most: int
+    hardware: str
+
+    def __str__(self) -> str:
+        steps = short(self.most) if self.fewest == self.most else f"{short(self.fewest)} to {short(self.most)}"
+        return f"{steps} steps, {self.hardware}"
 
 
 def over_games(contents: Contents) -> Section:
@@ -37,7 +50,9 @@ def over_games(contents: Contents) -> Section:
             TITLE, (*text, "There are no two games yet with the same way of training, two seeds, and a random policy."), fill=tuple(fill)
         )
     text.append(f"Of the games {', '.join(games)}.")
-    stamp = sha256(json.dumps([games, {way: [found.tolist(), origins[way]] for way, found in scores.items()}]).encode()).hexdigest()[:12]
+    stamp = sha256(
+        json.dumps([games, {way: [found.tolist(), astuple(origins[way])] for way, found in scores.items()}]).encode()
+    ).hexdigest()[:12]
     if not is_installed():
         return Section(TITLE, (*text, INSTALL), stamp=stamp, lacks=INSTALL)
     tables = [_means_table(interquartile_means(scores), scores, origins)]
@@ -47,18 +62,16 @@ def over_games(contents: Contents) -> Section:
     return Section(TITLE, tuple(text), tuple(tables), pictures, stamp=stamp)
 
 
-def _scores_of(contents: Contents) -> tuple[list[str], Scores, Origins, list[str]]:
+def _scores_of(contents: Contents) -> tuple[list[str], Scores, dict[str, Origin], list[str]]:
     """Returns the games, the scores of each way of training in them and where they come from, and what must be said of the choice.
 
     The games are those in which most can be compared (`_chosen_games`); ways that lack one of them are left out, and seeds beyond the
     fewest.
     """
-    found: dict[str, dict[str, np.ndarray]] = {}
-    cells: dict[str, dict[str, Cell]] = {}
+    found: dict[str, dict[str, tuple[Cell, np.ndarray]]] = {}
     for game in contents.games:
-        for way, (cell, values) in _scores_in(contents, game).items():
-            found.setdefault(way, {})[game.label] = values
-            cells.setdefault(way, {})[game.label] = cell
+        for way, tried in _scores_in(contents, game).items():
+            found.setdefault(way, {})[game.label] = tried
     games = _chosen_games([game.label for game in contents.games], found)
     if not games:
         return [], {}, {}, []
@@ -70,22 +83,17 @@ def _scores_of(contents: Contents) -> tuple[list[str], Scores, Origins, list[str
         if not set(games) <= by_game.keys():
             remarks.append(f"* {way} is left out: it lacks {', '.join(game for game in games if game not in by_game)}.")
             continue
-        fewest = min(len(by_game[game]) for game in games)
-        if any(len(by_game[game]) > fewest for game in games):
+        cells, values = zip(*(by_game[game] for game in games), strict=True)
+        fewest = min(map(len, values))
+        if max(map(len, values)) > fewest:
             remarks.append(f"* Of {way} the first {fewest} seeds of each game are taken, for one game has no more.")
-        scores[way] = np.stack([by_game[game][:fewest] for game in games], axis=1)
-        origins[way] = _origin([cells[way][game] for game in games])
+        scores[way] = np.stack([each[:fewest] for each in values], axis=1)
+        steps = [cell.steps for cell in cells]
+        origins[way] = Origin(min(steps), max(steps), each_once(cell.hardware for cell in cells))
     return games, scores, origins, remarks
 
 
-def _origin(cells: Sequence[Cell]) -> tuple[str, str]:
-    """Returns the environment steps of a seed, from the fewest to the most, and the hardware of several cells."""
-    steps = sorted({cell.steps for cell in cells})
-    said = short(steps[0]) if len(steps) == 1 else f"{short(steps[0])} to {short(steps[-1])}"
-    return f"{said} steps", " and ".join(dict.fromkeys(cell.hardware for cell in cells))
-
-
-def _chosen_games(order: Sequence[str], found: Mapping[str, Mapping[str, np.ndarray]]) -> list[str]:
+def _chosen_games(order: Sequence[str], found: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Returns the games, two at least, in which the most pairs of a game and a way of training are left; none where there are no two.
 
     If possible, two ways have all of them. Of sets with as many pairs it is the one with more games, then the first in their order.
@@ -128,13 +136,13 @@ def _without_random(contents: Contents) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _means_table(means: Mapping[str, Interval], scores: Scores, origins: Origins) -> Table:
+def _means_table(means: Mapping[str, Interval], scores: Scores, origins: Mapping[str, Origin]) -> Table:
     rows, records = [], []
     for way, (mean, low, high) in means.items():
-        (seeds, games), (steps, hardware) = scores[way].shape, origins[way]
-        rows.append((way, bounded(mean, low, high), f"{seeds} seeds, {games} games, {steps}, {hardware}"))
+        (seeds, games), origin = scores[way].shape, origins[way]
+        rows.append((way, bounded(mean, low, high), f"{seeds} seeds, {games} games, {origin}"))
         figures = {"way": way, "iqm": mean, "low": low, "high": high, "seeds": seeds, "games": games}
-        records.append(figures | {"steps": steps.removesuffix(" steps"), "hardware": hardware})
+        records.append(figures | {"fewest_steps": origin.fewest, "most_steps": origin.most, "hardware": origin.hardware})
     headings = ("way of training", "interquartile mean", "seeds, games, steps, hardware")
     return Table("over_games", "Interquartile mean of the scores", headings, tuple(rows), tuple(records))
 
