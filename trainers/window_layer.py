@@ -1,8 +1,8 @@
-"""The first dense layer of a network that reads windows of tokens flat, in pieces that a core's cache holds.
+"""The first dense layer of a network that reads windows of tokens flat: rows that are looked up on a CPU, a product elsewhere.
 
-Its input, a channel for each value a token can have, is by far the largest array of a gradient step: 47 MB for 7,000 windows
-of Commons Harvest, which a CPU would write once and read twice. Made piece by piece, and made again for the gradient, it never
-leaves the cache. Other devices have it in one piece.
+Its input is a channel for each value a token can have, and almost all of it is zero. On a CPU the rows of the kernel that are not
+multiplied by zero are looked up and added, a cell of all windows after another: a loop in which a row is added at once. That
+takes a quarter of the time of the product. Other devices are made for products.
 """
 
 import math
@@ -14,16 +14,10 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
 
 from .initialisation import orthogonal
-
-PIECE = 3_000_000  # bytes of a piece's channels: half of it was as good, twice as much was not
-FEWEST_PIECES = 4  # fewer are no faster than the whole, which a larger cache holds
-FEWEST_WINDOWS = 128  # of a piece: fewer, of large windows, would read the kernel too often
-
-Planes = tuple[TokenPlane, ...]
+from .window_rows import Planes, channels_of, groups_of, make_tables, row_numbers, rows_of
 
 
 class WindowLayer(nn.Module):
@@ -36,10 +30,10 @@ class WindowLayer(nn.Module):
 
     @nn.compact
     def __call__(self, tokens: Array) -> Array:
-        """Returns `[..., width]` of windows `[..., P, V, V]` uint8."""
+        """Returns `[..., width]` of windows `[..., P, V, V]` uint8, of values that their planes have."""
         lead, window = tokens.shape[:-3], tokens.shape[-3:]
-        inputs = jax.eval_shape(lambda one: _channels(one, self.planes, self.dtype), jax.ShapeDtypeStruct((1, *window), tokens.dtype))
-        kernel = self.param("kernel", orthogonal(self.gain), (inputs.shape[1], self.width))
+        inputs = sum(len(plane.channels) for plane in self.planes) * math.prod(window[1:])
+        kernel = self.param("kernel", orthogonal(self.gain), (inputs, self.width))
         bias = self.param("bias", nn.initializers.zeros, (self.width,))
         result: Array = weigh(kernel.astype(self.dtype), tokens.reshape(-1, *window), self.planes) + bias.astype(self.dtype)
         return result.reshape(*lead, self.width)
@@ -49,7 +43,7 @@ class WindowLayer(nn.Module):
 def weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
     """Returns the channels of windows `[M, P, V, V]` uint8 times a kernel `[C * V * V, K]`: `[M, K]` of the kernel's dtype."""
     result: Array = jax.lax.platform_dependent(
-        kernel, tokens, cpu=partial(_weigh_pieces, planes=planes), default=partial(_weigh_all, planes=planes)
+        kernel, tokens, cpu=partial(look_up, planes=planes), default=partial(_multiply, planes=planes)
     )
     return result
 
@@ -61,12 +55,21 @@ def _forward(kernel: Array, tokens: Array, planes: Planes) -> tuple[Array, tuple
 def _backward(planes: Planes, inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, None]:
     kernel, tokens = inputs
     of_kernel: Array = jax.lax.platform_dependent(
-        tokens, gradient, cpu=partial(_gradient_of_pieces, planes=planes), default=partial(_gradient_of_all, planes=planes)
+        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes)
     )
-    return of_kernel.T.astype(kernel.dtype), None
+    return of_kernel.astype(kernel.dtype), None
 
 
 weigh.defvjp(_forward, _backward)
+
+
+def _multiply(kernel: Array, tokens: Array, planes: Planes) -> Array:
+    return _channels(tokens, planes, kernel.dtype) @ kernel
+
+
+def _multiply_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
+    """Returns the kernel's gradient `[C * V * V, K]` float32; its transpose is faster to make."""
+    return jnp.matmul(gradient.T, _channels(tokens, planes, gradient.dtype), preferred_element_type=jnp.float32).T
 
 
 def _channels(tokens: Array, planes: Planes, dtype: Any) -> Array:
@@ -75,45 +78,62 @@ def _channels(tokens: Array, planes: Planes, dtype: Any) -> Array:
     return channels.reshape(tokens.shape[0], math.prod(channels.shape[1:]))  # not -1: there may be no windows
 
 
-def _weigh_all(kernel: Array, tokens: Array, planes: Planes) -> Array:
-    return _channels(tokens, planes, kernel.dtype) @ kernel
+def look_up(kernel: Array, tokens: Array, planes: Planes) -> Array:
+    """Returns what `weigh` does. Sums are made in float32."""
+    cells = _by_cell(tokens)
+    rows = kernel.reshape(-1, cells.shape[-1], kernel.shape[-1])
+    result = jnp.zeros((tokens.shape[0], kernel.shape[-1]), jnp.float32)
+    for group in groups_of(planes):
+        result = _add_rows(result, make_tables(rows, group, planes), row_numbers(cells, group, planes))
+    for place in _numbers(planes):
+        (own,) = rows[channels_of(place, planes)]
+        result = result + _multiply(own, tokens[:, place : place + 1], (planes[place],)).astype(jnp.float32)
+    return result.astype(kernel.dtype)
 
 
-def _gradient_of_all(tokens: Array, gradient: Array, planes: Planes) -> Array:
-    """Returns the kernel's gradient, transposed `[K, C * V * V]`, which is faster to make; float32, for pieces are added up."""
-    return jnp.matmul(gradient.T, _channels(tokens, planes, gradient.dtype), preferred_element_type=jnp.float32)
+def look_up_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
+    """Returns the gradient of the kernel `[C * V * V, K]` float32, of that of the result `[M, K]`."""
+    cells, gradient, groups = _by_cell(tokens), gradient.astype(jnp.float32), groups_of(planes)
+    shape = (sum(len(plane.channels) for plane in planes), cells.shape[-1], gradient.shape[-1])
+
+    def tables(rows: Array) -> list[Array]:
+        return [make_tables(rows, group, planes) for group in groups]
+
+    of_tables = [_add_gradients(row_numbers(cells, group, planes), gradient, rows_of(group, planes)) for group in groups]
+    of_rows: Array
+    (of_rows,) = jax.linear_transpose(tables, jax.ShapeDtypeStruct(shape, jnp.float32))(of_tables)
+    for place in _numbers(planes):
+        own = _multiply_gradient(tokens[:, place : place + 1], gradient, (planes[place],))
+        of_rows = of_rows.at[channels_of(place, planes)].set(own[None])
+    return of_rows.reshape(-1, shape[-1])
 
 
-def _weigh_pieces(kernel: Array, tokens: Array, planes: Planes) -> Array:
-    number, length = _pieces(tokens.shape[0], kernel.shape[0], kernel.dtype)
-    if number < FEWEST_PIECES:
-        return _weigh_all(kernel, tokens, planes)
-    body, rest = _cut(tokens, number, length)
-    done = jax.lax.map(lambda piece: _weigh_all(kernel, piece, planes), body)
-    return jnp.concatenate([done.reshape(number * length, -1), _weigh_all(kernel, rest, planes)])
+def _by_cell(tokens: Array) -> Array:
+    """Returns windows `[M, P, V, V]` as `[M, P, cells]`."""
+    return tokens.reshape(*tokens.shape[:2], math.prod(tokens.shape[2:]))
 
 
-def _gradient_of_pieces(tokens: Array, gradient: Array, planes: Planes) -> Array:
-    inputs = jax.eval_shape(lambda tokens: _channels(tokens, planes, gradient.dtype), tokens).shape[1]
-    number, length = _pieces(tokens.shape[0], inputs, gradient.dtype)
-    if number < FEWEST_PIECES:
-        return _gradient_of_all(tokens, gradient, planes)
-    (tokens, rest), (gradient, rest_gradient) = _cut(tokens, number, length), _cut(gradient, number, length)
-
-    def add_piece(total: Array, piece: tuple[Array, Array]) -> tuple[Array, None]:
-        return total + _gradient_of_all(*piece, planes), None
-
-    total, _ = jax.lax.scan(add_piece, _gradient_of_all(rest, rest_gradient, planes), (tokens, gradient))
-    return total
+def _numbers(planes: Planes) -> list[int]:
+    """Returns the places of the planes that are numbers: each is one channel, and no table could have a row for every value."""
+    return [place for place, plane in enumerate(planes) if plane.encoding == "number"]
 
 
-def _pieces(windows: int, inputs: int, dtype: Any) -> tuple[int, int]:
-    """Returns how many whole pieces there are, 0 where they would be too small, and how many windows each has."""
-    length = PIECE // (inputs * jnp.dtype(dtype).itemsize)
-    return (windows // length if length >= FEWEST_WINDOWS else 0), length
+def _add_rows(result: Array, tables: Array, numbers: Array) -> Array:
+    """Adds to a result `[M, K]` the rows `[cells, M]` of tables `[cells, rows, K]`."""
+
+    def add_cell(result: Array, cell: tuple[Array, Array]) -> tuple[Array, None]:
+        table, chosen = cell
+        return result + table.at[chosen].get(mode="clip").astype(result.dtype), None
+
+    result, _ = jax.lax.scan(add_cell, result, (tables, numbers))
+    return result
 
 
-def _cut(array: Array, number: int, length: int) -> tuple[Array, Array]:
-    """Returns the pieces `[number, length, ...]`, and what is left, which may be empty."""
-    whole = number * length
-    return array[:whole].reshape(number, length, *array.shape[1:]), array[whole:]
+def _add_gradients(numbers: Array, gradient: Array, rows: int) -> Array:
+    """Returns the sums `[cells, rows, K]` of the gradients `[M, K]` of the windows that chose a row `[cells, M]`."""
+
+    def add_cell(_: None, chosen: Array) -> tuple[None, Array]:
+        return None, jnp.zeros((rows, gradient.shape[-1]), gradient.dtype).at[chosen].add(gradient, mode="drop")
+
+    _, result = jax.lax.scan(add_cell, None, numbers)
+    return result

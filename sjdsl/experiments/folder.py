@@ -85,6 +85,8 @@ def _check_same(path: Path, wanted: Mapping[str, Any]) -> bool:
     before = read_json(path / ASKED)
     if before is not None:
         if before != wanted:
+            if not _foreign(path):
+                return False  # it ended before its first line-up was played: nothing is lost
             raise ExperimentError(f"{path} holds another experiment: {'; '.join(differences(before, wanted))}. Name another folder")
         return True
     if (path / ASKED).exists():
@@ -97,7 +99,7 @@ def _check_same(path: Path, wanted: Mapping[str, Any]) -> bool:
 
 def _foreign(path: Path) -> list[str]:
     """Returns what a folder holds besides what one is begun with, before anything is played."""
-    begun = {f"{ASKED}.unfinished", PARTS}
+    begun = {ASKED, f"{ASKED}.unfinished", PARTS}
     others = sorted(inside.name for inside in path.iterdir() if inside.name not in begun)
     played = sorted(f"{PARTS}/{inside.name}" for inside in (path / PARTS).glob("*") if inside.name != LOCK)
     return others + played

@@ -15,7 +15,7 @@ from sjdsl.bench.training_parts import flops_of, idle_rollout
 from sjdsl.bench.training_split import Split
 from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
-from sjdsl.trainers import make_train, window_layer
+from sjdsl.trainers import make_train
 
 ENVS, STEPS, WIDTH = 4, 8, 64
 LEARNERS = [("ippo", "shared"), ("ippo", "per_agent"), ("mappo", "shared"), ("mappo", "per_agent"), ("vdn", "shared")]
@@ -52,12 +52,8 @@ def operations(samples: int, first: int, rest: int, gradient: bool) -> int:
 
 
 @pytest.mark.parametrize(("algorithm", "sharing"), LEARNERS)
-def test_operations_are_those_of_the_matrices(
-    meadow_env: Environment, algorithm: str, sharing: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Who shares does not matter, nor pieces. Of mappo the critic is a network of its own that sees the windows of both agents."""
-    monkeypatch.setattr(window_layer, "PIECE", 10_000)
-    monkeypatch.setattr(window_layer, "FEWEST_WINDOWS", 1)
+def test_operations_are_those_of_the_matrices(meadow_env: Environment, algorithm: str, sharing: str) -> None:
+    """Who shares does not matter. Of mappo the critic is a network of its own that sees the windows of both agents."""
     (setup,), _ = training_setups([meadow_env], ["mlp"], [algorithm], [sharing], ENVS, STEPS)
     program = make_train(meadow_env, setup.config)
     parameters = program.parameters(jax.eval_shape(program.init, jax.random.key(0)))

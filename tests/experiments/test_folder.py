@@ -106,6 +106,19 @@ def test_a_folder_is_free_after_a_process_has_failed_in_it(tmp_path: Path) -> No
             raise KeyboardInterrupt
 
 
+@pytest.mark.usefixtures("played")
+def test_an_experiment_that_ended_before_its_first_line_up_leaves_its_folder_to_another(tmp_path: Path) -> None:
+    """What it asked is not held against another experiment, which plays and keeps there; from then on the folder is of that one."""
+    folder = tmp_path / "folder"
+    with pytest.raises(KeyboardInterrupt), open_folder(folder, {"experiment": "mine"}):
+        raise KeyboardInterrupt
+    play("schelling", folder)
+    play("schelling", tmp_path / "alone")
+    assert files_of("schelling", folder) == files_of("schelling", tmp_path / "alone")
+    with pytest.raises(ExperimentError, match="holds another experiment"), open_folder(folder, {"experiment": "mine"}):
+        pass
+
+
 def test_a_half_written_folder(tmp_path: Path, played: list[Any]) -> None:
     """Made, with nothing in it yet: gone on with. Its description cut off: refused, and left as it is."""
     folder = tmp_path / "folder"

@@ -1,4 +1,4 @@
-"""The first layer of windows is `nn.Dense` on their channels, made in pieces or whole."""
+"""The first layer of windows is `nn.Dense` on their channels, whether rows are looked up or multiplied."""
 
 import flax.linen as nn
 import jax
@@ -9,15 +9,19 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
-from sjdsl.trainers import window_layer
+from sjdsl.trainers import window_rows
 from sjdsl.trainers.window_layer import WindowLayer
+from sjdsl.trainers.window_rows import groups_of, rows_of
 
 PLANES = (
-    TokenPlane("content", "word", ("floor", "wall", "apple"), 2),
-    TokenPlane("marks", "bits", ("fire", "beam"), 3),
+    TokenPlane("content", "word", ("floor", "wall", "apple")),
+    TokenPlane("marks", "bits", ("fire", "beam")),
     TokenPlane("stock", "number", (), 5),
+    TokenPlane("agent", "word", ("none", "self", "other")),
+    TokenPlane("flags", "bits", tuple("abcdefgh")),
+    TokenPlane("only", "word", ("one",)),
 )
-INPUTS = (3 + 2 + 1) * 4 * 4
+VALUES = (3, 4, 6, 3, 256, 1)  # of each plane
 WIDTH = 5
 
 
@@ -43,24 +47,25 @@ class Ours(nn.Module):
 
 
 def draw_windows(seed: int, *lead: int) -> Array:
-    high = np.array([2, 3, 5])[:, None, None] + 1
-    return jnp.asarray(np.random.default_rng(seed).integers(0, high, (*lead, 3, 4, 4)), jnp.uint8)
+    high = np.array(VALUES)[:, None, None]
+    return jnp.asarray(np.random.default_rng(seed).integers(0, high, (*lead, len(PLANES), 4, 4)), jnp.uint8)
 
 
-@pytest.fixture(params=[1, 3, 4, 10_000], ids=lambda rows: f"pieces of {rows}")
-def _rows(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """How many windows are in a piece, of float32; 12 are 12, 4, or 3 pieces, or one whole."""
-    monkeypatch.setattr(window_layer, "PIECE", request.param * INPUTS * 4)
-    monkeypatch.setattr(window_layer, "FEWEST_PIECES", 1)
-    monkeypatch.setattr(window_layer, "FEWEST_WINDOWS", 1)
-    jax.clear_caches()  # the size is read when a function is traced
+@pytest.fixture(params=["multiplied", 1, 12, 256])
+def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a GPU, or looked up with each plane in a table of its own, with two in one, or with as many as may be."""
+    if request.param == "multiplied":
+        monkeypatch.setattr(jax.lax, "platform_dependent", lambda *arguments, default, **_: default(*arguments))
+    else:
+        monkeypatch.setattr(window_rows, "MOST_ROWS", request.param)
+    jax.clear_caches()  # the way is chosen when a function is traced
 
 
-@pytest.mark.usefixtures("_rows")
+@pytest.mark.usefixtures("_way")
 @pytest.mark.parametrize("lead", [(12,), (2, 1, 7), (1,)])
 @pytest.mark.parametrize(("dtype", "tolerance"), [(jnp.float32, 1e-5), (jnp.bfloat16, 5e-2)])
 def test_the_layer_is_a_dense_one(lead: tuple[int, ...], dtype: jnp.dtype, tolerance: float) -> None:
-    """Values and both gradients, whether the last piece is whole or not."""
+    """Values and both gradients."""
     tokens = draw_windows(0, *lead)
     parameters = Plain(dtype).init(jax.random.key(1), tokens)
     weights = jnp.asarray(np.random.default_rng(2).normal(size=(*lead, WIDTH)), jnp.float32)
@@ -82,7 +87,7 @@ def test_the_layer_is_a_dense_one(lead: tuple[int, ...], dtype: jnp.dtype, toler
     )
 
 
-@pytest.mark.usefixtures("_rows")
+@pytest.mark.usefixtures("_way")
 def test_many_networks_at_once() -> None:
     """Under `vmap`, as teams of agents with their own parameters are: over windows, kernels, or both."""
     tokens = jnp.stack([draw_windows(seed, 6) for seed in range(3)])
@@ -98,6 +103,14 @@ def test_many_networks_at_once() -> None:
     for axes in ((0, 0), (0, None), (None, 0)):
         ours, plain = (gradient(layer(jnp.dtype(jnp.float32)), axes) for layer in (Ours, Plain))
         jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, plain)
+
+
+def test_planes_that_fit_share_a_table() -> None:
+    """In their order; one whose values fill a table is alone, or with one of a single value; numbers have none."""
+    assert groups_of(PLANES) == ((0, 1, 3, 5), (4,))
+    assert [rows_of(group, PLANES) for group in groups_of(PLANES)] == [36, 256]
+    assert groups_of((PLANES[5], PLANES[4])) == ((0, 1),)
+    assert groups_of((PLANES[2],)) == ()
 
 
 def test_the_parameters_are_those_of_a_dense_layer() -> None:
