@@ -12,6 +12,7 @@ learning_rate = 1e-3
 
 [algorithm.mappo]       # the same, for one algorithm
 [reward.svo]            # for one reward
+[algorithm.ippo.reward.common]  # for one algorithm with one reward
 [games.coins.config]    # for one game, by the name in its file; and so .environment, .algorithm.NAME, .reward.NAME
 
 Later tables win over earlier ones, what is asked for on the command line over all.
@@ -92,22 +93,33 @@ def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the values of the configuration: for all, for the algorithm, for the reward; the same for the game; changes."""
+    """Returns the values of the configuration: for all, the algorithm, the reward, both together; the same for the game; changes."""
     first = {**content.get("config", {}), **own.get("config", {}), **changes}
     algorithm = first.get("algorithm", "ippo")
     reward = first.get("reward", KEYS_OF[algorithm]["reward"].default if algorithm in KEYS_OF else None)
     values: dict[str, Any] = {}
     for tables in (content, own):
         values |= tables.get("config", {})
-        values |= tables.get("algorithm", {}).get(algorithm, {})
+        of_algorithm = tables.get("algorithm", {}).get(algorithm, {})
+        of_rewards = _of_rewards(of_algorithm)
+        values |= {key: value for key, value in of_algorithm.items() if value is not of_rewards}
         values |= tables.get("reward", {}).get(reward, {})
+        values |= of_rewards.get(reward, {})
     return values | dict(changes)
+
+
+def _of_rewards(algorithm: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Returns the tables of rewards inside that of an algorithm; there the key `reward` can also be a value."""
+    found = algorithm.get("reward")
+    return found if isinstance(found, dict) else {}
 
 
 def _check_named(tables: Mapping[str, Any], where: str) -> None:
     """Raises ConfigError for a table of an algorithm or a reward that there is not."""
     for section, names in NAMES.items():
         _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
+    for algorithm, values in tables.get("algorithm", {}).items():
+        _check(_of_rewards(values), dict.fromkeys(NAMES["reward"], dict), f"{where}: algorithm.{algorithm}.reward")
 
 
 def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> None:

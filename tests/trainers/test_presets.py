@@ -2,12 +2,13 @@
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import jax
 import pytest
 
 from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config
+from sjdsl.trainers.config import Algorithm
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.ppo import check_minibatches
 from sjdsl.trainers.shaping import kept_share
@@ -42,6 +43,9 @@ def test_a_preset_in_a_file(tmp_path: Path) -> None:
         ("[algorithm.ipo]\nseed = 3\n", r"mine\.toml: algorithm: unknown key `ipo`; did you mean `ippo`"),
         ("[reward.svoo]\nseed = 3\n", r"mine\.toml: reward: unknown key `svoo`; did you mean `svo`"),
         ("[games.coins.reward.svoo]\nseed = 3\n", r"mine\.toml: games\.coins: reward: unknown key `svoo`"),
+        ("[algorithm.ippo.reward.comon]\nseed = 3\n", r"mine\.toml: algorithm\.ippo\.reward: unknown key `comon`; did you mean `common`"),
+        ("[algorithm.ippo.reward]\nsvo = 3\n", r"mine\.toml: algorithm\.ippo\.reward: `svo` must be a table, not 3"),
+        ("[algorithm.ippo.gamma]\nsvo = 3\n", "`gamma`"),
         ("[games]\ncoins = 3\n", r"mine\.toml: games: `coins` must be a table, not 3"),
         ("[games.coins]\nconfg = 3\n", r"mine\.toml: games\.coins: unknown key `confg`; did you mean `config`"),
         ("[config]\nnum_env = 3\n", "unknown key `num_env`; did you mean `num_envs`"),
@@ -129,6 +133,30 @@ def test_later_tables_win(tmp_path: Path, game: str | None, changes: dict[str, A
     )
     assert figures == expected
     assert preset.environment == ({"num_agents": 3} if game and "coins" in game else {})
+
+
+def test_a_table_of_an_algorithm_with_a_reward_wins_over_both(tmp_path: Path) -> None:
+    """Among tables of one game, and of all games; the game's own win over it. The algorithm's table may also choose the reward."""
+    (tmp_path / "mine.toml").write_text(
+        "[algorithm.ippo]\ngamma = 0.1\n[algorithm.ippo.reward.svo]\ngamma = 0.2\n[reward.svo]\ngamma = 0.3\n"
+        "[games.coins.reward.common]\ngamma = 0.4\n[games.coins.algorithm.ippo.reward.svo]\ngamma = 0.5\n"
+        '[algorithm.mappo]\nreward = "svo"\n'
+    )
+
+    def gamma(game: str, **changes: str) -> float:
+        return load_preset(tmp_path / "mine.toml", changes, game).config.gamma
+
+    assert gamma("chicken") == 0.1
+    assert gamma("chicken", reward="svo") == 0.2
+    assert gamma("chicken", reward="svo", algorithm="mappo") == 0.3
+    assert gamma("coins", reward="common") == 0.4
+    assert gamma("coins", reward="svo") == 0.5
+    assert load_preset(tmp_path / "mine.toml", {"algorithm": "mappo"}).config.reward == "svo"
+
+
+def test_common_reward_of_two_cores_is_a_mean_where_policy_and_value_share_layers() -> None:
+    found = {name: load_preset("two_cores", {"algorithm": name, "reward": "common"}).config for name in get_args(Algorithm)}
+    assert {name: config.common_reward for name, config in found.items()} == {"ippo": "mean", "mappo": "sum", "vdn": "sum"}
 
 
 def test_a_preset_may_extend_another(tmp_path: Path) -> None:
