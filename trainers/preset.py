@@ -108,7 +108,7 @@ def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mappin
     return values | dict(changes)
 
 
-def _of_rewards(algorithm: Mapping[str, Any]) -> Mapping[str, Any]:
+def _of_rewards(algorithm: Mapping[str, Any]) -> dict[Any, Any]:
     """Returns the tables of rewards inside that of an algorithm; there the key `reward` can also be a value."""
     found = algorithm.get("reward")
     return found if isinstance(found, dict) else {}
