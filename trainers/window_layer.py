@@ -1,8 +1,8 @@
-"""The first dense layer of a network that reads windows of tokens flat: rows that are looked up on a CPU, a product elsewhere.
+"""The first dense layer of a network that reads windows of tokens flat: a sum of looked-up rows on a CPU, a product elsewhere.
 
-Its input is a channel for each value a token can have, and almost all of it is zero. On a CPU the rows of the kernel that are not
-multiplied by zero are looked up and added, a cell of all windows after another: a loop in which a row is added at once. That
-takes a quarter of the time of the product. Other devices are made for products.
+Its input has a channel for each value that a token can have, and almost all of it is zero. On a CPU a loop over the cells of a
+window looks up the rows of the kernel that belong to what is in the cell, of all windows at once, and adds them. That is several
+times as fast as the product (docs/performance.md). GPUs are made for products.
 """
 
 import math
@@ -81,13 +81,13 @@ def _channels(tokens: Array, planes: Planes, dtype: Any) -> Array:
 def look_up(kernel: Array, tokens: Array, planes: Planes) -> Array:
     """Returns what `weigh` does. Sums are made in float32."""
     cells = _by_cell(tokens)
-    rows = kernel.reshape(-1, cells.shape[-1], kernel.shape[-1])
+    rows = kernel.reshape(-1, cells.shape[-1], kernel.shape[-1]).astype(jnp.float32)
     result = jnp.zeros((tokens.shape[0], kernel.shape[-1]), jnp.float32)
     for group in groups_of(planes):
         result = _add_rows(result, make_tables(rows, group, planes), row_numbers(cells, group, planes))
-    for place in _numbers(planes):
+    for place in _number_planes(planes):
         (own,) = rows[channels_of(place, planes)]
-        result = result + _multiply(own, tokens[:, place : place + 1], (planes[place],)).astype(jnp.float32)
+        result = result + _multiply(own, tokens[:, place : place + 1], (planes[place],))
     return result.astype(kernel.dtype)
 
 
@@ -102,7 +102,7 @@ def look_up_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
     of_tables = [_add_gradients(row_numbers(cells, group, planes), gradient, rows_of(group, planes)) for group in groups]
     of_rows: Array
     (of_rows,) = jax.linear_transpose(tables, jax.ShapeDtypeStruct(shape, jnp.float32))(of_tables)
-    for place in _numbers(planes):
+    for place in _number_planes(planes):
         own = _multiply_gradient(tokens[:, place : place + 1], gradient, (planes[place],))
         of_rows = of_rows.at[channels_of(place, planes)].set(own[None])
     return of_rows.reshape(-1, shape[-1])
@@ -113,7 +113,7 @@ def _by_cell(tokens: Array) -> Array:
     return tokens.reshape(*tokens.shape[:2], math.prod(tokens.shape[2:]))
 
 
-def _numbers(planes: Planes) -> list[int]:
+def _number_planes(planes: Planes) -> list[int]:
     """Returns the places of the planes that are numbers: each is one channel, and no table could have a row for every value."""
     return [place for place, plane in enumerate(planes) if plane.encoding == "number"]
 
@@ -123,7 +123,7 @@ def _add_rows(result: Array, tables: Array, numbers: Array) -> Array:
 
     def add_cell(result: Array, cell: tuple[Array, Array]) -> tuple[Array, None]:
         table, chosen = cell
-        return result + table.at[chosen].get(mode="clip").astype(result.dtype), None
+        return result + table.at[chosen].get(mode="clip"), None
 
     result, _ = jax.lax.scan(add_cell, result, (tables, numbers))
     return result

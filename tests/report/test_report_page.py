@@ -119,6 +119,22 @@ def test_curves_of_one_name_are_told_apart_by_their_settings(tmp_path: Path) -> 
     assert ways == {f"IPPO, individual (learning_rate {rate}), 2 seeds" for rate in (0.25, 0.5)}
 
 
+def test_settings_that_differ_between_the_games_of_a_column_are_said(tmp_path: Path) -> None:
+    """Cells above each other are compared by who reads them; what is alike in all games is not said."""
+    kinds = {"coins": {}, "harvest_open": {"common_reward": "mean"}, "pd_arena": {"common_reward": "mean"}}
+    runs = [
+        write_run(
+            tmp_path / game / reward, game, (10.0, 12.0), reward=reward, learning_rate=0.25, **(kinds[game] if reward == "common" else {})
+        )
+        for game in kinds
+        for reward in ("individual", "common")
+    ]
+    said = [line for line in report_of(*runs).page.splitlines() if line.startswith("* ") and "` is " in line]
+    line = '`common_reward` is the default in coins; "mean" in harvest_open, pd_arena.'
+    assert said == [f"* common: {line}", f"* 1: common: {line}"]
+    assert not [line for line in report_of(*runs[:2]).page.splitlines() if "common_reward` is" in line]
+
+
 def test_the_angles_have_the_fresh_seeds_and_not_those_that_chose_the_weight(evidence: Evidence) -> None:
     report = make_report(evidence, "sjdsl report runs")
     weights = {row["column"]: row["mean"] for row in records(report, "svo_weights") if row["mean"]}

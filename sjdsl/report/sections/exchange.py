@@ -4,7 +4,7 @@ from functools import partial
 
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
-from sjdsl.report.cells import Cell
+from sjdsl.report.cells import Cell, settings_between
 from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.ninety_five_percent_rule import RESAMPLES, choice_frequencies, chosen_ratio
 from sjdsl.report.page import Picture, Section, Table
@@ -26,17 +26,19 @@ def exchange(contents: Contents) -> Section:
     frequencies = {game: choice_frequencies(samples) for game, samples in resampled.items() if samples}
     if frequencies:
         tables.append(_frequency_table(frequencies, ratios))
-    text = (
+    text = [
         "Ratio 0 is individual reward, 1 is common reward. "
         "The 95 % rule chooses the smallest ratio whose mean is at least 0.95 of the best. It chooses none if the best is not above 0.",
         f"Published: {published.source('exchange')}.",
-    )
+    ]
+    for ratio in ratios:
+        text += settings_between(_named(ratio), {game.label: cells.get(ratio) for game, cells in found.items()})
     panels = [panel_of(game.label, _ours(cells), _printed(game)) for game, cells in found.items() if cells]
     draw = partial(draw_series, panels, "exchange ratio", "collective return")
     wanted = [game.name for game, cells in found.items() if not set(RATIOS) <= cells.keys()]
     fill = [f"sjdsl sweep {called(wanted)} --protocol exchange --preset two_cores --seeds 5 --run runs/exchange"] if wanted else []
     pictures = (Picture("exchange", "returns by exchange ratio", draw),) if panels else ()
-    return Section("Returns by exchange ratio", text, tuple(tables), pictures, tuple(fill))
+    return Section("Returns by exchange ratio", tuple(text), tuple(tables), pictures, tuple(fill))
 
 
 def _cells(contents: Contents, game: Game) -> dict[float, Cell]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from sjdsl.report.cells import settings_between
 from sjdsl.report.comparing import Pair, compared_table
 from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.figure_text import bounded
@@ -25,10 +26,12 @@ def own_and_common(contents: Contents) -> Section:
         ("individual", "common"),
         lines,
     )
-    text = ("If common reward earns the group more than individual reward does, what is good for an agent is bad for the group.",)
+    text = ["If common reward earns the group more than individual reward does, what is good for an agent is bad for the group."]
+    for column, cells in (("individual", [own for _, own, _ in lines]), ("common", [shared for _, _, shared in lines])):
+        text += settings_between(column, {said[0]: cell for (said, _, _), cell in zip(lines, cells, strict=True)})
     missing = dict.fromkeys(game.name for game, line in zip(contents.games, lines, strict=True) if None in line[1:])
     fill = (rewards_sweep(missing or ["coins"]),) if missing or not lines else ()
-    return Section("Individual and common reward", text, (table,) if lines else (), fill=fill)
+    return Section("Individual and common reward", tuple(text), (table,) if lines else (), fill=fill)
 
 
 def rewards_sweep(games: Iterable[str]) -> str:
