@@ -15,7 +15,7 @@ WINDOWS, WIDTH, CALLS = 2000, 64, 41
 
 env = sjdsl.make("harvest_open")
 PLANES = env.token_planes
-(GROUP,) = groups_of(PLANES)
+(GROUP,) = groups_of(PLANES, WINDOWS)
 CELLS = env.observation_shape[-1] * env.observation_shape[-2]
 
 
@@ -26,8 +26,8 @@ def channels(windows: Array) -> Array:
 
 def one_lookup(kernel: Array, windows: Array) -> Array:
     """Returns the layer's sums from the same tables, without a loop over cells."""
-    tables = make_tables(kernel.reshape(-1, CELLS, WIDTH), GROUP, PLANES)
-    rows = row_numbers(windows.reshape(len(windows), -1, CELLS), GROUP, PLANES)
+    tables = make_tables(kernel.reshape(-1, CELLS, 1, WIDTH), GROUP, PLANES)
+    rows = row_numbers(windows.reshape(1, len(windows), -1, CELLS), GROUP, PLANES)
     return tables[jnp.arange(CELLS)[:, None], rows].sum(axis=0)
 
 

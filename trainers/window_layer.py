@@ -6,7 +6,8 @@ times as fast as the product (docs/performance.md). GPUs are made for products.
 """
 
 import math
-from functools import partial
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any
 
 import flax.linen as nn
@@ -80,37 +81,98 @@ def _channels(tokens: Array, planes: Planes, dtype: Any) -> Array:
 
 def look_up(kernel: Array, tokens: Array, planes: Planes) -> Array:
     """Returns what `weigh` does. Sums are made in float32."""
-    cells = _by_cell(tokens)
-    rows = kernel.reshape(-1, cells.shape[-1], kernel.shape[-1]).astype(jnp.float32)
-    result = jnp.zeros((tokens.shape[0], kernel.shape[-1]), jnp.float32)
-    for group in groups_of(planes):
-        result = _add_rows(result, make_tables(rows, group, planes), row_numbers(cells, group, planes))
-    for place in _number_planes(planes):
-        (own,) = rows[channels_of(place, planes)]
-        result = result + _multiply(own, tokens[:, place : place + 1], (planes[place],))
-    return result.astype(kernel.dtype)
+    result: Array = _look_up(planes)(kernel[None], tokens[None])[0]
+    return result
 
 
 def look_up_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
     """Returns the gradient of the kernel `[C * V * V, K]` float32, of that of the result `[M, K]`."""
-    cells, gradient, groups = _by_cell(tokens), gradient.astype(jnp.float32), groups_of(planes)
-    shape = (sum(len(plane.channels) for plane in planes), cells.shape[-1], gradient.shape[-1])
+    result: Array = _look_up_gradient(planes)(tokens[None], gradient[None])[0]
+    return result
 
-    def tables(rows: Array) -> list[Array]:
-        return [make_tables(rows, group, planes) for group in groups]
 
-    of_tables = [_add_gradients(row_numbers(cells, group, planes), gradient, rows_of(group, planes)) for group in groups]
-    of_rows: Array
-    (of_rows,) = jax.linear_transpose(tables, jax.ShapeDtypeStruct(shape, jnp.float32))(of_tables)
-    for place in _number_planes(planes):
-        own = _multiply_gradient(tokens[:, place : place + 1], gradient, (planes[place],))
-        of_rows = of_rows.at[channels_of(place, planes)].set(own[None])
-    return of_rows.reshape(-1, shape[-1])
+@cache
+def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
+    """Returns the lookups of G networks: of kernels `[G, C * V * V, K]` and windows `[G, M, P, V, V]`, `[G, M, K]`.
+
+    A `vmap` makes more networks of them: XLA would give tables with an axis in front another layout, and copy them in every step.
+    """
+
+    @jax.custom_batching.custom_vmap
+    def look_up(kernels: Array, tokens: Array) -> Array:
+        number, windows = tokens.shape[:2]
+        cells, width = _by_cell(tokens), kernels.shape[-1]
+        rows = _by_channel(kernels, cells.shape[-1]).astype(jnp.float32)
+        result = jnp.zeros((number * windows, width), jnp.float32)
+        for group in groups_of(planes, windows):
+            result = _add_rows(result, make_tables(rows, group, planes), row_numbers(cells, group, planes))
+        result = result.reshape(number, windows, width)
+        for place in _number_planes(planes):
+            own = jnp.moveaxis(rows[channels_of(place, planes)][0], 1, 0)
+            result = result + jax.vmap(partial(_multiply, planes=(planes[place],)))(own, tokens[:, :, place : place + 1])
+        return result.astype(kernels.dtype)
+
+    @look_up.def_vmap
+    def look_up_more(size: int, batched: list[bool], kernels: Array, tokens: Array) -> tuple[Array, bool]:
+        if batched[0]:
+            return _split(look_up(*(_merge(*each, size) for each in zip((kernels, tokens), batched, strict=True))), size), True
+        windows = jnp.moveaxis(tokens, 0, 1)  # of the same networks
+        result = look_up(kernels, windows.reshape(windows.shape[0], size * windows.shape[2], *windows.shape[3:]))
+        return jnp.moveaxis(result.reshape(*windows.shape[:3], result.shape[-1]), 1, 0), True
+
+    return look_up
+
+
+@cache
+def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
+    """Returns the gradients of the lookups of G networks: `[G, C * V * V, K]` of windows `[G, M, P, V, V]` and gradients `[G, M, K]`."""
+
+    @jax.custom_batching.custom_vmap
+    def look_up_gradient(tokens: Array, gradients: Array) -> Array:
+        number, windows, width = gradients.shape
+        cells, gradients = _by_cell(tokens), gradients.astype(jnp.float32)
+        groups = groups_of(planes, windows)
+        shape = (sum(len(plane.channels) for plane in planes), cells.shape[-1], number, width)
+
+        def tables(rows: Array) -> list[Array]:
+            return [make_tables(rows, group, planes) for group in groups]
+
+        flat = gradients.reshape(number * windows, width)
+        of_tables = [_add_gradients(row_numbers(cells, group, planes), flat, number * rows_of(group, planes)) for group in groups]
+        of_rows: Array
+        (of_rows,) = jax.linear_transpose(tables, jax.ShapeDtypeStruct(shape, jnp.float32))(of_tables)
+        for place in _number_planes(planes):
+            own = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))(tokens[:, :, place : place + 1], gradients)
+            of_rows = of_rows.at[channels_of(place, planes)].set(jnp.moveaxis(own, 1, 0)[None])
+        return jnp.moveaxis(of_rows, 2, 0).reshape(number, -1, width)
+
+    @look_up_gradient.def_vmap
+    def look_up_more(size: int, batched: list[bool], tokens: Array, gradients: Array) -> tuple[Array, bool]:
+        merged = (_merge(*each, size) for each in zip((tokens, gradients), batched, strict=True))
+        return _split(look_up_gradient(*merged), size), True
+
+    return look_up_gradient
+
+
+def _merge(array: Array, batched: bool, size: int) -> Array:
+    """Returns an array `[G, ...]`, or if batched `[size, G, ...]`, as `[size * G, ...]`."""
+    whole = array if batched else jnp.broadcast_to(array, (size, *array.shape))
+    return whole.reshape(size * whole.shape[1], *whole.shape[2:])
+
+
+def _split(array: Array, size: int) -> Array:
+    """Returns an array `[size * G, ...]` as `[size, G, ...]`."""
+    return array.reshape(size, array.shape[0] // size, *array.shape[1:])
+
+
+def _by_channel(kernels: Array, cells: int) -> Array:
+    """Returns kernels `[G, C * cells, K]` as `[C, cells, G, K]`."""
+    return jnp.moveaxis(kernels.reshape(kernels.shape[0], -1, cells, kernels.shape[-1]), 0, 2)
 
 
 def _by_cell(tokens: Array) -> Array:
-    """Returns windows `[M, P, V, V]` as `[M, P, cells]`."""
-    return tokens.reshape(*tokens.shape[:2], math.prod(tokens.shape[2:]))
+    """Returns windows `[G, M, P, V, V]` as `[G, M, P, cells]`."""
+    return tokens.reshape(*tokens.shape[:3], math.prod(tokens.shape[3:]))
 
 
 def _number_planes(planes: Planes) -> list[int]:

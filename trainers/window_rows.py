@@ -7,19 +7,30 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 
-MOST_ROWS = 256  # of a cell's table: one lookup for several planes is worth making larger tables; an index is a byte
+ROW_WORK = 16  # of making a row of a table and adding up its gradient, in lookups of a row; measured (docs/performance.md)
+LIMITS = tuple(2**power for power in range(9))  # of the rows of a cell's table, which are tried
+INTEGERS = ((2**8, jnp.uint8), (2**16, jnp.uint16), (2**31, jnp.int32))  # how many rows each can number
 
 Planes = tuple[TokenPlane, ...]
 Group = tuple[int, ...]  # planes that are looked up together, by their places among all
 
 
-def groups_of(planes: Planes) -> tuple[Group, ...]:
-    """Returns the planes of words and of bits in groups, each plane in the first group whose table stays small enough."""
+def groups_of(planes: Planes, windows: int) -> tuple[Group, ...]:
+    """Returns the planes of words and of bits in groups, for so many windows: with the least work to make tables and to look rows up.
+
+    A table for several planes has as many rows as they have combinations of values, and saves lookups in every window.
+    """
+    found = [_groups_within(limit, planes) for limit in LIMITS]
+    return min(found, key=lambda groups: sum(ROW_WORK * rows_of(group, planes) + windows for group in groups))
+
+
+def _groups_within(limit: int, planes: Planes) -> tuple[Group, ...]:
+    """Returns each plane in the first group whose table keeps to so many rows with it; a group of one plane may have more."""
     groups: list[Group] = []
     for place, plane in enumerate(planes):
         if plane.encoding == "number":
             continue
-        fits = (at for at, group in enumerate(groups) if rows_of((*group, place), planes) <= MOST_ROWS)
+        fits = (at for at, group in enumerate(groups) if rows_of((*group, place), planes) <= limit)
         at = next(fits, None)
         if at is None:
             groups.append((place,))
@@ -34,21 +45,27 @@ def rows_of(group: Group, planes: Planes) -> int:
 
 
 def row_numbers(tokens: Array, group: Group, planes: Planes) -> Array:
-    """Returns which row of its cell's table each window chooses, `[cells, M]` uint8, of tokens `[M, P, cells]` uint8."""
-    numbers = jnp.zeros((tokens.shape[0], tokens.shape[-1]), jnp.int32)
+    """Returns which row of its cell's tables each window chooses, `[cells, G * M]`, of tokens `[G, M, P, cells]` uint8.
+
+    The tables of G networks are one behind the other. The result is of the smallest type of integers that holds it.
+    """
+    number, windows, _, cells = tokens.shape
+    rows = rows_of(group, planes)
+    numbers = jnp.broadcast_to(jnp.arange(number, dtype=jnp.int32)[:, None, None], (number, windows, cells))
     for place in group:
-        numbers = numbers * _values(planes[place]) + tokens[:, place].astype(jnp.int32)
-    return numbers.astype(jnp.uint8).T
+        numbers = numbers * _values(planes[place]) + tokens[:, :, place].astype(jnp.int32)
+    fitting = next(kind for most, kind in INTEGERS if number * rows <= most)
+    return numbers.astype(fitting).reshape(number * windows, cells).T
 
 
-def make_tables(kernel: Array, group: Group, planes: Planes) -> Array:
-    """Returns the sums of kernel rows for each combination of values, `[cells, rows, K]`, of a kernel `[C, cells, K]`."""
-    _, cells, width = kernel.shape
-    tables = jnp.zeros((cells, 1, width), kernel.dtype)
+def make_tables(rows: Array, group: Group, planes: Planes) -> Array:
+    """Returns the sums of rows of G kernels for each combination of values, `[cells, G * rows, K]`, of `[C, cells, G, K]`."""
+    _, cells, number, width = rows.shape
+    tables = jnp.zeros((cells, number, 1, width), rows.dtype)
     for place in group:
-        values = _table(kernel[channels_of(place, planes)], planes[place])
-        tables = (tables[:, :, None] + values[:, None]).reshape(cells, -1, width)
-    return tables
+        values = _table(rows[channels_of(place, planes)], planes[place])
+        tables = (tables[:, :, :, None] + values[:, :, None]).reshape(cells, number, -1, width)
+    return tables.reshape(cells, -1, width)
 
 
 def channels_of(place: int, planes: Planes) -> slice:
@@ -62,10 +79,10 @@ def _values(plane: TokenPlane) -> int:
 
 
 def _table(rows: Array, plane: TokenPlane) -> Array:
-    """Returns the sum of kernel rows for each value of one plane, `[cells, values, K]`, of the rows `[L, cells, K]` of its channels."""
+    """Returns the sums of rows for each value of one plane, `[cells, G, values, K]`, of the rows `[L, cells, G, K]` of its channels."""
     if plane.encoding == "word":
-        return jnp.moveaxis(rows, 0, 1)
-    sums = jnp.zeros_like(rows[0])[:, None]
+        return jnp.moveaxis(rows, 0, 2)
+    sums = jnp.zeros_like(rows[0])[:, :, None]
     for row in rows:  # bit k has the value 2^k
-        sums = jnp.concatenate([sums, sums + row[:, None]], axis=1)
+        sums = jnp.concatenate([sums, sums + row[:, :, None]], axis=2)
     return sums
